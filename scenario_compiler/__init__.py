@@ -1,0 +1,1 @@
+"""Declarative scenario compiler: conflicts written as XML become runs with a takeover and a report."""

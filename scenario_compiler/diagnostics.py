@@ -1,0 +1,198 @@
+"""Diagnostics are values: codes, the places they speak of, the sink that collects them, and their text forms.
+
+An author's mistake never raises out of a stage. A stage adds a `Diagnostic` to a `Diagnostics` sink and goes on; only
+`compile_scenario` raises `CompileError` at its end. Codes are declared beside the check that reports them.
+"""
+
+from __future__ import annotations
+
+import difflib
+import enum
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Protocol
+
+
+class Severity(enum.Enum):
+    """How much a diagnostic weighs: an error stops the compilation after the stage, the others do not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+class Place(Protocol):
+    """A place in a source file. Columns are found only when asked for (see `document.Origin`)."""
+
+    @property
+    def file(self) -> str:
+        """Path of the file as the user named it."""
+        ...
+
+    @property
+    def line(self) -> int:
+        """Line, counted from 1; 0 when the diagnostic speaks of the whole file."""
+        ...
+
+    @property
+    def column(self) -> int:
+        """Column, counted from 1; 0 when unknown."""
+        ...
+
+    @property
+    def length(self) -> int:
+        """Number of characters that the place covers, 0 when unknown."""
+        ...
+
+    @property
+    def source_line(self) -> str:
+        """Text of the line, empty when unknown."""
+        ...
+
+    @property
+    def within(self) -> Place | None:
+        """The use (of a template, an include, a catalog) that brought this place in."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class FilePlace:
+    """A place given by numbers, for whole files and for places read back from a plan."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+    length: int = 0
+    source_line: str = ""
+    within: Place | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """A kind of diagnostic.
+
+    Attributes:
+        id: "SC" and three digits: 1xx reading, 2xx names and references, 3xx roads and positions, 4xx storyboard,
+            5xx controllers and takeover, 6xx running, 9xx part of a standard that is not supported.
+        name: The fault in kebab case, e.g. "unknown-lane".
+        explanation: The page that `scenario-compiler explain` prints: what it means, why it matters, what to do.
+        severity: What it weighs unless the command line moves it.
+    """
+
+    id: str
+    name: str
+    explanation: str
+    severity: Severity = Severity.ERROR
+
+    def __post_init__(self) -> None:
+        """Register the code; two codes with one id are a programming error."""
+        if self.id in CODES:
+            raise ValueError(f"diagnostic code {self.id} is declared twice")
+        CODES[self.id] = self
+
+
+CODES: dict[str, Code] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding: what is wrong, where, and what the author can do about it."""
+
+    code: Code
+    message: str
+    place: Place
+    hint: str = ""
+    severity: Severity = Severity.ERROR
+
+    def chain(self) -> Iterator[Place]:
+        """Yield the uses that brought the place in, innermost first."""
+        place = self.place.within
+        while place is not None:
+            yield place
+            place = place.within
+
+
+@dataclass(slots=True)
+class Diagnostics:
+    """The sink that every stage reports into."""
+
+    found: list[Diagnostic] = field(default_factory=list)
+
+    def add(
+        self, code: Code, message: str, place: Place, *, hint: str = "", severity: Severity | None = None
+    ) -> None:
+        """Report one finding with the code's severity, unless another is given."""
+        self.found.append(Diagnostic(code, message, place, hint, severity or code.severity))
+
+    @property
+    def has_errors(self) -> bool:
+        """True when at least one finding is an error."""
+        return any(one.severity is Severity.ERROR for one in self.found)
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        """Yield the findings by file, line and column, each once."""
+        unique = {
+            (d.place.file, d.place.line, d.place.column, d.code.id, d.message): d for d in self.found
+        }
+        return iter([unique[key] for key in sorted(unique)])
+
+
+class CompileError(Exception):
+    """The input is at fault; `diagnostics` says how."""
+
+    def __init__(self, diagnostics: Diagnostics) -> None:
+        """Keep the diagnostics and put the errors' texts into the message."""
+        self.diagnostics = diagnostics
+        super().__init__("\n".join(as_text(d) for d in diagnostics if d.severity is Severity.ERROR))
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return a hint naming the nearest of `known`, or listing them when none is near and they are few."""
+    names = sorted(set(known))
+    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    if 0 < len(names) <= 12:
+        return "known: " + ", ".join(names)
+    return ""
+
+
+def as_text(diagnostic: Diagnostic) -> str:
+    """Format as a compiler does: position, code, message, the source line with carets, hint and chain."""
+    place = diagnostic.place
+    lines = [f"{_position(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
+    if place.source_line:
+        gutter = f"{place.line:>5} | "
+        lines.append(gutter + place.source_line.replace("\t", " "))
+        if place.column:
+            lines.append(" " * (len(gutter) + place.column - 1) + "^" * max(1, place.length))
+    if diagnostic.hint:
+        lines.append(f"      = help: {diagnostic.hint}")
+    lines.extend(f"      = in this use: {_position(use)}" for use in diagnostic.chain())
+    return "\n".join(lines)
+
+
+def as_record(diagnostic: Diagnostic) -> dict[str, object]:
+    """Return the diagnostic as plain values for JSON."""
+    place = diagnostic.place
+    return {
+        "code": diagnostic.code.id,
+        "name": diagnostic.code.name,
+        "severity": diagnostic.severity.value,
+        "message": diagnostic.message,
+        "file": place.file,
+        "line": place.line,
+        "column": place.column,
+        "length": place.length,
+        "hint": diagnostic.hint,
+        "chain": [{"file": use.file, "line": use.line, "column": use.column} for use in diagnostic.chain()],
+    }
+
+
+def _position(place: Place) -> str:
+    parts = [place.file]
+    if place.line:
+        parts.append(str(place.line))
+        if place.column:
+            parts.append(str(place.column))
+    return ":".join(parts)

@@ -1,0 +1,242 @@
+"""XML in, safely: text to elements that know their file, line and column.
+
+Elements are lxml's own. lxml knows lines only roughly (the line where a start tag ends), so exact lines and columns are
+found by scanning the text once more, and only when a diagnostic asks for them.
+"""
+
+from __future__ import annotations
+
+import bisect
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Place, did_you_mean
+
+UNREADABLE = Code(
+    "SC101",
+    "unreadable-file",
+    "The file does not exist, is a folder, is too large, or cannot be opened. Check the path and the permissions; paths "
+    "in a file are relative to that file's folder.",
+)
+MALFORMED = Code(
+    "SC102",
+    "malformed-xml",
+    "The file is not well-formed XML, so nothing in it can be read: a tag is not closed, a quote is missing, a character "
+    "is not allowed, or the encoding is not the one that the first line declares. The place is where the parser gave up; "
+    "the fault often lies a little before it.",
+)
+FORBIDDEN = Code(
+    "SC103",
+    "forbidden-xml",
+    "The file declares entities or a document type. Entities can read other files and expand without bound, no scenario "
+    "or road file needs them, and they are never resolved. Remove the <!DOCTYPE ...> declaration.",
+)
+
+MAX_BYTES = 512 * 1024 * 1024
+"""Largest file that is read, bytes; a bound on memory, far above any real road file (the largest known has 60 MB)."""
+
+MAX_ATTRIBUTES = 1000
+"""Most attributes on one element; real files have at most some twenty."""
+
+
+@dataclass(frozen=True)
+class Document:
+    """A well-formed XML file: its path as the user named it, its text and lxml's root element."""
+
+    path: str
+    text: str
+    root: etree._Element
+
+    @property
+    def folder(self) -> Path:
+        """Folder that relative paths in the file start from."""
+        return Path(self.path).parent
+
+    def origin(
+        self, element: etree._Element, attribute: str | None = None, within: Place | None = None
+    ) -> Origin:
+        """Return the place of an element's start tag, or of one of its attributes."""
+        return Origin(self, element, attribute, within)
+
+    @cached_property
+    def _lines(self) -> list[str]:
+        return self.text.split("\n")
+
+    @cached_property
+    def _line_starts(self) -> list[int]:
+        starts, at = [], 0
+        for line in self._lines:
+            starts.append(at)
+            at += len(line) + 1
+        return starts
+
+    @cached_property
+    def _tags(self) -> list[tuple[int, int]]:
+        """Start and end offset of every start tag, in document order."""
+        return [m.span("tag") for m in _TOKENS.finditer(self.text) if m.group("tag") is not None]
+
+    @cached_property
+    def _ordinals(self) -> dict[etree._Element, int]:
+        return {element: i for i, element in enumerate(self.root.iter(etree.Element))}
+
+    def position(self, element: etree._Element, attribute: str | None) -> tuple[int, int, int]:
+        """Return (line, column, length) of a start tag's name or of an attribute's value, all counted from 1."""
+        ordinal = self._ordinals.get(element, -1)
+        if not 0 <= ordinal < len(self._tags):
+            return int(element.sourceline or 0), 0, 0
+        start, end = self._tags[ordinal]
+        begin, length = start, len(re.split(r"[\s/>]", self.text[start + 1 : end], maxsplit=1)[0]) + 1
+        if attribute is not None:
+            for match in _ATTRIBUTES.finditer(self.text, start, end):
+                if match.group("name") == attribute:
+                    begin, length = match.start("value") + 1, len(match.group("value")) - 2
+                    if length == 0:
+                        begin, length = match.start("name"), len(attribute)
+        line = bisect.bisect_right(self._line_starts, begin)
+        return line, begin - self._line_starts[line - 1] + 1, length
+
+    def line_text(self, line: int) -> str:
+        """Return the text of a line counted from 1, empty outside the file."""
+        return self._lines[line - 1].rstrip("\r") if 0 < line <= len(self._lines) else ""
+
+
+class Origin:
+    """The place of an element or attribute in a document; line and column are found when first asked for."""
+
+    __slots__ = ("_found", "attribute", "document", "element", "within")
+
+    def __init__(
+        self,
+        document: Document,
+        element: etree._Element,
+        attribute: str | None = None,
+        within: Place | None = None,
+    ) -> None:
+        """Remember where to look; nothing is searched yet."""
+        self.document = document
+        self.element = element
+        self.attribute = attribute
+        self.within = within
+        self._found: tuple[int, int, int] | None = None
+
+    def of(self, attribute: str) -> Origin:
+        """Return the place of one of this element's attributes."""
+        return Origin(self.document, self.element, attribute, self.within)
+
+    def _position(self) -> tuple[int, int, int]:
+        if self._found is None:
+            self._found = self.document.position(self.element, self.attribute)
+        return self._found
+
+    @property
+    def file(self) -> str:
+        """Path of the file as the user named it."""
+        return self.document.path
+
+    @property
+    def line(self) -> int:
+        """Line, counted from 1."""
+        return self._position()[0]
+
+    @property
+    def column(self) -> int:
+        """Column, counted from 1."""
+        return self._position()[1]
+
+    @property
+    def length(self) -> int:
+        """Number of characters covered."""
+        return self._position()[2]
+
+    @property
+    def source_line(self) -> str:
+        """Text of the line."""
+        return self.document.line_text(self.line)
+
+
+def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
+    """Read an XML file; report and return None when it is missing, malformed or hostile.
+
+    Entities are never resolved, nothing is loaded from elsewhere, and memory is bounded by the file's size.
+    """
+    name = str(path)
+    try:
+        size = Path(path).stat().st_size
+        if size > MAX_BYTES:
+            sink.add(UNREADABLE, f"the file has {size} bytes; at most {MAX_BYTES} are read", FilePlace(name))
+            return None
+        raw = Path(path).read_bytes()
+    except OSError as error:
+        sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name), hint=_beside(Path(path)))
+        return None
+    except ValueError as error:
+        sink.add(UNREADABLE, f"cannot read the file: {error}", FilePlace(name))
+        return None
+    return parse_document(raw, name, sink)
+
+
+def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
+    """Parse the bytes of an XML file called `name`; see `read_document`."""
+    head = _COMMENTS.sub(b"", raw.replace(b"\x00", b"")[:65536])
+    doctype = head.find(b"<!DOCTYPE")
+    if doctype >= 0:
+        line = raw[: raw.find(b"<!DOCTYPE")].count(b"\n") + 1
+        sink.add(FORBIDDEN, "a document type declaration is not allowed", FilePlace(name, line, 1))
+        return None
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_blank_text=False
+    )
+    try:
+        root = etree.fromstring(raw, parser)
+    except (etree.XMLSyntaxError, ValueError) as error:
+        line, column = getattr(error, "position", (0, 0)) or (0, 0)
+        text = _decode(raw, None)
+        lines = text.split("\n")
+        source = lines[line - 1].rstrip("\r") if 0 < line <= len(lines) and len(lines[line - 1]) < 400 else ""
+        place = FilePlace(name, line, column if source else 0, 1, source)
+        sink.add(MALFORMED, f"not well-formed XML: {_short(str(error))}", place)
+        return None
+    document = Document(name, _decode(raw, root.getroottree().docinfo.encoding), root)
+    for element in root.iter(etree.Element):
+        if len(element.attrib) > MAX_ATTRIBUTES:
+            message = f"<{element.tag}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} are read"
+            sink.add(FORBIDDEN, message, document.origin(element))
+            return None
+    return document
+
+
+_COMMENTS = re.compile(rb"<!--.*?-->", re.DOTALL)
+_TOKENS = re.compile(
+    r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|</[^>]*>|"
+    r"(?P<tag><[^\s!?/<>](?:[^\"'<>]|\"[^\"]*\"|'[^']*')*>)",
+    re.DOTALL,
+)
+_ATTRIBUTES = re.compile(r"(?<=\s)(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<value>\"[^\"]*\"|'[^']*')")
+
+
+def _decode(raw: bytes, encoding: str | None) -> str:
+    for codec in (encoding, "utf-8-sig", "latin-1"):
+        if codec is None:
+            continue
+        try:
+            text = raw.decode("utf-8-sig" if codec.upper() == "UTF-8" else codec)
+        except (UnicodeDecodeError, LookupError):
+            continue
+        return text.replace("\r\n", "\n")
+    return ""
+
+
+def _short(message: str) -> str:
+    return re.sub(r", line \d+, column \d+.*$", "", message)[:200]
+
+
+def _beside(path: Path) -> str:
+    try:
+        names = [p.name for p in path.parent.iterdir() if p.suffix == path.suffix]
+    except OSError:
+        return ""
+    return did_you_mean(path.name, names) if names else ""

@@ -1,0 +1,18 @@
+"""`@compiled` marks a function that runs both interpreted and compiled (ARCHITECTURE.md, "One engine, two forms").
+
+The decorator only registers: a marked function stays a plain Python function, and nothing is imported here, so an
+interpreted run never pays for a JIT. `engine/build.py` turns the registered functions into one compiled module.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+REGISTRY: list[Callable[..., Any]] = []
+
+
+def compiled(function: Function) -> Function:
+    """Register `function` for the compiled engine and return it unchanged."""
+    REGISTRY.append(function)
+    return function
