@@ -1,0 +1,20 @@
+"""Actions on the ego vehicle's sensors."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from scenario_compiler.vocabulary.word import Number, Word, attribute
+
+
+class SensorNoiseAction(Word):
+    """Set the camera's noise from now on: how a sensor failure begins or ends."""
+
+    tag: ClassVar[str] = "sensor_noise"
+
+    sigma: Number = attribute(
+        "Standard deviation of the Gaussian noise (mean 0) on every channel of every pixel, grey levels.",
+        quantity="grey_levels",
+        minimum=0,
+        maximum=255,
+    )

@@ -1,0 +1,135 @@
+"""How a word of the language is declared: once, with its fields, units, limits and XML spelling.
+
+A word is a frozen model. A field declared with `attribute` is an XML attribute, one declared with `child` is a child
+element (or several), always of another word's type. Reading, the XSD, the JSON schema and the help text all come from
+these declarations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PrivateAttr
+
+from scenario_compiler.diagnostics import FilePlace, Place
+from scenario_compiler.expressions import Expression, parse_expression
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """What a number measures: its unit in XML, and the factor to the SI unit used inside."""
+
+    name: str
+    unit: str
+    factor: float = 1.0
+
+
+QUANTITIES: dict[str, Quantity] = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity("number", ""),
+        Quantity("fraction", "1"),
+        Quantity("length", "m"),
+        Quantity("time", "s"),
+        Quantity("speed", "m/s"),
+        Quantity("acceleration", "m/s2"),
+        Quantity("angle", "deg", 0.017453292519943295),
+        Quantity("grey_levels", "grey levels"),
+    )
+}
+
+
+def _number(value: Any) -> Any:
+    if isinstance(value, dict) and set(value) == {"expr"} and isinstance(value["expr"], str):
+        return parse_expression(value["expr"])
+    return value
+
+
+def _plain(value: float | Expression) -> float | dict[str, str]:
+    return {"expr": value.text} if isinstance(value, Expression) else value
+
+
+Number = Annotated[float | Expression, BeforeValidator(_number), PlainSerializer(_plain)]
+"""A literal, or an expression over the scenario's parameters that stays open until a run binds them. SI unit."""
+
+
+class Word(BaseModel):
+    """A word of the scenario language. Subclasses set `tag`, the name of their XML element."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True, allow_inf_nan=False
+    )
+
+    tag: ClassVar[str] = ""
+    _origin: Place | None = PrivateAttr(default=None)
+
+    @property
+    def origin(self) -> Place:
+        """Where the author wrote the word; a nameless place for words made by programs."""
+        return self._origin or FilePlace("<python>")
+
+    def written_at(self, origin: Place) -> Word:
+        """Remember where the word was written and return it."""
+        self._origin = origin
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class AttributeSpelling:
+    """How a field is written as an XML attribute.
+
+    Attributes:
+        name: The attribute's name in XML; empty for the field's own name.
+        quantity: Key of QUANTITIES for numbers, empty for everything else.
+        minimum: Least value, in the XML unit; None for no limit. `exclusive` leaves the limit itself out.
+        maximum: Greatest value, in the XML unit; None for no limit.
+        names: What the text refers to: "entity", "road", "map", ... or empty.
+        separated: The text is a space-separated list.
+    """
+
+    name: str = ""
+    quantity: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    exclusive: bool = False
+    names: str = ""
+    separated: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ChildSpelling:
+    """How a field is written as a child element.
+
+    Attributes:
+        wrapper: Tag of an element that holds the choice (`<start><lane .../></start>`); empty when the words stand
+            directly in their parent.
+    """
+
+    wrapper: str = ""
+
+
+REQUIRED: Any = ...
+
+
+def attribute(
+    description: str,
+    *,
+    default: Any = REQUIRED,
+    name: str = "",
+    quantity: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    exclusive: bool = False,
+    names: str = "",
+    separated: bool = False,
+) -> Any:
+    """Declare a field that XML writes as an attribute; limits are in the unit of `quantity` as XML writes it."""
+    spelling = AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, separated)
+    return Field(default=default, description=description, json_schema_extra={"spelling": spelling})  # type: ignore[dict-item]
+
+
+def child(description: str, *, default: Any = REQUIRED, wrapper: str = "") -> Any:
+    """Declare a field that XML writes as a child element; a tuple-typed field takes any number of them."""
+    spelling = ChildSpelling(wrapper)
+    return Field(default=default, description=description, json_schema_extra={"spelling": spelling})  # type: ignore[dict-item]
