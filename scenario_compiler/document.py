@@ -171,7 +171,9 @@ def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
             return None
         raw = Path(path).read_bytes()
     except OSError as error:
-        sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name), hint=_beside(Path(path)))
+        sink.add(
+            UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name), hint=_beside(Path(path))
+        )
         return None
     except ValueError as error:
         sink.add(UNREADABLE, f"cannot read the file: {error}", FilePlace(name))
@@ -203,7 +205,9 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     document = Document(name, _decode(raw, root.getroottree().docinfo.encoding), root)
     for element in root.iter(etree.Element):
         if len(element.attrib) > MAX_ATTRIBUTES:
-            message = f"<{element.tag}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} are read"
+            message = (
+                f"<{element.tag}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} are read"
+            )
             sink.add(FORBIDDEN, message, document.origin(element))
             return None
     return document

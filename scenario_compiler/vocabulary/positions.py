@@ -6,7 +6,7 @@ road, a lane, s and an offset.
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
@@ -14,7 +14,7 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute
 class LanePosition(Word):
     """A point in a lane of a road, facing the lane's direction of travel."""
 
-    tag: ClassVar[str] = "lane"
+    word: Literal["lane"] = "lane"
 
     road: str = attribute("Id of the road in the map.", names="road")
     lane: int = attribute("Id of the lane: negative right of the reference line, positive left of it.")
@@ -34,7 +34,7 @@ class LanePosition(Word):
 class RoadPosition(Word):
     """A point beside a road's reference line, facing along s."""
 
-    tag: ClassVar[str] = "road"
+    word: Literal["road"] = "road"
 
     road: str = attribute("Id of the road in the map.", names="road")
     s: Number = attribute("Distance along the road's reference line, m.", quantity="length", minimum=0)
@@ -49,7 +49,7 @@ class RoadPosition(Word):
 class WorldPosition(Word):
     """A point of the world, bound to the nearest lane that contains it."""
 
-    tag: ClassVar[str] = "world"
+    word: Literal["world"] = "world"
 
     frame: Literal["opendrive", "carla"] = attribute(
         "Axes of x, y and yaw: OpenDRIVE's (y to the left of x, yaw counter-clockwise) or CARLA's (y to the right, yaw "
@@ -64,7 +64,7 @@ class WorldPosition(Word):
 class SpawnPoint(Word):
     """A spawn point that the map names."""
 
-    tag: ClassVar[str] = "spawn_point"
+    word: Literal["spawn_point"] = "spawn_point"
 
     name: str = attribute("Name of the spawn point in the map's map.toml.", names="spawn_point")
 
@@ -72,14 +72,15 @@ class SpawnPoint(Word):
 class RelativeLanePosition(Word):
     """A point ahead of (or behind) an entity along the lanes it travels on."""
 
-    tag: ClassVar[str] = "ahead_of"
+    word: Literal["ahead_of"] = "ahead_of"
 
     entity: str = attribute("Id of the entity that the position is relative to.", names="entity")
     distance: Number = attribute(
         "Distance ahead along the entity's lane, m; negative is behind.", quantity="length"
     )
     lanes: int = attribute(
-        "Lanes to the left of the entity's lane in its direction of travel; negative is to the right.", default=0
+        "Lanes to the left of the entity's lane in its direction of travel; negative is to the right.",
+        default=0,
     )
     offset: Number = attribute(
         "Distance from the lane's centre, m, positive to the left in the entity's direction of travel.",

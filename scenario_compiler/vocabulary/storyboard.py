@@ -5,7 +5,7 @@ Both languages end here. `When` is our spelling of an event: no edge, once, para
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from scenario_compiler.vocabulary.actions import Action
 from scenario_compiler.vocabulary.conditions import Condition
@@ -18,7 +18,7 @@ Priority = Literal["override", "skip", "parallel"]
 class Do(Word):
     """The actions of a `<when>`."""
 
-    tag: ClassVar[str] = "do"
+    word: Literal["do"] = "do"
 
     actions: tuple[Action, ...] = child("What happens, in this order.")
 
@@ -26,7 +26,7 @@ class Do(Word):
 class When(Word):
     """Something the actor does once, as soon as all conditions are true."""
 
-    tag: ClassVar[str] = "when"
+    word: Literal["when"] = "when"
 
     conditions: tuple[Condition, ...] = child("All of them must be true at once.")
     do: Do = child("What happens then.")
@@ -37,7 +37,9 @@ class TriggerCondition(Word):
 
     condition: Condition = child("What is watched.")
     edge: Edge = attribute("Which change of the condition counts.", default="none")
-    delay: Number = attribute("How much later the trigger sees it, s.", default=0.0, quantity="time", minimum=0)
+    delay: Number = attribute(
+        "How much later the trigger sees it, s.", default=0.0, quantity="time", minimum=0
+    )
 
 
 class ConditionGroup(Word):

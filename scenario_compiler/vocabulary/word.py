@@ -7,12 +7,16 @@ these declarations.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PrivateAttr
+from pydantic.fields import FieldInfo
 
 from scenario_compiler.diagnostics import FilePlace, Place
+from typing_extensions import Self
+
 from scenario_compiler.expressions import Expression, parse_expression
 
 
@@ -55,21 +59,30 @@ Number = Annotated[float | Expression, BeforeValidator(_number), PlainSerializer
 
 
 class Word(BaseModel):
-    """A word of the scenario language. Subclasses set `tag`, the name of their XML element."""
+    """A word of the scenario language.
+
+    A subclass that XML spells as an element declares its tag as the one value of a field `word`, which also tells the
+    members of a union apart in JSON.
+    """
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True, allow_inf_nan=False
     )
 
-    tag: ClassVar[str] = ""
     _origin: Place | None = PrivateAttr(default=None)
+
+    @classmethod
+    def tag(cls) -> str:
+        """Return the name of the word's XML element, empty for words that XML does not spell as one element."""
+        field = cls.model_fields.get("word")
+        return "" if field is None else str(field.default)
 
     @property
     def origin(self) -> Place:
         """Where the author wrote the word; a nameless place for words made by programs."""
         return self._origin or FilePlace("<python>")
 
-    def written_at(self, origin: Place) -> Word:
+    def written_at(self, origin: Place) -> Self:
         """Remember where the word was written and return it."""
         self._origin = origin
         return self
@@ -125,11 +138,33 @@ def attribute(
     separated: bool = False,
 ) -> Any:
     """Declare a field that XML writes as an attribute; limits are in the unit of `quantity` as XML writes it."""
-    spelling = AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, separated)
-    return Field(default=default, description=description, json_schema_extra={"spelling": spelling})  # type: ignore[dict-item]
+    return _declare(
+        AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, separated),
+        default=default,
+        description=description,
+    )
 
 
-def child(description: str, *, default: Any = REQUIRED, wrapper: str = "") -> Any:
+def child(
+    description: str,
+    *,
+    default: Any = REQUIRED,
+    default_factory: Callable[[], Any] | None = None,
+    wrapper: str = "",
+) -> Any:
     """Declare a field that XML writes as a child element; a tuple-typed field takes any number of them."""
     spelling = ChildSpelling(wrapper)
-    return Field(default=default, description=description, json_schema_extra={"spelling": spelling})  # type: ignore[dict-item]
+    if default_factory is not None:
+        return _declare(spelling, default_factory=default_factory, description=description)
+    return _declare(spelling, default=default, description=description)
+
+
+def spelling_of(field: FieldInfo) -> AttributeSpelling | ChildSpelling | None:
+    """Return how XML spells a field of a word; None for `word` itself."""
+    return next((m for m in field.metadata if isinstance(m, AttributeSpelling | ChildSpelling)), None)
+
+
+def _declare(spelling: AttributeSpelling | ChildSpelling, **settings: Any) -> Any:
+    info: FieldInfo = Field(**settings)
+    info.metadata.append(spelling)
+    return info

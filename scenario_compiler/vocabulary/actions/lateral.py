@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Literal
 
 from scenario_compiler.vocabulary.actions.longitudinal import Shape
 from scenario_compiler.vocabulary.word import Number, Word, attribute
@@ -11,7 +11,7 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute
 class LaneChangeAction(Word):
     """Move to a neighbouring lane, relative to the lane the entity is in."""
 
-    tag: ClassVar[str] = "lane_change"
+    word: Literal["lane_change"] = "lane_change"
 
     by: int = attribute(
         "Number of lanes, positive to the left in the entity's direction of travel, negative to the right."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
@@ -13,7 +13,7 @@ Shape = Literal["linear", "cubic", "sinusoidal", "step"]
 class SpeedAction(Word):
     """Change the speed to a target."""
 
-    tag: ClassVar[str] = "speed"
+    word: Literal["speed"] = "speed"
 
     to: Number = attribute("Speed to reach, m/s.", quantity="speed")
     over_time: Number = attribute(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
@@ -10,7 +10,7 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute
 class SensorNoiseAction(Word):
     """Set the camera's noise from now on: how a sensor failure begins or ends."""
 
-    tag: ClassVar[str] = "sensor_noise"
+    word: Literal["sensor_noise"] = "sensor_noise"
 
     sigma: Number = attribute(
         "Standard deviation of the Gaussian noise (mean 0) on every channel of every pixel, grey levels.",

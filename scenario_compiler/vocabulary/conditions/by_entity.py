@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from scenario_compiler.vocabulary.positions import Position
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-Rule = Literal[
-    "lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo"
-]
+Rule = Literal["lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo"]
 """How a measured value is compared, in ASAM's words."""
 
 _ENTITY = "Id of the triggering entity; the actor that holds the <when> when left out."
@@ -18,7 +16,7 @@ _ENTITY = "Id of the triggering entity; the actor that holds the <when> when lef
 class TimeHeadwayCondition(Word):
     """The time gap to another entity ahead: distance along the road over the triggering entity's speed."""
 
-    tag: ClassVar[str] = "time_gap"
+    word: Literal["time_gap"] = "time_gap"
 
     entity: str = attribute(_ENTITY, default="", names="entity")
     to: str = attribute("Id of the entity that the gap is measured to.", names="entity")
@@ -28,7 +26,7 @@ class TimeHeadwayCondition(Word):
 class DistanceCondition(Word):
     """The straight distance between the reference points of two entities."""
 
-    tag: ClassVar[str] = "distance"
+    word: Literal["distance"] = "distance"
 
     entity: str = attribute(_ENTITY, default="", names="entity")
     to: str = attribute("Id of the entity that the distance is measured to.", names="entity")
@@ -38,7 +36,7 @@ class DistanceCondition(Word):
 class TimeToCollisionCondition(Word):
     """The time until the triggering entity would reach the other at their present speeds."""
 
-    tag: ClassVar[str] = "time_to_collision"
+    word: Literal["time_to_collision"] = "time_to_collision"
 
     entity: str = attribute(_ENTITY, default="", names="entity")
     to: str = attribute("Id of the entity that would be hit.", names="entity")
@@ -48,7 +46,7 @@ class TimeToCollisionCondition(Word):
 class SpeedCondition(Word):
     """The speed of an entity against a value."""
 
-    tag: ClassVar[str] = "speed"
+    word: Literal["speed"] = "speed"
 
     entity: str = attribute(_ENTITY, default="", names="entity")
     rule: Rule = attribute("How the speed is compared with the value.")
@@ -58,7 +56,7 @@ class SpeedCondition(Word):
 class ReachPositionCondition(Word):
     """An entity is near a position."""
 
-    tag: ClassVar[str] = "reached"
+    word: Literal["reached"] = "reached"
 
     entity: str = attribute(_ENTITY, default="", names="entity")
     tolerance: Number = attribute(
@@ -70,7 +68,7 @@ class ReachPositionCondition(Word):
 class TraveledDistanceCondition(Word):
     """An entity has covered a distance since the start."""
 
-    tag: ClassVar[str] = "traveled"
+    word: Literal["traveled"] = "traveled"
 
     entity: str = attribute(_ENTITY, default="", names="entity")
     distance: Number = attribute("Distance covered, m.", quantity="length", minimum=0)

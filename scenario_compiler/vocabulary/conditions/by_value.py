@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
@@ -15,7 +15,7 @@ TakeoverState = Literal[
 class SimulationTimeCondition(Word):
     """The simulation time has come."""
 
-    tag: ClassVar[str] = "time"
+    word: Literal["time"] = "time"
 
     after: Number = attribute("True from this time on, s.", quantity="time", minimum=0)
 
@@ -23,7 +23,7 @@ class SimulationTimeCondition(Word):
 class LaneConfidenceCondition(Word):
     """The automation's lane confidence, the greater of both sides."""
 
-    tag: ClassVar[str] = "lane_confidence"
+    word: Literal["lane_confidence"] = "lane_confidence"
 
     below: Number = attribute("True when it is less.", quantity="fraction", minimum=0, maximum=1)
 
@@ -31,6 +31,6 @@ class LaneConfidenceCondition(Word):
 class TakeoverStateCondition(Word):
     """The takeover is in a state."""
 
-    tag: ClassVar[str] = "takeover_state"
+    word: Literal["takeover_state"] = "takeover_state"
 
     state: TakeoverState = attribute("The state to wait for.", name="is")

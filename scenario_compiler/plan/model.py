@@ -1,0 +1,114 @@
+"""The plan: a scenario bound to a map, as a frozen, versioned, canonical value.
+
+A plan holds the vocabulary's own words, with every position bound to a road, a lane, s and an offset, every default
+filled in and every reference resolved. Its digest covers the words, the numbers as written and the map's content;
+`origins` and `derived` ride along outside the digest.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.vocabulary.criteria import Criterion
+from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
+from scenario_compiler.vocabulary.markings import Markings
+from scenario_compiler.vocabulary.positions import BoundPosition, LanePosition
+from scenario_compiler.vocabulary.scenario import Classification, Parameter
+from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.storyboard import Storyboard
+from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.weather import Weather
+from scenario_compiler.vocabulary.word import Number
+
+FORMAT = "scenario-compiler/plan/1"
+
+
+class PlanPart(BaseModel):
+    """A part of a plan."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True)
+
+
+class MapReference(PlanPart):
+    """The map of a plan."""
+
+    name: str = Field(description="Name or path as the author wrote it.")
+    file: str = Field(description="Path of the file that was found; outside the digest.")
+    sha256: str = Field(description="Hash of the file's content.")
+
+
+class Entity(PlanPart):
+    """An entity; its index in `Plan.entities` is its number in the engine. The ego vehicle is number 0."""
+
+    id: str = Field(description="Id as the author wrote it, with the prefix of the use for templates.")
+    kind: Literal["ego", "static", "dynamic"] = Field(description="What moves it.")
+    vehicle: Vehicle = Field(description="Its dimensions and limits.")
+    start: BoundPosition = Field(description="Where it starts.")
+    speed: Number = Field(description="Speed at the start, m/s.")
+    desired_speed: Number = Field(description="Speed it aims for, m/s.")
+    follow: Follow | None = Field(default=None, description="Car following, for dynamic actors.")
+
+
+class RouteLeg(PlanPart):
+    """A stretch of one lane on the way to the destination."""
+
+    road: str = Field(description="Id of the road.")
+    lane: int = Field(description="Id of the lane.")
+    s_from: float = Field(description="Where the stretch begins, m.")
+    s_to: float = Field(description="Where it ends, m.")
+
+
+class StartPose(PlanPart):
+    """Where an entity starts in the world at the parameters' defaults."""
+
+    x: float = Field(description="x of the reference point, m.")
+    y: float = Field(description="y of the reference point, m.")
+    z: float = Field(description="z of the reference point, m.")
+    heading: float = Field(description="Heading, rad in [0, 2 pi).")
+
+
+class PlanOrigin(PlanPart):
+    """Where the author wrote a part of the plan."""
+
+    file: str = Field(description="Path of the file.")
+    line: int = Field(description="Line, counted from 1.")
+    column: int = Field(description="Column, counted from 1; 0 when unknown.")
+
+
+class Plan(PlanPart):
+    """A scenario that can be executed."""
+
+    format: Literal["scenario-compiler/plan/1"] = Field(default=FORMAT, description="Version of this format.")
+    name: str = Field(description="Name of the scenario.")
+    summary: str = Field(default="", description="What happens.")
+    map: MapReference = Field(description="The map.")
+    step: float = Field(description="Length of a time step, s.")
+    control_every: int = Field(description="Number of time steps between two control steps.")
+    duration: float = Field(description="When the run ends at the latest, s.")
+    parameters: tuple[Parameter, ...] = Field(
+        default=(), description="Parameters that numbers still depend on."
+    )
+    weather: Weather = Field(description="The weather.")
+    entities: tuple[Entity, ...] = Field(description="All entities in document order, the ego vehicle first.")
+    camera: Camera = Field(description="The ego vehicle's camera.")
+    controller: Controller = Field(description="What drives the ego vehicle.")
+    perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
+    destination: LanePosition | None = Field(default=None, description="Where the run ends.")
+    route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
+    markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")
+    storyboard: Storyboard = Field(description="What happens.")
+    takeover: Takeover = Field(description="The takeover policy, with every number filled in.")
+    criteria: tuple[Criterion, ...] = Field(default=(), description="What the run is judged by.")
+    classification: Classification | None = Field(default=None, description="Its place in a taxonomy.")
+    derived: dict[str, StartPose] = Field(
+        default={}, description="Start poses by entity id; outside the digest."
+    )
+    origins: dict[str, PlanOrigin] = Field(default={}, description="Provenance by part; outside the digest.")
+    digest: str = Field(default="", description="SHA-256 of the canonical form.")
+
+    @property
+    def ego(self) -> Entity:
+        """The ego vehicle."""
+        return self.entities[0]

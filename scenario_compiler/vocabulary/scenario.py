@@ -1,0 +1,75 @@
+"""The scenario: what both languages end in once templates, catalogs and structural parameters are gone."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.criteria import Criterion
+from scenario_compiler.vocabulary.entities import Actor, Ego, Vehicle
+from scenario_compiler.vocabulary.markings import Markings
+from scenario_compiler.vocabulary.storyboard import Storyboard
+from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.weather import Weather
+from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+
+
+class Classification(Word):
+    """Where the conflict stands in a published taxonomy. What the source does not rate stays empty."""
+
+    word: Literal["classification"] = "classification"
+
+    scheme: str = attribute("Short name of the taxonomy, such as gold2018.")
+    number: int | None = attribute("Number of the situation in it.", default=None, minimum=0)
+    urgency: str = attribute("Rated urgency.", default="")
+    response: str = attribute("Rated complexity of the driver's response.", default="")
+    predictability: str = attribute("Rated predictability.", default="")
+    criticality: str = attribute("Rated criticality.", default="")
+
+
+ParameterKind = Literal[
+    "number", "fraction", "length", "time", "speed", "acceleration", "angle", "grey_levels", "integer", "text",
+    "boolean",
+]  # fmt: skip
+
+
+class Parameter(Word):
+    """A typed parameter of a scenario or a template."""
+
+    word: Literal["parameter"] = "parameter"
+
+    name: str = attribute("Name that `$name` and `--set name=value` use.")
+    type: ParameterKind = attribute("What it measures; numbers are in the unit that XML uses for it.")
+    default: str | None = attribute(
+        "Value when none is given; without one, each use must give it.", default=None
+    )
+    min: Number | None = attribute("Least value.", default=None)
+    max: Number | None = attribute("Greatest value.", default=None)
+    summary: str = attribute("What it does.", default="")
+
+
+class Scenario(Word):
+    """A whole scenario: a map, an ego vehicle, the other actors, what happens, and how it is judged."""
+
+    word: Literal["scenario"] = "scenario"
+
+    name: str = attribute("Name of the scenario.")
+    summary: str = attribute("One sentence: what happens.", default="")
+    source: str = attribute("Where the situation comes from.", default="")
+    map: str = attribute("Name or path of the OpenDRIVE map.", names="map")
+    duration: float | None = attribute(
+        "When the run ends at the latest, s.", default=None, quantity="time", minimum=0, exclusive=True
+    )
+    step: float = attribute(
+        "Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1
+    )
+    control_every: int = attribute("Number of time steps between two control steps.", default=1, minimum=1)
+    weather: Weather = child("The weather.")
+    parameters: tuple[Parameter, ...] = child("Parameters that numbers of the scenario use.", default=())
+    classification: Classification | None = child("Its place in a taxonomy.", default=None)
+    ego: Ego = child("The automated vehicle.")
+    actors: tuple[Actor, ...] = child("The other actors, in document order.", default=())
+    vehicles: tuple[Vehicle, ...] = child("The vehicles that the entities are.", default=())
+    markings: tuple[Markings, ...] = child("Where the paint differs from the map's.", default=())
+    storyboard: Storyboard = child("What happens.", default_factory=Storyboard)
+    takeover: Takeover = child("The takeover policy.", default_factory=Takeover)
+    criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=())

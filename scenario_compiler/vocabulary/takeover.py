@@ -1,0 +1,163 @@
+"""The takeover: what makes the automation ask, how it asks, who answers, and what it does when nobody does.
+
+Defaults: warning and request thresholds are the AISA toolkit's; escalation after 4 s, the minimum-risk manoeuvre 10 s
+after the request and its 4 m/s2 are after UN R157; the budget of 7 s is the most studied one.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+
+CauseKind = Literal["lane_confidence", "sensor_health", "path_blocked", "lane_ends", "controller"]
+"""Why a takeover is requested."""
+
+
+class Cause(Word):
+    """A cause that is switched on, and its limits. Numbers left out take the kind's defaults."""
+
+    word: Literal["cause"] = "cause"
+
+    kind: CauseKind = attribute("What makes the automation ask.")
+    warning_below: Number | None = attribute(
+        "lane_confidence, sensor_health: warn when either side is below.",
+        default=None,
+        quantity="fraction",
+        minimum=0,
+        maximum=1,
+    )
+    request_below: Number | None = attribute(
+        "lane_confidence, sensor_health: request when both sides are below.",
+        default=None,
+        quantity="fraction",
+        minimum=0,
+        maximum=1,
+    )
+    count: int | None = attribute(
+        "Number of control steps, among the last `of`, that must ask before it counts.",
+        default=None,
+        minimum=1,
+        maximum=32,
+    )
+    of: int | None = attribute(
+        "Number of control steps that `count` looks back on.", default=None, minimum=1, maximum=32
+    )
+    sensor_range: Number | None = attribute(
+        "path_blocked: range of the forward sensor, m.",
+        default=None,
+        name="range",
+        quantity="length",
+        minimum=1,
+    )
+    field_of_view: Number | None = attribute(
+        "path_blocked: full angle of the forward sensor, degrees.",
+        default=None,
+        quantity="angle",
+        minimum=1,
+        maximum=360,
+    )
+    margin: Number | None = attribute(
+        "path_blocked: free width needed beside the vehicle's own width, m.",
+        default=None,
+        quantity="length",
+        minimum=0,
+    )
+    gap_front: Number | None = attribute(
+        "lane_ends: least time gap to the vehicle ahead in the lane beside, s.",
+        default=None,
+        quantity="time",
+        minimum=0,
+    )
+    gap_rear: Number | None = attribute(
+        "lane_ends: least time until the vehicle behind in the lane beside has closed up, s.",
+        default=None,
+        quantity="time",
+        minimum=0,
+    )
+
+
+class Driver(Word):
+    """Who answers a request: a preset of the driver catalog, or a fixed takeover time."""
+
+    word: Literal["driver"] = "driver"
+
+    preset: str = attribute("Name of a driver in the driver catalog.", default="urgent", names="driver")
+    takeover_time: Number | None = attribute(
+        "Time from the request to the driver's first input, s, in place of the preset's distribution.",
+        default=None,
+        quantity="time",
+        minimum=0,
+    )
+
+
+class DriverModel(Word):
+    """A driver's takeover time as a lognormal distribution with lapses: the catalog's entry, bound into a plan."""
+
+    word: Literal["driver_model"] = "driver_model"
+
+    name: str = attribute("Name in the catalog.")
+    summary: str = attribute("Whom it stands for.", default="")
+    source: str = attribute("Where the numbers come from.", default="")
+    mu: float = attribute("Mean of the logarithm of the takeover time in seconds.", default=0.0)
+    sigma: float = attribute("Standard deviation of that logarithm.", default=0.0, minimum=0)
+    lapse: float = attribute(
+        "Probability of no answer at all.", default=0.0, quantity="fraction", minimum=0, maximum=1
+    )
+
+
+Modality = Literal["text", "audio", "icon"]
+Content = Literal["what", "why", "next"]
+
+
+class Message(Word):
+    """How the automation tells the driver."""
+
+    word: Literal["message"] = "message"
+
+    modality: tuple[Modality, ...] = attribute("By which channels.", default=("text",), separated=True)
+    content: tuple[Content, ...] = attribute(
+        "What is said: what happens, why, what to do next.", default=("what",), separated=True
+    )
+
+
+class Takeover(Word):
+    """The policy of a takeover."""
+
+    word: Literal["takeover"] = "takeover"
+
+    budget: Number = attribute(
+        "Time budget: how far ahead a limit of the automation makes it ask, s.",
+        default=7.0,
+        quantity="time",
+        minimum=0,
+        exclusive=True,
+    )
+    escalate_after: Number = attribute(
+        "Time from the request to its escalation, s.", default=4.0, quantity="time", minimum=0
+    )
+    minimum_risk_after: Number = attribute(
+        "Time from the request to the minimum-risk manoeuvre, s; it begins earlier where a limit ahead leaves only the "
+        "distance to stop.",
+        default=10.0,
+        quantity="time",
+        minimum=0,
+    )
+    minimum_risk_deceleration: Number = attribute(
+        "Deceleration of the minimum-risk manoeuvre, m/s2.",
+        default=4.0,
+        quantity="acceleration",
+        minimum=0,
+        exclusive=True,
+    )
+    hand_back_after: Number = attribute(
+        "Time of manual driving after which the automation may take back, s; 0: never.",
+        default=0.0,
+        quantity="time",
+        minimum=0,
+    )
+    causes: tuple[Cause, ...] = child(
+        "The causes that are switched on; all of them when none is given.", default=()
+    )
+    driver: Driver | DriverModel = child("Who answers.", default_factory=Driver)
+    messages: tuple[Message, ...] = child("How the automation tells the driver.", default=())

@@ -1,0 +1,83 @@
+"""Weather: CARLA's 14 numbers, and its presets by name and by index.
+
+The presets' values and their order (the sorted names, which is the index that the AISA toolkit's WeatherId counts) are
+those of the CARLA 0.9.15 and 0.9.16 clients.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.word import Word, attribute
+
+
+class Weather(Word):
+    """The weather in CARLA's numbers. -1 leaves a number to the map, which we read as a clear noon."""
+
+    word: Literal["weather"] = "weather"
+
+    preset: str = attribute("Name of the preset that the numbers come from.", default="custom")
+    cloudiness: float = attribute("Clouds, percent.", default=-1.0, minimum=-1, maximum=100)
+    precipitation: float = attribute("Rain, percent.", default=-1.0, minimum=-1, maximum=100)
+    precipitation_deposits: float = attribute("Puddles, percent.", default=-1.0, minimum=-1, maximum=100)
+    wind_intensity: float = attribute("Wind, percent.", default=-1.0, minimum=-1, maximum=100)
+    sun_azimuth_angle: float = attribute("Azimuth of the sun, degrees.", default=-1.0)
+    sun_altitude_angle: float = attribute("Altitude of the sun, degrees; negative at night.", default=-1.0)
+    fog_density: float = attribute("Fog, percent.", default=-1.0, minimum=-1, maximum=100)
+    fog_distance: float = attribute("Distance at which the fog begins, m.", default=-1.0)
+    fog_falloff: float = attribute("Density of the fog with height.", default=-1.0)
+    wetness: float = attribute("Wetness of the road, percent.", default=-1.0, minimum=-1, maximum=100)
+    scattering_intensity: float = attribute("Light scattered by fog.", default=1.0)
+    mie_scattering_scale: float = attribute("Scattering by large particles.", default=0.03)
+    rayleigh_scattering_scale: float = attribute("Scattering by air.", default=0.0331)
+    dust_storm: float = attribute("Dust, percent.", default=0.0, minimum=0, maximum=100)
+
+
+_NUMBERS = (
+    "cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "sun_azimuth_angle",
+    "sun_altitude_angle", "fog_density", "fog_distance", "fog_falloff", "wetness", "scattering_intensity",
+    "mie_scattering_scale", "rayleigh_scattering_scale", "dust_storm",
+)  # fmt: skip
+
+_TABLE = """
+ClearNight 5 0 0 10 -1 -90 60 75 1 0 1 0.03 0.0331 0
+ClearNoon 5 0 0 10 -1 45 2 0.75 0.1 0 1 0.03 0.0331 0
+ClearSunset 5 0 0 10 -1 15 2 0.75 0.1 0 1 0.03 0.0331 0
+CloudyNight 60 0 0 10 -1 -90 60 0.75 0.1 0 1 0.03 0.0331 0
+CloudyNoon 60 0 0 10 -1 45 3 0.75 0.1 0 1 0.03 0.0331 0
+CloudySunset 60 0 0 10 -1 15 3 0.75 0.1 0 1 0.03 0.0331 0
+Default -1 -1 -1 -1 -1 -1 -1 -1 -1 -1 1 0.03 0.0331 0
+DustStorm 100 0 0 100 -1 45 2 0.75 0.1 0 1 0.03 0.0331 100
+HardRainNight 100 100 90 100 -1 -90 100 0.75 0.1 100 1 0.03 0.0331 0
+HardRainNoon 100 100 90 100 -1 45 7 0.75 0.1 0 1 0.03 0.0331 0
+HardRainSunset 100 100 90 100 -1 15 7 0.75 0.1 0 1 0.03 0.0331 0
+MidRainSunset 60 60 60 60 -1 15 3 0.75 0.1 0 1 0.03 0.0331 0
+MidRainyNight 80 60 60 60 -1 -90 60 0.75 0.1 80 1 0.03 0.0331 0
+MidRainyNoon 60 60 60 60 -1 45 3 0.75 0.1 0 1 0.03 0.0331 0
+SoftRainNight 60 30 50 30 -1 -90 60 0.75 0.1 60 1 0.03 0.0331 0
+SoftRainNoon 20 30 50 30 -1 45 3 0.75 0.1 0 1 0.03 0.0331 0
+SoftRainSunset 20 30 50 30 -1 15 2 0.75 0.1 0 1 0.03 0.0331 0
+WetCloudyNight 60 0 50 10 -1 -90 60 0.75 0.1 60 1 0.03 0.0331 0
+WetCloudyNoon 60 0 50 10 -1 45 3 0.75 0.1 0 1 0.03 0.0331 0
+WetCloudySunset 60 0 50 10 -1 15 2 0.75 0.1 0 1 0.03 0.0331 0
+WetNight 5 0 50 10 -1 -90 60 0.75 0.1 60 1 0.03 0.0331 0
+WetNoon 5 0 50 10 -1 45 3 0.75 0.1 0 1 0.03 0.0331 0
+WetSunset 5 0 50 10 -1 15 2 0.75 0.1 0 1 0.03 0.0331 0
+"""
+
+WEATHER_PRESETS: dict[str, tuple[float, ...]] = {
+    name: tuple(float(number) for number in numbers)
+    for name, *numbers in (line.split() for line in _TABLE.strip().splitlines())
+}
+"""Preset name to its 14 numbers, in the order that WeatherId counts."""
+
+
+def weather_preset(name_or_index: str) -> Weather | None:
+    """Return a preset by its name or its index as text; None when there is no such preset."""
+    names = list(WEATHER_PRESETS)
+    if name_or_index.isdecimal() and int(name_or_index) < len(names):
+        name_or_index = names[int(name_or_index)]
+    if name_or_index not in WEATHER_PRESETS:
+        return None
+    numbers = dict(zip(_NUMBERS, WEATHER_PRESETS[name_or_index], strict=True))
+    return Weather(preset=name_or_index, **numbers)
