@@ -1,0 +1,64 @@
+# Needs make and Python 3.10 or newer with venv; everything else is installed into .venv, pinned in constraints.txt.
+
+SHELL := /bin/bash
+BIN := .venv/bin
+CODE := $(wildcard scenario_compiler tests maps examples)
+FRESH := $(wildcard tests/test_layers.py tests/test_engine_lint.py tests/test_schemas.py tests/test_public_names.py)
+PYTEST := $(BIN)/pytest -n 2 --dist worksteal
+
+# The first Python that starts, is new enough and can make environments.
+FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
+	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
+PYTHON ?= $(shell $(FIND_PYTHON))
+
+.PHONY: setup demo prewarm test test-all check format generate wheel-test clean
+
+setup: .venv/.stamp
+
+.venv/.stamp: pyproject.toml constraints.txt
+	@if [ -z "$(PYTHON)" ]; then \
+		echo "Python 3.10 or newer with venv is needed (found: $$(python3 --version 2>&1)); set PYTHON=/path/to/python" >&2; exit 1; fi
+	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt hatchling editables
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --no-build-isolation --editable '.[test,dev,maps]'
+	@touch $@
+
+demo: setup
+	$(BIN)/python examples/demo.py
+
+# Compiles the engine once, so that no test worker has to.
+prewarm: setup
+	$(if $(wildcard scenario_compiler/cli.py),$(BIN)/scenario-compiler prewarm)
+
+test: prewarm
+	$(PYTEST) -m "not slow"
+
+test-all: prewarm
+	$(PYTEST)
+
+check: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy $(CODE)
+	$(BIN)/pytest -q $(FRESH)
+
+format: setup
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+# Rewrites what is made from the code: the maps from their descriptions, the schemas from the models.
+generate: setup
+	for build in $(wildcard maps/*/build.py); do $(BIN)/python $$build || exit 1; done
+	$(BIN)/pytest -q --update $(wildcard tests/test_schemas.py)
+
+# Builds the source archive and from it the wheel, and runs the wheel from an empty environment and another folder.
+wheel-test: setup
+	rm -rf build/dist build/wheel
+	$(BIN)/python -m build --no-isolation --outdir build/dist .
+	$(BIN)/python -m venv build/wheel
+	build/wheel/bin/python -m pip install --quiet --constraint constraints.txt build/dist/*.whl
+	tests/wheel_test.sh "$(CURDIR)/build/wheel"
+
+clean:
+	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
