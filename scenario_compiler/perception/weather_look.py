@@ -1,0 +1,139 @@
+"""How weather looks: CARLA's 14 numbers become light, wetness, fog, and the share of a mark's contrast that survives.
+
+The image is a model, tuned so that its order is right (rain hides paint more than a wet road does, a low sun over a wet road
+more than a high one), not a photometric simulation. The one curve that decides takeovers is `paint_contrast`:
+
+    contrast = (1 - 0.25 wet) (1 - 0.42 rain) (1 - 0.86 wet rain^1.5 glare)
+
+    wet    water on the road, 0-1: the largest of wetness, precipitation deposits and precipitation, / 100
+    rain   precipitation / 100
+    glare  sun between -2 and 35 degrees of altitude: 1 up to 15, falling linearly to 0 at 35
+
+The first factor is the water film that fills the paint's texture, the second the spray in the air before and on the road, the third
+the sky's reflection in a wet road against a low sun, which makes the asphalt as bright as the paint. CARLA's presets give:
+
+    ClearNoon 0.98   WetNoon 0.88   SoftRainNoon 0.76   MidRainyNoon 0.64   HardRainNoon 0.44   HardRainNight 0.44
+    ClearSunset 0.98 WetSunset 0.88 SoftRainSunset 0.71 MidRainSunset 0.48  HardRainSunset 0.06
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class WeatherNumbers(Protocol):
+    """CARLA's `WeatherParameters` by name: percent, degrees and metres as CARLA has them; -1 is unset (a clear noon)."""
+
+    @property
+    def cloudiness(self) -> float: ...  # noqa: D102
+    @property
+    def precipitation(self) -> float: ...  # noqa: D102
+    @property
+    def precipitation_deposits(self) -> float: ...  # noqa: D102
+    @property
+    def wind_intensity(self) -> float: ...  # noqa: D102
+    @property
+    def sun_azimuth_angle(self) -> float: ...  # noqa: D102
+    @property
+    def sun_altitude_angle(self) -> float: ...  # noqa: D102
+    @property
+    def fog_density(self) -> float: ...  # noqa: D102
+    @property
+    def fog_distance(self) -> float: ...  # noqa: D102
+    @property
+    def fog_falloff(self) -> float: ...  # noqa: D102
+    @property
+    def wetness(self) -> float: ...  # noqa: D102
+    @property
+    def dust_storm(self) -> float: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Look:
+    """What the renderer needs to know of the weather.
+
+    Attributes:
+        sun_altitude: Degrees over the horizon.
+        sun_heading: Heading of the sun in the world, rad.
+        cloud: Cover of the sky, 0-1.
+        rain: Precipitation, 0-1.
+        wind: Wind, 0-1; it slants the rain.
+        wet: Water on the road, 0-1.
+        fog: Extinction of fog and dust, 1/m, beyond `fog_start`.
+        fog_start: Distance at which fog begins, m.
+        spray: Extinction of falling rain and spray, 1/m.
+        dust: Brown share of the haze, 0-1.
+        contrast: Share of a mark's contrast that survives, see `paint_contrast`.
+        luminance: Brightness of sunlit ground, 1 at a clear noon.
+        warmth: How near the sun is to the horizon, 0-1.
+    """
+
+    sun_altitude: float
+    sun_heading: float
+    cloud: float
+    rain: float
+    wind: float
+    wet: float
+    fog: float
+    fog_start: float
+    spray: float
+    dust: float
+    contrast: float
+    luminance: float
+    warmth: float
+
+    @property
+    def tint(self) -> NDArray[np.float32]:
+        """Colour of the light as (blue, green, red) gains."""
+        return np.array([1 - 0.30 * self.warmth, 1 - 0.10 * self.warmth, 1 + 0.05 * self.warmth], np.float32)
+
+
+def look_of(weather: WeatherNumbers) -> Look:
+    """Return how `weather` looks. Every value is taken into its range; nothing is refused."""
+    cloud = _share(weather.cloudiness, 0.05)
+    rain = _share(weather.precipitation, 0.0)
+    wet = max(rain, _share(weather.precipitation_deposits, 0.0), _share(weather.wetness, 0.0))
+    dust = _share(weather.dust_storm, 0.0)
+    altitude = 45.0 if weather.sun_altitude_angle == -1.0 else float(weather.sun_altitude_angle)
+    azimuth = 0.0 if weather.sun_azimuth_angle == -1.0 else float(weather.sun_azimuth_angle)
+    falloff = min(max(float(weather.fog_falloff), 0.0), 5.0)
+    fog = _share(weather.fog_density, 0.0) * math.exp(-1.3 * falloff)
+    warmth = min(max(1.0 - abs(altitude - 5.0) / 16.0, 0.0), 1.0) * (1.0 - 0.55 * cloud)
+    day = min(max((altitude + 4.0) / 30.0, 0.0), 1.0)
+    dimmed = (1.0 - 0.35 * cloud * (1.0 - 0.3 * warmth)) * (1.0 - 0.2 * rain) * (1.0 - 0.3 * dust)
+    return Look(
+        sun_altitude=altitude,
+        sun_heading=-math.radians(azimuth),
+        cloud=cloud,
+        rain=rain,
+        wind=_share(weather.wind_intensity, 0.1),
+        wet=wet,
+        fog=0.035 * fog**1.5 + 0.03 * dust,
+        fog_start=max(float(weather.fog_distance), 0.0),
+        spray=0.0005 + 0.010 * rain,
+        dust=dust,
+        contrast=paint_contrast(wet, rain, altitude),
+        luminance=(0.05 + 0.95 * day**0.6) * dimmed,
+        warmth=warmth,
+    )
+
+
+def paint_contrast(wet: float, rain: float, sun_altitude: float) -> float:
+    """Return the share of a mark's contrast with the asphalt that survives, 0-1 (the module's docstring has the curve).
+
+    Args:
+        wet: Water on the road, 0-1.
+        rain: Precipitation, 0-1.
+        sun_altitude: Altitude of the sun, degrees.
+    """
+    glare = min(max((35.0 - sun_altitude) / 20.0, 0.0), 1.0) if sun_altitude > -2.0 else 0.0
+    return (1.0 - 0.25 * wet) * (1.0 - 0.42 * rain) * (1.0 - 0.86 * wet * rain**1.5 * glare)
+
+
+def _share(percent: float, unset: float) -> float:
+    return unset if percent < 0.0 else min(float(percent) / 100.0, 1.0)
