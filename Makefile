@@ -19,7 +19,7 @@ setup: .venv/.stamp
 	@if [ -z "$(PYTHON)" ]; then \
 		echo "Python 3.10 or newer with venv is needed (found: $$(python3 --version 2>&1)); set PYTHON=/path/to/python" >&2; exit 1; fi
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt hatchling editables
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt hatchling build
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --no-build-isolation --editable '.[test,dev,maps]'
 	@touch $@
 
