@@ -6,9 +6,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
-library=$("$environment/bin/python" -I -c '
-import pathlib, scenario_compiler
-print(pathlib.Path(scenario_compiler.__file__).parent / "_data" / "library")')
+library=$("$environment/bin/python" -I -c 'from scenario_compiler.resources import library_folder; print(library_folder())')
 "$environment/bin/scenario-compiler" list
 "$environment/bin/scenario-compiler" validate "$library"
 for conflict in "$library"/conflicts/*.xml; do
