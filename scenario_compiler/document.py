@@ -87,7 +87,8 @@ class Document:
         """Return (line, column, length) of a start tag's name or of an attribute's value, all counted from 1."""
         ordinal = self._ordinals.get(element, -1)
         if not 0 <= ordinal < len(self._tags):
-            return int(element.sourceline or 0), 0, 0
+            line: int | None = element.sourceline  # type: ignore[assignment]  # untyped in the stubs
+            return line or 0, 0, 0
         start, end = self._tags[ordinal]
         begin, length = start, len(re.split(r"[\s/>]", self.text[start + 1 : end], maxsplit=1)[0]) + 1
         if attribute is not None:
