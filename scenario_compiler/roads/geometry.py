@@ -1,0 +1,248 @@
+"""Reference line, elevation and lateral profile: from (road, s, t) to a pose.
+
+A line and an arc are evaluated in closed form; a spiral is stored as short pieces (`parse` cuts them) over which the three-point
+Gauss-Legendre rule is exact to 1e-9 m; poly3 and paramPoly3 are evaluated at a parameter that is linear in s, as CARLA and
+esmini do, although the standard's s is the arc length. Curvature is 0 there only if the polynomial is straight.
+
+The cross-section is rolled by superelevation about the reference line, so that a point at t lies t cos(roll) beside it and
+t sin(roll) above it. Pitch and roll follow ISO 8855: pitch is positive nose down, roll is positive with the left side up.
+"""
+
+from math import atan, atan2, cos, pi, sin, sqrt
+
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, RoadTables
+
+TAU = 2.0 * pi
+GAUSS_NODE = sqrt(0.6)
+GAUSS_OUTER = 5.0 / 18.0
+GAUSS_INNER = 8.0 / 18.0
+SMALL_ANGLE = 1e-9
+MIN_SPEED = 1e-12
+
+
+@compiled
+def wrap_heading(h: float) -> float:
+    """Return an angle in [0, 2 pi)."""
+    w = h % TAU
+    if w >= TAU:
+        w = 0.0
+    return w
+
+
+@compiled
+def wrap_angle(a: float) -> float:
+    """Return an angle in [-pi, pi)."""
+    return (a + pi) % TAU - pi
+
+
+@compiled
+def road_piece_at(n: RoadTables, road: int, s: float) -> int:
+    """Return the row of the piece that holds s: the last that starts at or before it."""
+    first = n.road_cell[road]
+    cells = n.road_cell[road + 1] - first
+    c = 0
+    if s > 0.0:
+        at = s * n.road_cell_scale[road]
+        c = cells - 1
+        if at < c:
+            c = int(at)
+    low = n.cell_piece[first + c]
+    high = n.road_piece[road + 1] - 1
+    if c + 1 < cells:
+        high = n.cell_piece[first + c + 1]
+    while low < high:
+        middle = (low + high + 1) // 2
+        if n.piece_s[middle] <= s:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@compiled
+def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, float, float, float]:
+    """Return (x, y, heading, curvature, speed) at s on a piece; speed is the length of d(x, y)/ds, 1 except on polynomials."""
+    d = s - n.piece_s[piece]
+    kind = n.piece_kind[piece]
+    h = n.piece_h[piece]
+    if kind == LINE:
+        return n.piece_x[piece] + d * cos(h), n.piece_y[piece] + d * sin(h), h, 0.0, 1.0
+    if kind == POLYNOMIAL:
+        return polynomial_point(n, piece, d)
+    k = n.piece_k[piece]
+    if kind == ARC:
+        half = 0.5 * k * d
+        chord = d
+        if half > SMALL_ANGLE or half < -SMALL_ANGLE:
+            chord = d * sin(half) / half
+        a = h + half
+        return n.piece_x[piece] + chord * cos(a), n.piece_y[piece] + chord * sin(a), h + k * d, k, 1.0
+    half_rate = 0.5 * n.piece_dk[piece]
+    u0 = 0.5 * (1.0 - GAUSS_NODE) * d
+    u1 = 0.5 * d
+    u2 = 0.5 * (1.0 + GAUSS_NODE) * d
+    a0 = h + (k + half_rate * u0) * u0
+    a1 = h + (k + half_rate * u1) * u1
+    a2 = h + (k + half_rate * u2) * u2
+    x = n.piece_x[piece] + d * (GAUSS_OUTER * (cos(a0) + cos(a2)) + GAUSS_INNER * cos(a1))
+    y = n.piece_y[piece] + d * (GAUSS_OUTER * (sin(a0) + sin(a2)) + GAUSS_INNER * sin(a1))
+    return x, y, h + (k + half_rate * d) * d, k + 2.0 * half_rate * d, 1.0
+
+
+@compiled
+def polynomial_point(n: RoadTables, piece: int, d: float) -> tuple[float, float, float, float, float]:
+    """Return what `piece_point` does, for a parametric polynomial at the distance d from the piece's start."""
+    q = n.piece_poly[piece]
+    scale = n.poly_scale[q]
+    p = d * scale
+    u = n.poly_au[q] + p * (n.poly_bu[q] + p * (n.poly_cu[q] + p * n.poly_du[q]))
+    v = n.poly_av[q] + p * (n.poly_bv[q] + p * (n.poly_cv[q] + p * n.poly_dv[q]))
+    u1 = n.poly_bu[q] + p * (2.0 * n.poly_cu[q] + 3.0 * p * n.poly_du[q])
+    v1 = n.poly_bv[q] + p * (2.0 * n.poly_cv[q] + 3.0 * p * n.poly_dv[q])
+    u2 = 2.0 * n.poly_cu[q] + 6.0 * p * n.poly_du[q]
+    v2 = 2.0 * n.poly_cv[q] + 6.0 * p * n.poly_dv[q]
+    h = n.piece_h[piece]
+    c = cos(h)
+    w = sin(h)
+    speed = sqrt(u1 * u1 + v1 * v1)
+    turn = 0.0
+    curvature = 0.0
+    if speed > MIN_SPEED:
+        turn = atan2(v1, u1)
+        curvature = (u1 * v2 - v1 * u2) / (speed * speed * speed)
+    x = n.piece_x[piece] + u * c - v * w
+    y = n.piece_y[piece] + u * w + v * c
+    return x, y, h + turn, curvature, speed * scale
+
+
+@compiled
+def road_reference(n: RoadTables, road: int, s: float) -> tuple[float, float, float, float]:
+    """Return (x, y, heading, curvature) of the reference line; the heading is not wrapped."""
+    x, y, h, k, _ = piece_point(n, road_piece_at(n, road, s), s)
+    return x, y, h, k
+
+
+@compiled
+def cubic_row(n: RoadTables, first: int, last: int, s: float) -> int:
+    """Return the last cubic of a non-empty range that starts at or before s, the first one where none does."""
+    low = first
+    high = last - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if n.cubic_s[middle] <= s:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@compiled
+def cubic_value(n: RoadTables, first: int, last: int, s: float) -> float:
+    """Return the value of a range of cubics at s; 0 for an empty range, constant before the first."""
+    if first >= last:
+        return 0.0
+    c = first
+    if last - first > 1:
+        c = cubic_row(n, first, last, s)
+    d = s - n.cubic_s[c]
+    if d < 0.0:
+        d = 0.0
+    return n.cubic_a[c] + d * (n.cubic_b[c] + d * (n.cubic_c[c] + d * n.cubic_d[c]))
+
+
+@compiled
+def cubic_slope(n: RoadTables, first: int, last: int, s: float) -> float:
+    """Return the derivative of a range of cubics at s."""
+    if first >= last:
+        return 0.0
+    c = first
+    if last - first > 1:
+        c = cubic_row(n, first, last, s)
+    d = s - n.cubic_s[c]
+    if d < 0.0:
+        return 0.0
+    return n.cubic_b[c] + d * (2.0 * n.cubic_c[c] + 3.0 * d * n.cubic_d[c])
+
+
+@compiled
+def road_elevation(n: RoadTables, road: int, s: float) -> float:
+    """Return z of the reference line, m."""
+    return cubic_value(n, n.road_elevation_first[road], n.road_elevation_last[road], s)
+
+
+@compiled
+def road_grade(n: RoadTables, road: int, s: float) -> float:
+    """Return dz/ds of the reference line, positive uphill along s."""
+    return cubic_slope(n, n.road_elevation_first[road], n.road_elevation_last[road], s)
+
+
+@compiled
+def road_superelevation(n: RoadTables, road: int, s: float) -> float:
+    """Return the roll of the road about its reference line, rad, positive with the left side up."""
+    return cubic_value(n, n.road_superelevation_first[road], n.road_superelevation_last[road], s)
+
+
+@compiled
+def shape_station(n: RoadTables, road: int, s: float) -> int:
+    """Return the last station of a road's lateral shape at or before s; the road has one at least."""
+    low = n.road_shape[road]
+    high = n.road_shape[road + 1] - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if n.shape_s[middle] <= s:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@compiled
+def lateral_shape(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float]:
+    """Return (height, slope dz/dt) that shape and crossfall add at t; shapes are interpolated linearly between stations."""
+    z = 0.0
+    slope = 0.0
+    if n.road_shape[road] < n.road_shape[road + 1]:
+        a = shape_station(n, road, s)
+        z = cubic_value(n, n.shape_first[a], n.shape_last[a], t)
+        slope = cubic_slope(n, n.shape_first[a], n.shape_last[a], t)
+        b = a + 1
+        if b < n.road_shape[road + 1] and s > n.shape_s[a] and n.shape_s[b] > n.shape_s[a]:
+            share = (s - n.shape_s[a]) / (n.shape_s[b] - n.shape_s[a])
+            z = z + share * (cubic_value(n, n.shape_first[b], n.shape_last[b], t) - z)
+            slope = slope + share * (cubic_slope(n, n.shape_first[b], n.shape_last[b], t) - slope)
+    fall = 0.0
+    if t > 0.0:
+        fall = -cubic_value(n, n.road_crossfall_left_first[road], n.road_crossfall_left_last[road], s)
+    if t < 0.0:
+        fall = cubic_value(n, n.road_crossfall_right_first[road], n.road_crossfall_right_last[road], s)
+    if fall != 0.0:
+        z = z + t * sin(fall)
+        slope = slope + sin(fall)
+    return z, slope
+
+
+@compiled
+def road_surface(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float]:
+    """Return (t in the plane, z, pitch, roll) of the road surface at (s, t)."""
+    if n.road_flat[road] == 1:
+        return t, 0.0, 0.0, 0.0
+    z = road_elevation(n, road, s)
+    pitch = -atan(road_grade(n, road, s))
+    roll = road_superelevation(n, road, s)
+    rise, slope = lateral_shape(n, road, s, t)
+    plane_t = t
+    if roll != 0.0:
+        plane_t = t * cos(roll)
+        z = z + t * sin(roll)
+    return plane_t, z + rise, pitch, roll + atan(slope)
+
+
+@compiled
+def road_pose(
+    n: RoadTables, road: int, s: float, t: float
+) -> tuple[float, float, float, float, float, float]:
+    """Return (x, y, z, heading along s, pitch, roll) of the point (s, t) on the road surface."""
+    x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)
+    plane_t, z, pitch, roll = road_surface(n, road, s, t)
+    return x - plane_t * sin(h), y + plane_t * cos(h), z, wrap_heading(h), pitch, roll

@@ -1,0 +1,351 @@
+"""<lanes> to lane sections, lanes, widths, heights, speeds and marks in the tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, NONE
+from scenario_compiler.roads.marks import (
+    LANE_CHANGE_CODES,
+    MARK_COLOUR_CODES,
+    MARK_CUSTOM,
+    MARK_TYPE_CODES,
+    STANDARD_WIDTH,
+)
+from scenario_compiler.roads.reading import LENGTH_LIMIT, UNSORTED, Cubic, Reader, append_cubics
+from scenario_compiler.roads.tables import RoadTables
+
+BAD_LANE = Code(
+    "SC310",
+    "bad-lane",
+    "A lane cannot be used and is left out: its id is no integer, is used twice in its section, or has the wrong sign for its "
+    "side (left lanes are positive, right lanes negative).",
+    Severity.WARNING,
+)
+BAD_SECTION = Code(
+    "SC311",
+    "bad-lane-section",
+    "A lane section starts at or beyond the end of its road, or where another one starts, so nothing of it lies on the road. It "
+    "is left out.",
+    Severity.WARNING,
+)
+UNKNOWN_LANE_WORD = Code(
+    "SC312",
+    "unknown-lane-word",
+    "A lane type, mark type, mark colour or direction is none that OpenDRIVE knows. A default is used in its place.",
+    Severity.WARNING,
+)
+
+QUALITY_CODE = "marking_quality"
+"""Code of the `<userData>` in a `<roadMark>` that says how well the mark can be seen, 0 to 1."""
+
+LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
+
+
+@dataclass(slots=True)
+class LaneLinks:
+    """The lane ids that the file links each lane's row to, before and after its section."""
+
+    before: list[list[int]]
+    after: list[list[int]]
+
+
+Side = tuple[etree._Element | None, float, float]
+"""The side's element, the s of its section, the s of the section's end."""
+
+
+class LaneReader:
+    """Reads the lanes of one road after the other."""
+
+    def __init__(self, reader: Reader, tables: RoadTables) -> None:
+        """Start before the first road."""
+        self._reader = reader
+        self._n = tables
+        self.links = LaneLinks([], [])
+
+    def read(self, road_element: etree._Element, road: int, length: float) -> None:
+        """Append the lane sections of a road."""
+        n = self._n
+        n.road_section.append(len(n.section_s))
+        n.road_directions.append(0)
+        lanes = road_element.find("lanes")
+        if lanes is None:
+            return
+        sections = self._sections(lanes, length)
+        left: Side = (None, 0.0, 0.0)
+        right: Side = (None, 0.0, 0.0)
+        for i, (s, element) in enumerate(sections):
+            end = sections[i + 1][0] if i + 1 < len(sections) else length
+            new_left, new_right = element.find("left"), element.find("right")
+            one_sided = element.get("singleSide") in {"true", "1"} and i > 0
+            keep_left = one_sided and new_left is None
+            keep_right = one_sided and new_right is None
+            left = (left[0], left[1], end) if keep_left else (new_left, s, end)
+            right = (right[0], right[1], end) if keep_right else (new_right, s, end)
+            self._section(element, road, (s, end), left, right)
+            self._continue(keep_left, keep_right)
+
+    def _sections(self, lanes: etree._Element, length: float) -> list[tuple[float, etree._Element]]:
+        """Return the usable lane sections with their start, in ascending order."""
+        found: list[tuple[float, etree._Element]] = []
+        for element in lanes.iterfind("laneSection"):
+            s = self._reader.number(element, "s", 0.0, limit=LENGTH_LIMIT)
+            if found and (s >= length or s == found[-1][0]):
+                self._reader.report(BAD_SECTION, f"the lane section at s = {s:g} is left out", element, "s")
+                continue
+            if found and s < found[-1][0]:
+                self._reader.report(
+                    UNSORTED, "s is smaller than that of the lane section before", element, "s"
+                )
+            found.append((s if found else min(s, 0.0), element))
+        found.sort(key=lambda pair: pair[0])
+        return found
+
+    def _section(
+        self, element: etree._Element, road: int, span: tuple[float, float], left: Side, right: Side
+    ) -> None:
+        n = self._n
+        n.section_s.append(span[0])
+        n.section_end.append(span[1])
+        n.section_road.append(road)
+        n.section_lane.append(len(n.lane_id))
+        lefts = self._side(left[0], 1)
+        centre = element.find("center/lane")
+        n.section_left.append(len(lefts))
+        outwards: list[tuple[int, etree._Element | None, float]] = []
+        outwards.extend((lane, one, left[1]) for lane, one in reversed(lefts))
+        outwards.append((0, centre, span[0]))
+        outwards.extend((lane, one, right[1]) for lane, one in self._side(right[0], -1))
+        first = len(n.lane_id)
+        for lane, one, origin in outwards:
+            self._lane(lane, one, origin, span[1])
+        self._widths(outwards, first, span[1])
+
+    def _side(self, side: etree._Element | None, sign: int) -> list[tuple[int, etree._Element]]:
+        """Return the usable lanes of a side from the centre outwards."""
+        found: dict[int, etree._Element] = {}
+        if side is None:
+            return []
+        for element in side.iterfind("lane"):
+            lane = self._reader.integer(element, "id")
+            if lane is None or lane * sign <= 0 or lane in found:
+                self._reader.report(BAD_LANE, f"the lane '{element.get('id')}' is left out", element, "id")
+            else:
+                found[lane] = element
+        return sorted(found.items(), key=lambda pair: abs(pair[0]))
+
+    def _lane(self, lane: int, element: etree._Element | None, origin: float, end: float) -> None:
+        n = self._n
+        n.lane_id.append(lane)
+        n.lane_section.append(len(n.section_s) - 1)
+        n.lane_height.append(len(n.height_s))
+        n.lane_speed.append(len(n.speed_s))
+        n.lane_mark.append(len(n.mark_s))
+        before: list[int] = []
+        after: list[int] = []
+        self.links.before.append(before)
+        self.links.after.append(after)
+        if element is None:
+            n.lane_type.append(NONE)
+            n.lane_level.append(0)
+            n.lane_direction.append(0)
+            return
+        name = element.get("type", "none")
+        code = LANE_TYPE_CODES.get(name, -1)
+        if code < 0:
+            code = NONE
+            self._reader.report(
+                UNKNOWN_LANE_WORD, f"unknown lane type '{name[:40]}'; 'none' is used", element, "type"
+            )
+        n.lane_type.append(code)
+        n.lane_level.append(int(element.get("level") in {"true", "1"}))
+        direction = LANE_DIRECTIONS.get(element.get("direction", "standard"), 0)
+        n.lane_direction.append(direction)
+        if direction == 1:
+            n.road_directions[n.section_road[-1]] = 1
+        marks: list[etree._Element] = []
+        for child in element:
+            tag = child.tag
+            if tag == "roadMark":
+                marks.append(child)
+            elif tag == "link":
+                self._links(child, before, after)
+            elif tag == "speed":
+                n.speed_s.append(origin + self._reader.number(child, "sOffset", 0.0, limit=LENGTH_LIMIT))
+                n.speed_max.append(self._reader.speed(child))
+            elif tag == "height":
+                n.height_s.append(origin + self._reader.number(child, "sOffset", 0.0, limit=LENGTH_LIMIT))
+                n.height_inner.append(self._reader.number(child, "inner", 0.0))
+                n.height_outer.append(self._reader.number(child, "outer", 0.0))
+        if marks:
+            self._marks(marks, origin, end)
+
+    def _links(self, link: etree._Element, before: list[int], after: list[int]) -> None:
+        for one in link:
+            if one.tag in {"predecessor", "successor"}:
+                lane = self._reader.integer(one, "id")
+                if lane is not None:
+                    (before if one.tag == "predecessor" else after).append(lane)
+
+    def _continue(self, left: bool, right: bool) -> None:
+        """Link a side that a one-sided section leaves as it was to itself in the section before."""
+        n = self._n
+        if not (left or right):
+            return
+        section = len(n.section_s) - 1
+        for at, links in ((section - 1, self.links.after), (section, self.links.before)):
+            stop = n.section_lane[at + 1] if at < section else len(n.lane_id)
+            for row in range(n.section_lane[at], stop):
+                lane = n.lane_id[row]
+                if (lane > 0 and left) or (lane < 0 and right):
+                    links[row][:] = [lane]
+
+    def _widths(self, lanes: list[tuple[int, etree._Element | None, float]], first: int, end: float) -> None:
+        """Append the widths of a section's lanes; borders become widths by subtracting the border inside."""
+        n = self._n
+        ranges = [(0, 0)] * len(lanes)
+        bordered = False
+        for i, (_lane, element, origin) in enumerate(lanes):
+            if element is None or _lane == 0:
+                continue
+            widths = element.findall("width")
+            if widths:
+                ranges[i] = self._reader.cubics(n, widths, "sOffset", origin)
+            elif element.find("border") is not None:
+                bordered = True
+        n.lane_width_first.extend(first for first, _ in ranges)
+        n.lane_width_last.extend(last for _, last in ranges)
+        if bordered:
+            centre = next(i for i, (lane, _, _) in enumerate(lanes) if lane == 0)
+            self._borders(lanes[centre + 1 :], first + centre + 1, 1)
+            self._borders(lanes[:centre][::-1], first + centre - 1, -1)
+
+    def _borders(self, lanes: list[tuple[int, etree._Element | None, float]], row: int, step: int) -> None:
+        """Give the bordered lanes of one side (from the centre outwards) widths; `row` is the first one's."""
+        n = self._n
+        edge: list[Cubic] = [(-LENGTH_LIMIT, 0.0, 0.0, 0.0, 0.0)]
+        for i, (lane, element, origin) in enumerate(lanes):
+            at = row + i * step
+            if element is None:
+                continue
+            borders = element.findall("border")
+            if borders and element.find("width") is None:
+                sign = 1.0 if lane > 0 else -1.0
+                span = self._reader.cubics(n, borders, "sOffset", origin)
+                outer = [(c[0], sign * c[1], sign * c[2], sign * c[3], sign * c[4]) for c in _rows(n, span)]
+                widths = _sum(outer or [(origin, 0.0, 0.0, 0.0, 0.0)], edge, -1.0)
+                n.lane_width_first[at], n.lane_width_last[at] = append_cubics(n, widths)
+                edge = outer or [(origin, 0.0, 0.0, 0.0, 0.0)]
+            else:
+                widths = _rows(n, (n.lane_width_first[at], n.lane_width_last[at]))
+                if widths:
+                    edge = _sum(widths, edge, 1.0)
+
+    def _marks(self, elements: list[etree._Element], origin: float, end: float) -> None:
+        n = self._n
+        rows = []
+        for element in elements:
+            offset = element.get("sOffset")
+            s = 0.0
+            if offset is not None and offset != "0":
+                s = self._reader.number(element, "sOffset", 0.0, limit=LENGTH_LIMIT)
+            rows.append((origin + s, element))
+        if any(rows[i][0] > rows[i + 1][0] for i in range(len(rows) - 1)):
+            self._reader.report(UNSORTED, "the lane's road marks are not in ascending order", elements[0])
+            rows.sort(key=lambda row: row[0])
+        for i, (s, element) in enumerate(rows):
+            n.mark_s.append(s)
+            n.mark_end.append(rows[i + 1][0] if i + 1 < len(rows) else max(s, end))
+            self._mark(element)
+
+    def _mark(self, element: etree._Element) -> None:
+        n = self._n
+        get = element.get
+        name = get("type", "none")
+        code = MARK_TYPE_CODES.get(name, -1)
+        if code < 0:
+            code = MARK_CUSTOM
+            self._reader.report(
+                UNKNOWN_LANE_WORD, f"unknown mark type '{name[:40]}'; 'custom' is used", element, "type"
+            )
+        n.mark_type.append(code)
+        n.mark_colour.append(MARK_COLOUR_CODES.get(get("color", "standard"), 0))
+        n.mark_change.append(LANE_CHANGE_CODES.get(get("laneChange", "both").lower(), 0))
+        width = self._reader.number(element, "width", 0.0)
+        if width <= 0.0:
+            width = 2.0 * STANDARD_WIDTH if get("weight") == "bold" else STANDARD_WIDTH
+        n.mark_width.append(width)
+        n.mark_line.append(len(n.line_length))
+        quality = 1.0
+        first = last = 0
+        if len(element):
+            quality = self._quality(element)
+            sways = element.findall("sway")
+            if sways:
+                first, last = self._reader.cubics(n, sways, "ds", n.mark_s[-1])
+            self._lines(element.iterfind("type/line"), 0)
+            self._lines(element.iterfind("explicit/line"), 1)
+        n.mark_quality_from.append(quality)
+        n.mark_quality_to.append(quality)
+        n.mark_sway_first.append(first)
+        n.mark_sway_last.append(last)
+
+    def _quality(self, element: etree._Element) -> float:
+        for data in element.iterfind("userData"):
+            if data.get("code") == QUALITY_CODE:
+                return min(1.0, max(0.0, self._reader.number(data, "value", 1.0)))
+        return 1.0
+
+    def _lines(self, elements: Iterable[etree._Element], once: int) -> None:
+        n = self._n
+        for line in elements:
+            number = self._reader.number
+            n.line_length.append(number(line, "length", 0.0))
+            n.line_space.append(number(line, "space", 0.0))
+            n.line_t.append(number(line, "tOffset", 0.0))
+            n.line_s.append(number(line, "sOffset", 0.0))
+            n.line_width.append(number(line, "width", n.mark_width[-1]))
+            n.line_colour.append(MARK_COLOUR_CODES.get(line.get("color", ""), n.mark_colour[-1]))
+            n.line_once.append(once)
+
+
+def _rows(n: RoadTables, span: tuple[int, int]) -> list[Cubic]:
+    return [
+        (n.cubic_s[i], n.cubic_a[i], n.cubic_b[i], n.cubic_c[i], n.cubic_d[i])
+        for i in range(span[0], span[1])
+    ]
+
+
+def _sum(a: list[Cubic], b: list[Cubic], factor: float) -> list[Cubic]:
+    """Return a + factor b as cubics over the starts of both."""
+    starts = sorted({row[0] for row in a} | {row[0] for row in b if row[0] > a[0][0]})
+    out = []
+    for s in starts:
+        left, right = _shifted(a, s), _shifted(b, s)
+        out.append(
+            (
+                s,
+                left[0] + factor * right[0],
+                left[1] + factor * right[1],
+                left[2] + factor * right[2],
+                left[3] + factor * right[3],
+            )
+        )
+    return out
+
+
+def _shifted(rows: list[Cubic], s: float) -> tuple[float, float, float, float]:
+    """Return the coefficients of the cubic that holds s, expanded about s."""
+    row = rows[0]
+    for one in rows:
+        if one[0] <= s:
+            row = one
+    start, a, b, c, d = row
+    if s < start:
+        return a, 0.0, 0.0, 0.0
+    e = s - start
+    return a + e * (b + e * (c + e * d)), b + e * (2.0 * c + 3.0 * e * d), c + 3.0 * e * d, d

@@ -1,0 +1,301 @@
+"""Lanes: from (road, lane, s, offset) to t and to a pose, and from (road, s, t) to the lane.
+
+Left and right are as seen along increasing s. A width below 0 counts as 0.
+"""
+
+from math import atan, cos, sin
+
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import (
+    cubic_slope,
+    cubic_value,
+    piece_point,
+    road_piece_at,
+    road_surface,
+    wrap_heading,
+)
+from scenario_compiler.roads.lane_types import NONE
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def section_at(n: RoadTables, road: int, s: float) -> int:
+    """Return the row of the lane section that holds s: the last that starts at or before it, -1 on a road without lanes."""
+    low = n.road_section[road]
+    high = n.road_section[road + 1] - 1
+    if low > high:
+        return -1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if n.section_s[middle] <= s:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@compiled
+def lane_row_in(n: RoadTables, section: int, lane: int) -> int:
+    """Return the row of a lane in a section, -1 where it has none."""
+    if section < 0:
+        return -1
+    first = n.section_lane[section]
+    last = n.section_lane[section + 1]
+    row = first + n.section_left[section] - lane
+    if row >= first and row < last and n.lane_id[row] == lane:
+        return row
+    for row in range(first, last):
+        if n.lane_id[row] == lane:
+            return row
+    return -1
+
+
+@compiled
+def lane_row(n: RoadTables, road: int, lane: int, s: float) -> int:
+    """Return the row of a lane at s, -1 where it does not exist."""
+    return lane_row_in(n, section_at(n, road, s), lane)
+
+
+@compiled
+def row_width(n: RoadTables, row: int, s: float) -> float:
+    """Return the width of a lane's row at s, m, never below 0."""
+    w = cubic_value(n, n.lane_width_first[row], n.lane_width_last[row], s)
+    if w < 0.0:
+        w = 0.0
+    return w
+
+
+@compiled
+def row_width_slope(n: RoadTables, row: int, s: float) -> float:
+    """Return the derivative of a lane's width at s, 0 where the width is not positive."""
+    slope = cubic_slope(n, n.lane_width_first[row], n.lane_width_last[row], s)
+    if slope != 0.0 and cubic_value(n, n.lane_width_first[row], n.lane_width_last[row], s) < 0.0:
+        slope = 0.0
+    return slope
+
+
+@compiled
+def lane_offset(n: RoadTables, road: int, s: float) -> float:
+    """Return t of the centre lane, m."""
+    return cubic_value(n, n.road_offset_first[road], n.road_offset_last[road], s)
+
+
+@compiled
+def row_inner_border(n: RoadTables, road: int, row: int, s: float) -> float:
+    """Return t of the border of a lane's row towards the centre lane."""
+    t = lane_offset(n, road, s)
+    section = n.lane_section[row]
+    centre = n.section_lane[section] + n.section_left[section]
+    if row < centre:
+        for i in range(row + 1, centre):
+            t = t + row_width(n, i, s)
+    if row > centre:
+        for i in range(centre + 1, row):
+            t = t - row_width(n, i, s)
+    return t
+
+
+@compiled
+def row_centre(n: RoadTables, road: int, row: int, s: float) -> tuple[float, float]:
+    """Return (t, dt/ds) of the centre of a lane's row."""
+    t = lane_offset(n, road, s)
+    slope = cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
+    section = n.lane_section[row]
+    centre = n.section_lane[section] + n.section_left[section]
+    if row < centre:
+        for i in range(row + 1, centre):
+            t = t + row_width(n, i, s)
+            slope = slope + row_width_slope(n, i, s)
+        t = t + 0.5 * row_width(n, row, s)
+        slope = slope + 0.5 * row_width_slope(n, row, s)
+    if row > centre:
+        for i in range(centre + 1, row):
+            t = t - row_width(n, i, s)
+            slope = slope - row_width_slope(n, i, s)
+        t = t - 0.5 * row_width(n, row, s)
+        slope = slope - 0.5 * row_width_slope(n, row, s)
+    return t, slope
+
+
+@compiled
+def lane_centre(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, float]:
+    """Return (t, dt/ds) of a lane's centre; those of the centre lane where the lane does not exist."""
+    row = lane_row(n, road, lane, s)
+    if row < 0:
+        t = lane_offset(n, road, s)
+        return t, cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
+    return row_centre(n, road, row, s)
+
+
+@compiled
+def lane_borders(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, float]:
+    """Return (t of the left border, t of the right border); both those of the centre lane where the lane does not exist."""
+    row = lane_row(n, road, lane, s)
+    if row < 0:
+        t = lane_offset(n, road, s)
+        return t, t
+    inner = row_inner_border(n, road, row, s)
+    width = row_width(n, row, s)
+    if lane > 0:
+        return inner + width, inner
+    return inner, inner - width
+
+
+@compiled
+def lane_width(n: RoadTables, road: int, lane: int, s: float) -> float:
+    """Return a lane's width, m; 0 where the lane does not exist."""
+    row = lane_row(n, road, lane, s)
+    if row < 0:
+        return 0.0
+    return row_width(n, row, s)
+
+
+@compiled
+def lane_exists(n: RoadTables, road: int, lane: int, s: float) -> int:
+    """Return 1 where the lane section at s has the lane (of any width), else 0."""
+    if lane_row(n, road, lane, s) < 0:
+        return 0
+    return 1
+
+
+@compiled
+def lane_type(n: RoadTables, road: int, lane: int, s: float) -> int:
+    """Return the code of a lane's type, `NONE` where the lane does not exist."""
+    row = lane_row(n, road, lane, s)
+    if row < 0:
+        return NONE
+    return n.lane_type[row]
+
+
+@compiled
+def lane_direction(n: RoadTables, road: int, lane: int) -> int:
+    """Return 1 when travel in the lane is along increasing s, -1 against it.
+
+    Right lanes go along s in right-hand traffic, left lanes in left-hand traffic; a lane declared "reversed" goes the
+    other way. The centre lane counts as a right lane.
+    """
+    direction = n.road_rule[road]
+    if lane > 0:
+        direction = -direction
+    if n.road_directions[road] == 1:
+        for section in range(n.road_section[road], n.road_section[road + 1]):
+            row = lane_row_in(n, section, lane)
+            if row >= 0:
+                if n.lane_direction[row] == 1:
+                    return -direction
+                return direction
+    return direction
+
+
+@compiled
+def row_height(n: RoadTables, road: int, row: int, s: float, t: float) -> float:
+    """Return the height of a lane's surface above the road surface at t, m."""
+    first = n.lane_height[row]
+    last = n.lane_height[row + 1]
+    if first == last:
+        return 0.0
+    at = first
+    while at + 1 < last and n.height_s[at + 1] <= s:
+        at = at + 1
+    inner = n.height_inner[at]
+    outer = n.height_outer[at]
+    width = row_width(n, row, s)
+    share = 0.0
+    if width > 0.0:
+        share = (t - row_inner_border(n, road, row, s)) / width
+        if share < 0.0:
+            share = -share
+        if share > 1.0:
+            share = 1.0
+    return inner + share * (outer - inner)
+
+
+@compiled
+def lane_surface(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[float, float, float, float]:
+    """Return (t in the plane, z, pitch, roll) of a lane's surface at (s, t).
+
+    A level lane is not rolled: it goes on horizontally from its inner border.
+    """
+    if n.road_flat[road] == 1:
+        return t, 0.0, 0.0, 0.0
+    if n.lane_level[row] == 1:
+        step = 1
+        if n.lane_id[row] < 0:
+            step = -1
+        at = row
+        while n.lane_id[at + step] != 0 and n.lane_level[at + step] == 1:
+            at = at + step
+        inner = row_inner_border(n, road, at, s)
+        plane_t, z, pitch, roll = road_surface(n, road, s, inner)
+        return plane_t + t - inner, z + row_height(n, road, row, s, t), pitch, 0.0
+    plane_t, z, pitch, roll = road_surface(n, road, s, t)
+    return plane_t, z + row_height(n, road, row, s, t), pitch, roll
+
+
+@compiled
+def lane_pose(
+    n: RoadTables, road: int, lane: int, s: float, offset: float
+) -> tuple[float, float, float, float, float, float]:
+    """Return (x, y, z, heading, pitch, roll) at an offset to the left of a lane's centre.
+
+    The heading is along increasing s and follows the lane's centre: atan of its slope is part of it.
+    """
+    x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)
+    row = lane_row(n, road, lane, s)
+    if row < 0:
+        t = lane_offset(n, road, s) + offset
+        slope = cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
+        plane_t, z, pitch, roll = road_surface(n, road, s, t)
+    else:
+        t, slope = row_centre(n, road, row, s)
+        plane_t, z, pitch, roll = lane_surface(n, road, row, s, t + offset)
+    heading = h
+    if slope != 0.0:
+        heading = h + atan(slope)
+    return x - plane_t * sin(h), y + plane_t * cos(h), z, wrap_heading(heading), pitch, roll
+
+
+@compiled
+def row_at(n: RoadTables, road: int, section: int, s: float, t: float) -> tuple[int, float]:
+    """Return (row of the lane that holds t, offset from its centre), (-1, 0) off the lanes.
+
+    The borders belong to the lane further out; the outermost border belongs to the outermost lane.
+    """
+    if section < 0:
+        return -1, 0.0
+    edge = lane_offset(n, road, s)
+    centre = n.section_lane[section] + n.section_left[section]
+    row = centre
+    beside = t - edge
+    outwards = -1
+    stop = n.section_lane[section] - 1
+    if beside < 0.0 or stop + 1 == centre:
+        beside = -beside
+        outwards = 1
+        stop = n.section_lane[section + 1]
+    if beside < 0.0:
+        return -1, 0.0
+    inner = 0.0
+    row = row + outwards
+    while row != stop:
+        width = row_width(n, row, s)
+        if beside < inner + width or (beside <= inner + width + BORDER_TOLERANCE and row + outwards == stop):
+            offset = beside - inner - 0.5 * width
+            if outwards == 1:
+                offset = -offset
+            return row, offset
+        inner = inner + width
+        row = row + outwards
+    return -1, 0.0
+
+
+BORDER_TOLERANCE = 1e-7
+
+
+@compiled
+def lane_at(n: RoadTables, road: int, s: float, t: float) -> int:
+    """Return the id of the lane that holds t at s, 0 off the lanes."""
+    row, _ = row_at(n, road, section_at(n, road, s), s, t)
+    if row < 0:
+        return 0
+    return n.lane_id[row]

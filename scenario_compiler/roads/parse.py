@@ -1,0 +1,203 @@
+"""OpenDRIVE XML to `RoadTables`: everything that positions, routes and pictures need, with diagnostics for what cannot be used.
+
+Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is read. Errors are
+left for files that give no network at all. What the tables do not hold (objects, signals, controllers, header) is read by
+`model` when it is asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.document import Document
+from scenario_compiler.roads.lane_parse import LaneReader
+from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
+from scenario_compiler.roads.locate_build import build_index
+from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
+from scenario_compiler.roads.reference_parse import read_reference_line
+from scenario_compiler.roads.tables import NO_SPEED, RoadTables
+from scenario_compiler.roads.topology import build_links
+
+NOT_OPENDRIVE = Code(
+    "SC301",
+    "not-opendrive",
+    "The root element of the road file is not <OpenDRIVE>, or it holds no usable <road>. Check that the scenario names the "
+    "right file.",
+)
+DUPLICATE_ROAD = Code(
+    "SC302",
+    "duplicate-road",
+    "Two roads have the same id. Links and positions name a road by its id, so only the first one is used.",
+    Severity.WARNING,
+)
+UNUSABLE_ROAD = Code(
+    "SC303",
+    "unusable-road",
+    "A road cannot be used and is left out: it has no id, no reference line (<planView> with <geometry>), or a length that "
+    "is 0 or negative.",
+    Severity.WARNING,
+)
+UNKNOWN_WORD = Code(
+    "SC304",
+    "unknown-road-word",
+    "An attribute has a value that OpenDRIVE does not know (a lane type, a mark type, a colour, a traffic rule). The default "
+    "is used in its place.",
+    Severity.WARNING,
+)
+
+
+@dataclass
+class ParsedNetwork:
+    """The tables of a network and the names that its indices stand for."""
+
+    tables: RoadTables = field(default_factory=RoadTables)
+    road_ids: list[str] = field(default_factory=list)
+    junction_ids: list[str] = field(default_factory=list)
+
+
+def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
+    """Read the roads, junctions and links of a document; None (and an error in the sink) when there is no road in it."""
+    root = document.root
+    _drop_namespace(root)
+    if root.tag != "OpenDRIVE":
+        sink.add(NOT_OPENDRIVE, f"the root element is <{root.tag}>, not <OpenDRIVE>", document.origin(root))
+        return None
+    reader = Reader(document, sink)
+    parsed = ParsedNetwork()
+    for junction in root.iterfind("junction"):
+        parsed.junction_ids.append(junction.get("id") or "")
+    junctions = {name: i for i, name in reversed(list(enumerate(parsed.junction_ids)))}
+    elements: list[etree._Element] = []
+    seen: set[str] = set()
+    lanes = LaneReader(reader, parsed.tables)
+    for element in root.iterfind("road"):
+        road_id = element.get("id")
+        if road_id is None:
+            reader.report(UNUSABLE_ROAD, "a road without id is left out", element)
+        elif road_id in seen:
+            reader.report(
+                DUPLICATE_ROAD, f"a second road has the id '{road_id}'; it is left out", element, "id"
+            )
+        elif _read_road(reader, parsed.tables, lanes, element, junctions):
+            seen.add(road_id)
+            parsed.road_ids.append(road_id)
+            elements.append(element)
+    if not elements:
+        sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
+        return None
+    _close(parsed.tables)
+    build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links)
+    build_index(parsed.tables)
+    return parsed
+
+
+def _drop_namespace(root: etree._Element) -> None:
+    """Rename elements of a namespace to their bare names (OpenDRIVE declares none, some writers add one)."""
+    if not root.tag.startswith("{"):
+        return
+    for element in root.iter(etree.Element):
+        element.tag = etree.QName(element).localname
+
+
+def _read_road(
+    reader: Reader, n: RoadTables, lanes: LaneReader, element: etree._Element, junctions: dict[str, int]
+) -> bool:
+    """Append one road to the tables; False when it cannot be used."""
+    length = reader.number(element, "length", -1.0, limit=LENGTH_LIMIT)
+    if length <= 0.0:
+        if element.get("length") is not None:
+            reader.report(
+                UNUSABLE_ROAD, "the road's length is not positive; it is left out", element, "length"
+            )
+            return False
+        geometries = element.findall("planView/geometry")
+        length = sum(reader.number(one, "length", 0.0, limit=LENGTH_LIMIT) for one in geometries)
+    if length <= 0.0 or not read_reference_line(reader, n, element, length):
+        reader.report(
+            UNUSABLE_ROAD, "the road has no reference line of positive length; it is left out", element
+        )
+        return False
+    n.road_length.append(length)
+    rule = element.get("rule", "RHT")
+    if rule not in {"RHT", "LHT"}:
+        reader.report(UNKNOWN_WORD, f"unknown traffic rule '{rule}'; 'RHT' is used", element, "rule")
+    n.road_rule.append(-1 if rule == "LHT" else 1)
+    n.road_junction.append(junctions.get(element.get("junction", "-1"), -1))
+    _read_profiles(reader, n, element)
+    _read_types(reader, n, element)
+    road = len(n.road_length) - 1
+    lanes.read(element, road, length)
+    n.road_flat.append(int(_is_flat(n, road)))
+    return True
+
+
+def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> None:
+    elevation = reader.cubics(n, element.iterfind("elevationProfile/elevation"), "s", 0.0)
+    roll = reader.cubics(n, element.iterfind("lateralProfile/superelevation"), "s", 0.0)
+    offset = reader.cubics(n, element.iterfind("lanes/laneOffset"), "s", 0.0)
+    left, right = (0, 0), (0, 0)
+    falls = element.findall("lateralProfile/crossfall")
+    if falls:
+        left = reader.cubics(n, [one for one in falls if one.get("side") != "right"], "s", 0.0)
+        right = reader.cubics(n, [one for one in falls if one.get("side") != "left"], "s", 0.0)
+    for name, (first, last) in (
+        ("elevation", elevation),
+        ("superelevation", roll),
+        ("offset", offset),
+        ("crossfall_left", left),
+        ("crossfall_right", right),
+    ):
+        getattr(n, f"road_{name}_first").append(first)
+        getattr(n, f"road_{name}_last").append(last)
+    n.road_shape.append(len(n.shape_s))
+    stations: dict[float, list[etree._Element]] = {}
+    for one in element.iterfind("lateralProfile/shape"):
+        stations.setdefault(reader.number(one, "s", 0.0), []).append(one)
+    for s in sorted(stations):
+        first, last = reader.cubics(n, stations[s], "t", 0.0)
+        n.shape_s.append(s)
+        n.shape_first.append(first)
+        n.shape_last.append(last)
+
+
+def _read_types(reader: Reader, n: RoadTables, element: etree._Element) -> None:
+    n.road_type.append(len(n.type_s))
+    for one in sorted(element.iterfind("type"), key=lambda e: reader.number(e, "s", 0.0)):
+        speed = one.find("speed")
+        n.type_s.append(reader.number(one, "s", 0.0))
+        n.type_code.append(ROAD_TYPE_CODES.get(one.get("type", "unknown"), 0))
+        n.type_speed.append(NO_SPEED if speed is None else reader.speed(speed))
+
+
+def _is_flat(n: RoadTables, road: int) -> bool:
+    """Tell whether height, pitch and roll are 0 on all of the road that was read last."""
+    ranges = (
+        (n.road_elevation_first[road], n.road_elevation_last[road]),
+        (n.road_superelevation_first[road], n.road_superelevation_last[road]),
+        (n.road_crossfall_left_first[road], n.road_crossfall_left_last[road]),
+        (n.road_crossfall_right_first[road], n.road_crossfall_right_last[road]),
+    )
+    if any(first < last for first, last in ranges) or n.road_shape[road] < len(n.shape_s):
+        return False
+    lanes = (
+        n.section_lane[n.road_section[road]] if n.road_section[road] < len(n.section_s) else len(n.lane_id)
+    )
+    heights = n.lane_height[lanes] if lanes < len(n.lane_id) else len(n.height_s)
+    return heights == len(n.height_s)
+
+
+def _close(n: RoadTables) -> None:
+    """Append the last row of every CSR column."""
+    n.road_piece.append(len(n.piece_s))
+    n.road_cell.append(len(n.cell_piece))
+    n.road_shape.append(len(n.shape_s))
+    n.road_section.append(len(n.section_s))
+    n.road_type.append(len(n.type_s))
+    n.section_lane.append(len(n.lane_id))
+    n.lane_height.append(len(n.height_s))
+    n.lane_speed.append(len(n.speed_s))
+    n.lane_mark.append(len(n.mark_s))
+    n.mark_line.append(len(n.line_length))

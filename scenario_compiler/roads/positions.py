@@ -1,0 +1,131 @@
+"""The values that questions to a network return: poses, lane positions, routes, descriptions of lanes and marks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class Pose(NamedTuple):
+    """A point on the road surface with the orientation of the surface there.
+
+    OpenDRIVE axes: metres; heading counterclockwise from +x in [0, 2 pi), pitch positive nose down, roll positive left side
+    up, radians.
+    """
+
+    x: float
+    y: float
+    z: float
+    heading: float
+    pitch: float
+    roll: float
+
+
+class LanePosition(NamedTuple):
+    """A point on a lane; offset is in m from the lane's centre, positive to the left as seen along increasing s."""
+
+    road: str
+    lane: int
+    s: float
+    offset: float = 0.0
+
+
+class Located(NamedTuple):
+    """What `Network.locate_many` returns: columns over all found (point, lane) pairs, by point, nearest lane centre first.
+
+    Attributes:
+        start: CSR over the points, (points + 1,).
+        road: Road index.
+        lane: Lane id.
+        s: m.
+        offset: From the lane's centre, m.
+    """
+
+    start: object
+    road: object
+    lane: object
+    s: object
+    offset: object
+
+
+class LaneAt(NamedTuple):
+    """A lane at one s: its borders are t in m, left and right as seen along s."""
+
+    lane: int
+    type: str
+    t_left: float
+    t_right: float
+
+
+class Mark(NamedTuple):
+    """A road mark at one s: words of the standard, width in m, quality from 0 (gone) to 1 (new)."""
+
+    type: str
+    colour: str
+    width: float
+    quality: float
+    lane_change: str
+
+
+class MarkStretch(NamedTuple):
+    """Marks whose quality is set from s_from to s_to, linear between both qualities; lane None means every mark of the road.
+
+    A lane's mark lies on its outer border; lane 0 is the centre line.
+    """
+
+    road: str
+    lane: int | None
+    s_from: float
+    s_to: float
+    quality_from: float
+    quality_to: float
+
+
+class Leg(NamedTuple):
+    """A part of a route: one lane of one road from s to s. `changes_lane` tells that it is entered from the lane beside."""
+
+    road: str
+    lane: int
+    s_from: float
+    s_to: float
+    changes_lane: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """The way from one lane position to another: legs in order of travel.
+
+    Attributes:
+        legs: Legs; each but the first starts where the one before ends, or beside it.
+        length: Distance to travel, m.
+        lane_changes: Number of lane changes.
+    """
+
+    legs: tuple[Leg, ...]
+    length: float
+    lane_changes: int
+
+
+@dataclass(frozen=True, slots=True)
+class RoadDescription:
+    """What a road is: its place in the network and its lane sections.
+
+    Attributes:
+        id: As in the file.
+        length: m.
+        rule: "RHT" or "LHT".
+        junction: Id of the junction that it lies in, or None.
+        predecessor: ("road" or "junction", id), or None.
+        successor: Likewise at the end.
+        sections: (s, lane ids from left to right, the centre lane 0 included) of each lane section.
+        type: Road type at s = 0, "unknown" where the file gives none.
+    """
+
+    id: str
+    length: float
+    rule: str
+    junction: str | None
+    predecessor: tuple[str, str] | None
+    successor: tuple[str, str] | None
+    sections: tuple[tuple[float, tuple[int, ...]], ...]
+    type: str

@@ -1,0 +1,167 @@
+"""Attributes to numbers, with diagnostics: the part of the OpenDRIVE reader that knows no element by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
+from scenario_compiler.document import Document
+from scenario_compiler.roads.tables import NO_SPEED, RoadTables
+
+BAD_NUMBER = Code(
+    "SC305",
+    "bad-road-number",
+    "An attribute of the road file should hold a finite number of sensible size and does not: it is missing, is not a number, "
+    "is NaN or infinite, or is larger than any real road needs. The default (mostly 0) is used, or the record is left out.",
+    Severity.WARNING,
+)
+UNSORTED = Code(
+    "SC306",
+    "unsorted-records",
+    "Records along a road (geometries, elevations, lane sections, widths, marks) should stand in ascending order of s. They "
+    "are sorted before they are used.",
+    Severity.WARNING,
+)
+MANY_FINDINGS = Code(
+    "SC307",
+    "many-road-findings",
+    "The road file has so many faults that the rest of them is not listed.",
+    Severity.WARNING,
+)
+
+FINDINGS_LIMIT = 200
+"""Most findings that are reported of one file."""
+
+LENGTH_LIMIT = 1e7
+"""Longest road, largest s, m; 10 000 km."""
+
+NUMBER_LIMIT = 1e12
+"""Largest absolute value of any other number: with d below `LENGTH_LIMIT` no cubic overflows."""
+
+SPEED_UNITS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
+"""Factor to m/s of each unit of speed (OpenDRIVE e_unitSpeed)."""
+
+
+class Reader:
+    """Reads attributes of one document and reports into one sink."""
+
+    def __init__(self, document: Document, sink: Diagnostics) -> None:
+        """Start with no finding."""
+        self.document = document
+        self.sink = sink
+        self._left = FINDINGS_LIMIT
+
+    def report(self, code: Code, message: str, element: etree._Element, attribute: str | None = None) -> None:
+        """Report a finding at an element or at one of its attributes; none after `FINDINGS_LIMIT`."""
+        self._left -= 1
+        if self._left > 0:
+            self.sink.add(code, message, self.document.origin(element, attribute))
+        elif self._left == 0:
+            message = f"more than {FINDINGS_LIMIT} findings; the rest is not listed"
+            self.sink.add(MANY_FINDINGS, message, FilePlace(self.document.path))
+
+    def number(
+        self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT
+    ) -> float:
+        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is none.
+
+        A missing attribute is no finding here: whether it may be missing is a matter of structure, not of reading.
+        """
+        text = element.get(name)
+        if text is None:
+            return default
+        try:
+            value = float(text)
+        except ValueError:
+            self.report(
+                BAD_NUMBER, f"{name} is '{text[:40]}', not a number; {default:g} is used", element, name
+            )
+            return default
+        if -limit <= value <= limit:
+            return value
+        self.report(BAD_NUMBER, f"{name} is {value:g}; {default:g} is used", element, name)
+        return default
+
+    def integer(self, element: etree._Element, name: str) -> int | None:
+        """Return an attribute as an integer, None (and a finding) where it is none."""
+        text = element.get(name)
+        try:
+            if text is not None and len(text) < 16:
+                return int(text)
+        except ValueError:
+            pass
+        found = "is missing" if text is None else f"is '{text[:40]}', not an integer"
+        self.report(BAD_NUMBER, f"{name} {found}", element, None if text is None else name)
+        return None
+
+    def speed(self, element: etree._Element) -> float:
+        """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` where it says nothing usable."""
+        text = element.get("max", "undefined")
+        if text == "no limit":
+            return inf
+        if text == "undefined":
+            return NO_SPEED
+        value = self.number(element, "max", NO_SPEED)
+        if value < 0.0:
+            return NO_SPEED
+        return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
+
+    def cubics(
+        self, n: RoadTables, records: Iterable[etree._Element], station: str, origin: float
+    ) -> tuple[int, int]:
+        """Append cubics to the pool and return their range, empty when all of them are 0 everywhere.
+
+        Args:
+            n: The tables.
+            records: Elements with the attributes a, b, c, d.
+            station: Name of the attribute that says where a record starts: "s", "t" or "sOffset".
+            origin: What that attribute counts from.
+        """
+        rows = []
+        ordered = True
+        last = -inf
+        for record in records:
+            get = record.get
+            try:
+                s, a, b, c, d = (
+                    float(get(station)),
+                    float(get("a")),
+                    float(get("b")),
+                    float(get("c")),
+                    float(get("d")),
+                )  # type: ignore[arg-type]
+                fine = abs(s) + abs(a) + abs(b) + abs(c) + abs(d) < NUMBER_LIMIT
+            except (TypeError, ValueError):
+                fine = False
+            if not fine:
+                s = self.number(record, station, 0.0, limit=LENGTH_LIMIT)
+                a, b, c, d = (self.number(record, name, 0.0) for name in "abcd")
+            if s < last:
+                ordered = False
+                self.report(UNSORTED, f"{station} is smaller than that of the record before", record, station)
+            last = s
+            rows.append((origin + s, a, b, c, d))
+        if not ordered:
+            rows.sort(key=lambda row: row[0])
+        return append_cubics(n, rows)
+
+
+Cubic = tuple[float, float, float, float, float]
+"""Start, a, b, c, d."""
+
+
+def append_cubics(n: RoadTables, rows: list[Cubic]) -> tuple[int, int]:
+    """Append cubics to the pool and return their range, empty when all of them are 0 everywhere."""
+    first = len(n.cubic_s)
+    if all(a == b == c == d == 0.0 for _, a, b, c, d in rows):
+        return first, first
+    for s, a, b, c, d in rows:
+        n.cubic_s.append(s)
+        n.cubic_a.append(a)
+        n.cubic_b.append(b)
+        n.cubic_c.append(c)
+        n.cubic_d.append(d)
+    return first, len(n.cubic_s)

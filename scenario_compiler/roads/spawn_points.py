@@ -1,0 +1,46 @@
+"""Spawn points that a map's description (map.toml beside the OpenDRIVE file) names."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+BAD_DESCRIPTION = Code(
+    "SC308",
+    "bad-map-description",
+    "The map.toml beside the map cannot be read as TOML, or a [[spawn_point]] in it lacks name, road, lane or s.",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class NamedPosition:
+    """A named place to start: a lane of a road at s, m."""
+
+    road: str
+    lane: int
+    s: float
+    summary: str
+
+
+def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPosition]:
+    """Return the spawn points by name, in the order of the file; empty for a map without a description."""
+    description = Path(network_path).parent / "map.toml"
+    if not description.is_file():
+        return {}
+    points: dict[str, NamedPosition] = {}
+    try:
+        for entry in tomllib.loads(description.read_text(encoding="utf-8")).get("spawn_point", []):
+            points[str(entry["name"])] = NamedPosition(
+                str(entry["road"]), int(entry["lane"]), float(entry["s"]), str(entry.get("summary", ""))
+            )
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        sink.add(BAD_DESCRIPTION, f"cannot read the map's description: {error}", FilePlace(str(description)))
+    return points

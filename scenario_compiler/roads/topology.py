@@ -1,0 +1,253 @@
+"""Links of roads, lanes and junctions, resolved to rows: which lane goes on in which.
+
+A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both directions, whoever of the
+two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of roads; the lane links
+of junction connections (default and direct); where a connection names no lanes, the connecting road's own lane links. Where
+a joint names no lane at all, lanes of the same id go on in each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Severity, did_you_mean
+from scenario_compiler.roads.geometry import road_reference, wrap_angle
+from scenario_compiler.roads.lane_parse import LaneLinks
+from scenario_compiler.roads.lanes import lane_row_in
+from scenario_compiler.roads.reading import Reader
+from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
+
+UNKNOWN_LINK = Code(
+    "SC313",
+    "unknown-road-link",
+    "A road, junction or connection links to a road or junction that the file does not hold (or that could not be used). The "
+    "link is ignored, so traffic cannot go on there.",
+    Severity.WARNING,
+)
+
+CONTACTS = {"start": AT_START, "end": AT_END}
+
+
+@dataclass(slots=True)
+class Connection:
+    """One connection of a junction: from a road into another at its start or end, lane by lane."""
+
+    incoming: int
+    road: int
+    contact: int
+    lanes: list[tuple[int, int]]
+
+
+class _Links:
+    """Collects links between ends of lane rows, each once, in both directions."""
+
+    def __init__(self, rows: int) -> None:
+        self.ends: list[list[tuple[int, int]]] = [[] for _ in range(2 * rows)]
+
+    def add(self, row: int, end: int, other: int, contact: int) -> None:
+        if (other, contact) not in self.ends[2 * row + end]:
+            self.ends[2 * row + end].append((other, contact))
+        if (row, end) not in self.ends[2 * other + contact]:
+            self.ends[2 * other + contact].append((row, end))
+
+
+def build_links(
+    reader: Reader,
+    n: RoadTables,
+    root: etree._Element,
+    roads: list[etree._Element],
+    road_ids: list[str],
+    junctions: dict[str, int],
+    lane_links: LaneLinks,
+) -> None:
+    """Fill the link columns from the roads' link elements, the lanes' links and the junctions."""
+    index = {name: i for i, name in enumerate(road_ids)}
+    for element in roads:
+        _read_road_links(reader, n, element, index, junctions)
+    links = _Links(len(n.lane_id))
+    for road in range(len(roads)):
+        for section in range(n.road_section[road], n.road_section[road + 1] - 1):
+            _link_joint(n, links, lane_links, (section, AT_END), (section + 1, AT_START))
+    connections = {
+        i: list(_read_connections(reader, element, index))
+        for i, element in enumerate(root.iterfind("junction"))
+    }
+    for road in range(len(roads)):
+        for end in (AT_START, AT_END):
+            _link_road_end(n, links, lane_links, road, end, connections)
+    _store(n, links)
+
+
+def _read_road_links(
+    reader: Reader, n: RoadTables, element: etree._Element, index: dict[str, int], junctions: dict[str, int]
+) -> None:
+    for name, roads, contacts, into in (
+        ("predecessor", n.road_start_road, n.road_start_contact, n.road_start_junction),
+        ("successor", n.road_end_road, n.road_end_contact, n.road_end_junction),
+    ):
+        link = element.find(f"link/{name}")
+        road = junction = contact = -1
+        if link is not None:
+            target = link.get("elementId", "")
+            if link.get("elementType") == "junction":
+                junction = junctions.get(target, -1)
+                known = junctions
+            else:
+                road = index.get(target, -1)
+                known = index
+                contact = CONTACTS.get(link.get("contactPoint", ""), -1)
+                if road >= 0 and contact < 0:
+                    at = AT_START if name == "predecessor" else AT_END
+                    contact = _nearest_contact(n, len(roads), at, road)
+            if road < 0 and junction < 0:
+                message = f"the {name} '{target}' does not exist"
+                if len(known) < 1000:
+                    hint = did_you_mean(target, known)
+                    message += f"; {hint}" if hint else ""
+                reader.report(UNKNOWN_LINK, message, link, "elementId")
+        roads.append(road)
+        contacts.append(contact)
+        into.append(junction)
+
+
+def _nearest_contact(n: RoadTables, road: int, end: int, other: int) -> int:
+    """Return the end of another road that lies nearest to an end of a road."""
+    x, y, _, _ = road_reference(n, road, n.road_length[road] if end == AT_END else 0.0)
+    gaps = []
+    for s in (0.0, n.road_length[other]):
+        ox, oy, _, _ = road_reference(n, other, s)
+        gaps.append((ox - x) * (ox - x) + (oy - y) * (oy - y))
+    return AT_START if gaps[0] <= gaps[1] else AT_END
+
+
+def _read_connections(
+    reader: Reader, junction: etree._Element, index: dict[str, int]
+) -> Iterator[Connection]:
+    for element in junction.iterfind("connection"):
+        attribute = "connectingRoad" if element.get("connectingRoad") is not None else "linkedRoad"
+        incoming, road = (
+            index.get(element.get("incomingRoad", ""), -1),
+            index.get(element.get(attribute, ""), -1),
+        )
+        contact = CONTACTS.get(element.get("contactPoint", ""), -1)
+        if element.get("type") == "virtual":
+            continue
+        if incoming < 0 or road < 0:
+            name = "incomingRoad" if incoming < 0 else attribute
+            message = f"the road '{element.get(name, '')}' of a connection does not exist"
+            reader.report(UNKNOWN_LINK, message, element, name if element.get(name) is not None else None)
+            continue
+        lanes = []
+        for link in element.iterfind("laneLink"):
+            before, after = reader.integer(link, "from"), reader.integer(link, "to")
+            if before is not None and after is not None:
+                lanes.append((before, after))
+        yield Connection(incoming, road, AT_START if contact < 0 else contact, lanes)
+
+
+def _end_section(n: RoadTables, road: int, end: int) -> int:
+    """Return the first or last lane section of a road, -1 where it has none."""
+    if n.road_section[road] == n.road_section[road + 1]:
+        return -1
+    return n.road_section[road] if end == AT_START else n.road_section[road + 1] - 1
+
+
+def _rows(n: RoadTables, section: int) -> range:
+    return range(n.section_lane[section], n.section_lane[section + 1])
+
+
+def _link_joint(
+    n: RoadTables, links: _Links, lane_links: LaneLinks, one: tuple[int, int], other: tuple[int, int]
+) -> None:
+    """Link the lanes of two sections that touch, each given with its end that is touched."""
+    named = False
+    for (section, end), (target, contact) in ((one, other), (other, one)):
+        sources = lane_links.after if end == AT_END else lane_links.before
+        for row in _rows(n, section):
+            for lane in sources[row]:
+                named = True
+                found = lane_row_in(n, target, lane)
+                if found >= 0 and lane != 0 and n.lane_id[row] != 0:
+                    links.add(row, end, found, contact)
+    if named:
+        return
+    sign = 1 if one[1] != other[1] else -1
+    for row in _rows(n, one[0]):
+        found = lane_row_in(n, other[0], sign * n.lane_id[row])
+        if n.lane_id[row] != 0 and found >= 0:
+            links.add(row, one[1], found, other[1])
+
+
+def _link_road_end(
+    n: RoadTables,
+    links: _Links,
+    lane_links: LaneLinks,
+    road: int,
+    end: int,
+    connections: dict[int, list[Connection]],
+) -> None:
+    section = _end_section(n, road, end)
+    if section < 0:
+        return
+    other = n.road_start_road[road] if end == AT_START else n.road_end_road[road]
+    contact = n.road_start_contact[road] if end == AT_START else n.road_end_contact[road]
+    junction = n.road_start_junction[road] if end == AT_START else n.road_end_junction[road]
+    if other >= 0:
+        target = _end_section(n, other, contact)
+        if target >= 0 and _touches(n, other, contact, road, end):
+            _link_joint(n, links, lane_links, (section, end), (target, contact))
+    for connection in connections.get(junction, ()):
+        target = _end_section(n, connection.road, connection.contact)
+        if connection.incoming != road or target < 0:
+            continue
+        if not _touches(n, connection.road, connection.contact, road, end):
+            continue
+        for before, after in connection.lanes:
+            row, found = lane_row_in(n, section, before), lane_row_in(n, target, after)
+            if row >= 0 and found >= 0 and before != 0 and after != 0:
+                links.add(row, end, found, connection.contact)
+        if not connection.lanes:
+            _link_joint(n, links, lane_links, (target, connection.contact), (section, end))
+
+
+def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bool:
+    """Tell whether an end of a road does not name another road, or another end of that road, as its neighbour."""
+    named = n.road_start_road[road] if contact == AT_START else n.road_end_road[road]
+    named_end = n.road_start_contact[road] if contact == AT_START else n.road_end_contact[road]
+    return named != other or named_end == end
+
+
+def _store(n: RoadTables, links: _Links) -> None:
+    turns = [_turn(n, road) for road in range(len(n.road_length))]
+    exits: list[list[tuple[int, int]]] = [[] for _ in range(2 * len(n.road_length))]
+    for i, ends in enumerate(links.ends):
+        row, end = divmod(i, 2)
+        section = n.lane_section[row]
+        road = n.section_road[section]
+        n.lane_link.append(len(n.link_lane))
+        for other, contact in ends:
+            target = n.section_road[n.lane_section[other]]
+            n.link_lane.append(other)
+            n.link_contact.append(contact)
+            n.link_turn.append(turns[target] if n.road_junction[target] >= 0 else 0.0)
+            at_road_end = section == _end_section(n, road, end)
+            if at_road_end and (target, contact) not in exits[2 * road + end]:
+                exits[2 * road + end].append((target, contact))
+    n.lane_link.append(len(n.link_lane))
+    for roads in exits:
+        n.road_exit.append(len(n.exit_road))
+        n.exit_road.extend(road for road, _ in roads)
+        n.exit_contact.extend(contact for _, contact in roads)
+    n.road_exit.append(len(n.exit_road))
+
+
+def _turn(n: RoadTables, road: int) -> float:
+    """Return the absolute change of heading between a road's ends, rad, at most pi."""
+    if n.road_junction[road] < 0:
+        return 0.0
+    before, after = road_reference(n, road, 0.0)[2], road_reference(n, road, n.road_length[road])[2]
+    return min(pi, abs(wrap_angle(after - before)))

@@ -1,0 +1,195 @@
+"""Along the lanes: what follows a lane, moving on by a distance, how far a lane still goes.
+
+Forward is a lane's direction of travel. At a junction the preferred road is taken where it can be entered, else the
+straightest exit (the smallest change of heading), the first in the file among equals.
+"""
+
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_direction, lane_row_in, row_width, section_at
+from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
+
+HOP_LIMIT = 10000
+"""Most lane rows passed in one call; a bound for links in a circle of very short lanes."""
+
+MIN_DRIVING_WIDTH = 2.0
+"""Width below which a driving lane is taken to have ended, m: less than a car needs (cars are 1.7 to 2.0 m wide)."""
+
+WIDTH_STEP = 2.0
+"""Distance between the places at which a changing width is looked at, m."""
+
+
+@compiled
+def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: int) -> tuple[int, int]:
+    """Return (row, its end that is entered) of the lane that follows a row's end, (-1, 0) where none does.
+
+    Args:
+        n: The tables.
+        row: The lane's row.
+        end: `AT_START` or `AT_END`: the end that is left.
+        forward: 1 when moving in the direction of travel, -1 against it. Only lanes with the same sense follow.
+        preferred_road: Road to enter where possible, or -1.
+    """
+    best = -1
+    contact = 0
+    best_turn = 0.0
+    for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
+        other = n.link_lane[link]
+        road = n.section_road[n.lane_section[other]]
+        sense = lane_direction(n, road, n.lane_id[other]) * forward
+        if (sense == 1 and n.link_contact[link] == AT_START) or (
+            sense == -1 and n.link_contact[link] == AT_END
+        ):
+            turn = n.link_turn[link]
+            if road == preferred_road:
+                turn = -1.0
+            if best < 0 or turn < best_turn:
+                best = other
+                best_turn = turn
+                contact = n.link_contact[link]
+    return best, contact
+
+
+@compiled
+def lane_next(n: RoadTables, road: int, lane: int, direction: int, preferred_road: int) -> tuple[int, int]:
+    """Return (road, lane) that follows a lane at the end of its road, (-1, 0) where none does.
+
+    `direction` is 1 for the end that travel leads to, -1 for the one it comes from.
+    """
+    sense = lane_direction(n, road, lane) * direction
+    section = n.road_section[road]
+    end = AT_START
+    if sense == 1:
+        section = n.road_section[road + 1] - 1
+        end = AT_END
+    if n.road_section[road] >= n.road_section[road + 1]:
+        return -1, 0
+    row = lane_row_in(n, section, lane)
+    if row < 0:
+        return -1, 0
+    other, _ = row_next(n, row, end, direction, preferred_road)
+    if other < 0:
+        return -1, 0
+    return n.section_road[n.lane_section[other]], n.lane_id[other]
+
+
+@compiled
+def advance(
+    n: RoadTables, road: int, lane: int, s: float, ds: float, next_road: int
+) -> tuple[int, int, float, float]:
+    """Return (road, lane, s, left over) after moving ds along the lane's direction of travel (against it for ds < 0).
+
+    What is left over, m, is above 0 when the lane ends before.
+    """
+    section = section_at(n, road, s)
+    row = lane_row_in(n, section, lane)
+    forward = 1
+    left = ds
+    if ds < 0.0:
+        forward = -1
+        left = -ds
+    if row < 0:
+        return road, lane, s, left
+    sense = lane_direction(n, road, lane) * forward
+    for _ in range(HOP_LIMIT):
+        end = AT_END
+        if sense == 1:
+            room = n.section_end[section] - s
+            if left <= room:
+                return road, lane, s + left, 0.0
+            s = n.section_end[section]
+        else:
+            end = AT_START
+            room = s - n.section_s[section]
+            if left <= room:
+                return road, lane, s - left, 0.0
+            s = n.section_s[section]
+        if room > 0.0:
+            left = left - room
+        other, contact = row_next(n, row, end, forward, next_road)
+        if other < 0:
+            return road, lane, s, left
+        row = other
+        section = n.lane_section[row]
+        road = n.section_road[section]
+        lane = n.lane_id[row]
+        sense = 1
+        s = n.section_s[section]
+        if contact == AT_END:
+            sense = -1
+            s = n.section_end[section]
+    return road, lane, s, left
+
+
+@compiled
+def row_narrows_after(n: RoadTables, row: int, s: float, sense: int, room: float) -> float:
+    """Return the distance within `room` from s (along s for sense 1) after which a row is too narrow to drive on, else `room`.
+
+    The place is found to 1 cm.
+    """
+    if row_width(n, row, s) < MIN_DRIVING_WIDTH:
+        return 0.0
+    first = n.lane_width_first[row]
+    if n.lane_width_last[row] - first == 1:
+        if n.cubic_b[first] == 0.0 and n.cubic_c[first] == 0.0 and n.cubic_d[first] == 0.0:
+            return room
+    done = 0.0
+    while done < room:
+        ahead = done + WIDTH_STEP
+        if ahead > room:
+            ahead = room
+        if row_width(n, row, s + sense * ahead) < MIN_DRIVING_WIDTH:
+            while ahead - done > 0.01:
+                middle = 0.5 * (done + ahead)
+                if row_width(n, row, s + sense * middle) < MIN_DRIVING_WIDTH:
+                    ahead = middle
+                else:
+                    done = middle
+            return done
+        done = ahead
+    return room
+
+
+@compiled
+def distance_to_lane_end(
+    n: RoadTables, road: int, lane: int, s: float, limit: float, next_road: int
+) -> float:
+    """Return how far the driving lane goes on in its direction of travel, m, at most `limit`.
+
+    It ends where nothing follows, where it is narrower than `MIN_DRIVING_WIDTH`, and where motor traffic may not drive on it.
+    """
+    section = section_at(n, road, s)
+    row = lane_row_in(n, section, lane)
+    if row < 0:
+        return 0.0
+    sense = lane_direction(n, road, lane)
+    gone = 0.0
+    for _ in range(HOP_LIMIT):
+        if is_drivable(n.lane_type[row]) == 0:
+            return gone
+        end = AT_END
+        room = n.section_end[section] - s
+        if sense == -1:
+            end = AT_START
+            room = s - n.section_s[section]
+        if room < 0.0:
+            room = 0.0
+        look = room
+        if look > limit - gone:
+            look = limit - gone
+        clear = row_narrows_after(n, row, s, sense, look)
+        gone = gone + clear
+        if clear < look:
+            return gone
+        if gone >= limit:
+            return limit
+        row, contact = row_next(n, row, end, 1, next_road)
+        if row < 0:
+            return gone
+        section = n.lane_section[row]
+        sense = 1
+        s = n.section_s[section]
+        if contact == AT_END:
+            sense = -1
+            s = n.section_end[section]
+    return gone
