@@ -70,9 +70,7 @@ def connecting_roads(crossing: Intersection, roads: Mapping[int, Road]) -> list[
         for leave in exits:
             if leave.arm == entry.arm or not entry.driving or not leave.driving:
                 continue
-            made.append(
-                _movement(crossing, crossing.first_road + len(made), entry, leave, leave.arm == kerb_arm)
-            )
+            made.append(_movement(crossing, crossing.first_road + len(made), entry, leave, leave.arm == kerb_arm))
     return made
 
 

@@ -140,9 +140,7 @@ def arriving(start: Pose, path: Path, goal: Pose) -> Path:
     aside = dy * math.cos(end.heading) - dx * math.sin(end.heading)
     turn = math.remainder(goal.heading - end.heading, math.tau)
     if ahead <= 0.0 or abs(aside) > 1e-4 or abs(turn) > 1e-7:
-        raise ValueError(
-            f"the goal lies {ahead:.1f} m ahead and {aside:.4f} m aside, turned by {turn:.6f} rad"
-        )
+        raise ValueError(f"the goal lies {ahead:.1f} m ahead and {aside:.4f} m aside, turned by {turn:.6f} rad")
     return path + straight(ahead)
 
 

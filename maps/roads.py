@@ -33,7 +33,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Lane:
-    """A lane: name, OpenDRIVE type, width (m; from, to where it changes), outer mark, links if not by name."""
+    """A lane: name, OpenDRIVE type, width (m; a pair where it changes), outer mark, links if not by name."""
 
     name: str
     kind: str
@@ -149,6 +149,7 @@ def _road(road: Road, roads: Mapping[int, Road]) -> xodr.Road:
 def _plan_view(road: Road) -> xodr.PlanView:
     view = xodr.PlanView()
     pose, s = road.start, 0.0
+    turns = pose.heading - math.remainder(pose.heading, math.tau)
     for piece in road.path:
         k0, k1, length = piece.curvature_start, piece.curvature_end, piece.known_length
         if k0 == k1 == 0.0:
@@ -157,7 +158,7 @@ def _plan_view(road: Road) -> xodr.PlanView:
             shape = xodr.Arc(k0, length)
         else:
             shape = xodr.Spiral(k0, k1, length)
-        heading = math.remainder(pose.heading, math.tau)
+        heading = pose.heading - turns
         view.add_fixed_geometry(shape, round(pose.x, 7), round(pose.y, 7), round(heading, 10), round(s, 6))
         pose, s = end_of(pose, (piece,)), s + length
     return view
@@ -293,6 +294,8 @@ def _canonical(drive: ElementTree.Element) -> bytes:
         del header.attrib[side]
     for road in drive.iter("road"):
         road.remove(_child(road, "lateralProfile"))
+        for measured in (road, *road.iter("geometry")):
+            measured.set("length", str(round(float(measured.get("length", "0")), 6)))
     for mark in drive.iter("roadMark"):
         for data in mark.findall("userData"):
             mark.remove(data)

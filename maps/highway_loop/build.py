@@ -59,25 +59,21 @@ def beside_ramp_lane(divider: Mark, width: float | tuple[float, float], length: 
 
 
 ENTRY_SECTIONS = (
-    beside_ramp_lane(RAMP_DIVIDER_SOLID, LANE_WIDTH, 60.0),
+    beside_ramp_lane(RAMP_DIVIDER_SOLID, LANE_WIDTH, 54.0),
     beside_ramp_lane(RAMP_DIVIDER_BROKEN, LANE_WIDTH, 204.0),
-    beside_ramp_lane(RAMP_DIVIDER_BROKEN, (LANE_WIDTH, 0.0), 60.0),
+    beside_ramp_lane(RAMP_DIVIDER_BROKEN, (LANE_WIDTH, 0.0), 54.0),
     PLAIN,
 )
 EXIT_SECTIONS = (
-    Section(PLAIN.right, PLAIN.left, PLAIN.centre, 120.0),
-    beside_ramp_lane(RAMP_DIVIDER_BROKEN, (0.0, LANE_WIDTH), 60.0),
+    Section(PLAIN.right, PLAIN.left, PLAIN.centre, 126.0),
+    beside_ramp_lane(RAMP_DIVIDER_BROKEN, (0.0, LANE_WIDTH), 54.0),
     beside_ramp_lane(RAMP_DIVIDER_BROKEN, LANE_WIDTH, None),
 )
 MERGE_THROUGH = (
-    Section(
-        (LEFT_LANE, RIGHT_LANE, Lane("shoulder", "shoulder", (SHOULDER_WIDTH, 0.0))), (MARGIN,), EDGE_LINE
-    ),
+    Section((LEFT_LANE, RIGHT_LANE, Lane("shoulder", "shoulder", (SHOULDER_WIDTH, 0.0))), (MARGIN,), EDGE_LINE),
 )
 DIVERGE_THROUGH = (
-    Section(
-        (LEFT_LANE, RIGHT_LANE, Lane("shoulder", "shoulder", (0.0, SHOULDER_WIDTH))), (MARGIN,), EDGE_LINE
-    ),
+    Section((LEFT_LANE, RIGHT_LANE, Lane("shoulder", "shoulder", (0.0, SHOULDER_WIDTH))), (MARGIN,), EDGE_LINE),
 )
 
 
@@ -100,9 +96,7 @@ RURAL = (
 
 GONE, COVERED_PERIOD, COVERED_LENGTH = 0.0, 36.0, 18.0
 GROWING_WEAR = (Wear(72.0, 198.0, 0.6), Wear(198.0, 324.0, 0.4), Wear(324.0, 450.0, 0.2))
-PARTLY_COVERED = tuple(
-    Wear(s, s + COVERED_LENGTH, GONE) for s in (54.0 + COVERED_PERIOD * i for i in range(12))
-)
+PARTLY_COVERED = tuple(Wear(s, s + COVERED_LENGTH, GONE) for s in (54.0 + COVERED_PERIOD * i for i in range(12)))
 MISSING = (Wear(72.0, 450.0, GONE),)
 WORN_TRACK = (Wear(120.0, 720.0, 0.3),)
 
@@ -126,7 +120,7 @@ class Part:
 MOTORWAY_START = Pose(0.0, 0.0, 0.0)
 WINDING = bend(10.0, 900.0, 60.0) + bend(-20.0, 900.0, 60.0) + bend(10.0, 900.0, 60.0)
 MOTORWAY = (
-    Part(1, "north_straight", straight(1000.0)),
+    Part(1, "north_straight", straight(1008.0)),
     Part(2, "north_east_curve", bend(-90.0, 400.0, 150.0)),
     Part(3, "east_worn", straight(522.0), wear=GROWING_WEAR),
     Part(4, "east_covered", straight(522.0), wear=PARTLY_COVERED),
@@ -135,20 +129,20 @@ MOTORWAY = (
     Part(7, "south_winding", WINDING + straight()),
     Part(8, "south_west_curve", bend(-90.0, 350.0, 140.0)),
     Part(9, "west_approach", straight(450.0)),
-    Part(10, "merge_through", straight(70.0), MERGE_THROUGH, junction=MERGE.id),
+    Part(10, "merge_through", straight(72.0), MERGE_THROUGH, junction=MERGE.id),
     Part(11, "west_entry", straight(450.0), ENTRY_SECTIONS),
-    Part(12, "west_exit", straight(380.0), EXIT_SECTIONS),
-    Part(13, "diverge_through", straight(70.0), DIVERGE_THROUGH, junction=DIVERGE.id),
+    Part(12, "west_exit", straight(378.0), EXIT_SECTIONS),
+    Part(13, "diverge_through", straight(72.0), DIVERGE_THROUGH, junction=DIVERGE.id),
     Part(14, "west_end", straight()),
     Part(15, "north_west_curve", bend(-90.0, 450.0, 150.0)),
 )
 
 # Clockwise too, from the entry ramp's intersection; parts without sections are the room of an intersection.
-TRACK_START = Pose(-300.0, -1882.0, math.pi / 2.0)
+TRACK_START = Pose(-300.0, -1890.0, math.pi / 2.0)
 TRACK_WINDING = bend(25.0, 250.0, 60.0) + bend(-50.0, 250.0, 60.0) + bend(25.0, 250.0, 60.0)
 TRACK = (
     Part(21, "track_west", straight(1250.0), RURAL),
-    Part(0, "at_exit_ramp", straight(36.0), (), junction=EXIT.id),
+    Part(0, "at_exit_ramp", straight(20.0), (), junction=EXIT.id),
     Part(
         22,
         "track_north",
@@ -158,13 +152,13 @@ TRACK = (
     Part(23, "track_east", straight(150.0) + TRACK_WINDING + straight(600.0), RURAL),
     Part(24, "track_south", bend(-90.0, 200.0, 60.0) + straight(900.0), RURAL, WORN_TRACK),
     Part(25, "track_south_west", straight(100.0) + bend(-90.0, 150.0, 60.0) + straight(), RURAL),
-    Part(0, "at_entry_ramp", straight(36.0), (), junction=ENTRY.id),
+    Part(0, "at_entry_ramp", straight(20.0), (), junction=ENTRY.id),
 )
 
 # The ramps leave and reach the track at right angles and the motorway at RAMP_ANGLE (degrees).
-RAMP_ANGLE, SETBACK = 5.0, 18.0
+RAMP_ANGLE, SETBACK = 5.0, 10.0
 RAMP_LINE = straight() + bend(RAMP_ANGLE - 90.0, 60.0, 30.0) + straight()
-NOSE_RADIUS = 800.0
+NOSE_RADIUS = 825.0
 
 INTERSECTIONS = (
     Intersection(

@@ -1,4 +1,4 @@
-"""Builds town_grid.xodr: a town of two blocks by two with an avenue, a long main street and a winding one.
+"""Builds town_grid.xodr: a ring road of two lanes a direction round a long main street and two cross streets.
 
 `python maps/town_grid/build.py [FILE]` rewrites the map (or writes FILE), always the same bytes.
 Marks are European (after the German guideline RMS): lines of 0.15 m, dashes of 3 m with gaps of 6 m.
@@ -38,7 +38,7 @@ def street(lane_width: float, lanes: int = 1) -> tuple[Section, ...]:
     return (Section(side, side, DASHED if lanes == 1 else DIVIDER),)
 
 
-NARROW, WIDE, AVENUE = street(3.25), street(3.5), street(3.25, lanes=2)
+NARROW, WIDE, RING = street(3.25), street(3.5), street(3.25, lanes=2)
 
 
 @dataclass(frozen=True)
@@ -53,20 +53,20 @@ class Node:
 
 # West to east and south to north; the corners of the town are bends, not intersections.
 NODES = {
-    "south_west": Node(180.0, 0.0, 16.0, 101),
-    "south_east": Node(660.0, 0.0, 20.0, 102),
-    "west": Node(0.0, 170.0, 16.0, 103),
-    "centre_west": Node(180.0, 170.0, 16.0, 104),
-    "centre_east": Node(660.0, 170.0, 20.0, 105),
-    "east": Node(840.0, 170.0, 16.0, 106),
-    "north_west": Node(180.0, 350.0, 16.0, 107),
-    "north_east": Node(660.0, 350.0, 20.0, 108),
+    "south_west": Node(180.0, 0.0, 12.5, 101),
+    "south_east": Node(660.0, 0.0, 12.5, 102),
+    "west": Node(0.0, 170.0, 13.0, 103),
+    "centre_west": Node(180.0, 170.0, 12.0, 104),
+    "centre_east": Node(660.0, 170.0, 12.0, 105),
+    "east": Node(840.0, 170.0, 13.0, 106),
+    "north_west": Node(180.0, 350.0, 12.5, 107),
+    "north_east": Node(660.0, 350.0, 12.5, 108),
 }
 
 
 @dataclass(frozen=True)
 class Street:
-    """A street from node to node: headings (degrees) it leaves and arrives with, and its line if not straight."""
+    """A street from node to node: headings (degrees) at its start and end, and its line if not straight."""
 
     id: int
     name: str
@@ -88,14 +88,14 @@ STREETS = (
     Street(3, "main_street_east", "centre_east", "east", EAST, EAST, WIDE),
     Street(4, "church_street_south", "south_west", "centre_west", NORTH, NORTH),
     Street(5, "church_street_north", "centre_west", "north_west", NORTH, NORTH),
-    Street(6, "avenue_south", "south_east", "centre_east", NORTH, NORTH, AVENUE),
-    Street(7, "avenue_north", "centre_east", "north_east", NORTH, NORTH, AVENUE),
-    Street(8, "river_street", "south_west", "south_east", EAST, EAST, NARROW, WINDING),
-    Street(9, "market_street", "north_west", "north_east", EAST, EAST),
-    Street(10, "south_west_corner", "south_west", "west", WEST, NORTH, NARROW, ROUND_RIGHT),
-    Street(11, "north_west_corner", "west", "north_west", NORTH, EAST, NARROW, ROUND_RIGHT),
-    Street(12, "south_east_corner", "south_east", "east", EAST, NORTH, NARROW, ROUND_LEFT),
-    Street(13, "north_east_corner", "east", "north_east", NORTH, WEST, NARROW, ROUND_LEFT),
+    Street(6, "school_street_south", "south_east", "centre_east", NORTH, NORTH),
+    Street(7, "school_street_north", "centre_east", "north_east", NORTH, NORTH),
+    Street(8, "ring_south", "south_west", "south_east", EAST, EAST, RING, WINDING),
+    Street(9, "ring_north", "north_west", "north_east", EAST, EAST, RING),
+    Street(10, "ring_south_west", "south_west", "west", WEST, NORTH, RING, ROUND_RIGHT),
+    Street(11, "ring_north_west", "west", "north_west", NORTH, EAST, RING, ROUND_RIGHT),
+    Street(12, "ring_south_east", "south_east", "east", EAST, NORTH, RING, ROUND_LEFT),
+    Street(13, "ring_north_east", "east", "north_east", NORTH, WEST, RING, ROUND_LEFT),
 )
 
 # --- How it is built
