@@ -1,0 +1,9 @@
+"""Numbers as text that reads back to the same bits."""
+
+from __future__ import annotations
+
+
+def shortest(number: float) -> str:
+    """Return the shortest decimal that reads back to the same float; no point in whole numbers, no -0."""
+    text = repr(float(number) + 0.0)
+    return text[:-2] if text.endswith(".0") else text

@@ -1,0 +1,35 @@
+"""Events of a run, and their CSV form."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.recording.decimals import shortest
+from scenario_compiler.recording.names import EventKind
+
+
+class EventRow(BaseModel):
+    """Something that happened at one instant: a row of events.csv, in the order of the fields."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    t: float = Field(description="Time, s.")
+    kind: EventKind = Field(description="What happened.")
+    entity: str = Field(default="", description="Id of the entity concerned; at a collision, of the one that was hit.")
+    cause: str = Field(default="", description="Why: the cause of a warning or request, the name of an event.")
+    message: str = Field(default="", description="What the driver was told, or a sentence on what happened.")
+    value: float | None = Field(default=None, description="A number that belongs to it, SI unit.")
+
+
+def write_events(events: Iterable[EventRow], path: Path) -> None:
+    """Write events.csv: one row an event, in order; an absent value is an empty cell."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(EventRow.model_fields)
+        for event in events:
+            value = "" if event.value is None else shortest(event.value)
+            rows.writerow((shortest(event.t), event.kind, event.entity, event.cause, event.message, value))

@@ -1,0 +1,294 @@
+"""The recording: everything that happened in one run, as arrays, and the builder that takes it down."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Annotated, Any, Literal, TypeAlias, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.engine.opcodes import FAR
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.recording.names import EventKind, StopReason
+
+Floats: TypeAlias = NDArray[np.float64]
+Integers: TypeAlias = NDArray[np.int64]
+Booleans: TypeAlias = NDArray[np.bool_]
+
+
+class Header(BaseModel):
+    """What a recording is of."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    plan_digest: str = Field(description="Digest of the plan.")
+    plan_name: str = Field(description="Name of the plan.")
+    seed: int = Field(description="Seed of the run.")
+    variant: int = Field(default=0, description="Index of the variant in a sweep.")
+    parameters: dict[str, float | bool | str] = Field(
+        default={}, description="Value of each parameter that the plan leaves open."
+    )
+    step: float = Field(description="Length of a time step, s.")
+    entities: tuple[str, ...] = Field(description="Ids of the entities in document order, the ego vehicle first.")
+    perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
+    world: str = Field(default="kinematic", description="Name of the world that the run took place in.")
+    versions: dict[str, str] = Field(
+        default={}, description="Versions of what the result depends on: package, engine, python, numpy, ..."
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A first-person picture.
+
+    Attributes:
+        t: Time, s.
+        label: What it shows the moment of: an event's kind, such as "request".
+        png: The picture as a PNG file.
+    """
+
+    t: float
+    label: str
+    png: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a recording.
+
+    Attributes:
+        per: "entity": an array (n, entities); "run": an array (n,).
+        unit: SI unit, empty for numbers without one.
+        description: What it holds.
+        name: Its name, the same in the type and in the file.
+        kind: "float"; "integer"; "flag"; "road": index into `Recording.roads`; "state" and "cause": code
+            of `names`.
+        nothing: Value where there is none.
+        far: The engine's `FAR` stands for "none" and is recorded as NaN.
+        trajectory: Part of the trajectory hash.
+    """
+
+    per: Literal["entity", "run"]
+    unit: str
+    description: str
+    name: str = ""
+    kind: Literal["float", "integer", "flag", "road", "state", "cause"] = "float"
+    nothing: float = float("nan")
+    far: bool = False
+    trajectory: bool = False
+
+    @property
+    def dtype(self) -> type[np.generic]:
+        """Type of the array's elements."""
+        return np.float64 if self.kind == "float" else np.bool_ if self.kind == "flag" else np.int64
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One run: n rows (t = 0 and one a step) of m entities in OpenDRIVE axes; entity 0 is the ego vehicle.
+
+    The point of an entity is its reference point: the rear axle's centre on the ground. Rows where an entity
+    is absent hold NaN, 0 or -1; `present` tells. Two recordings are equal when all their content is, NaN equal
+    to NaN.
+
+    Attributes:
+        header: What it is of.
+        roads: Ids of the roads that `road` counts.
+        events: What happened, ordered by time.
+        frames: First-person pictures, ordered by time.
+        stop_reason: Why it ended.
+        error: The engine's fault code; 0 for none.
+    """
+
+    header: Header
+    roads: tuple[str, ...]
+    t: Annotated[Floats, Column("run", "s", "Time.", trajectory=True)]
+    present: Annotated[
+        Booleans, Column("entity", "", "The entity is in the world.", kind="flag", nothing=0, trajectory=True)
+    ]
+    x: Annotated[Floats, Column("entity", "m", "x.", trajectory=True)]
+    y: Annotated[Floats, Column("entity", "m", "y.", trajectory=True)]
+    z: Annotated[Floats, Column("entity", "m", "z.", trajectory=True)]
+    h: Annotated[Floats, Column("entity", "rad", "Heading in [0, 2 pi).", trajectory=True)]
+    v: Annotated[Floats, Column("entity", "m/s", "Speed, signed along the heading.", trajectory=True)]
+    a: Annotated[Floats, Column("entity", "m/s2", "Acceleration along the heading.", trajectory=True)]
+    road: Annotated[
+        Integers, Column("entity", "", "Road; none off every road.", kind="road", nothing=-1, trajectory=True)
+    ]
+    lane: Annotated[
+        Integers,
+        Column("entity", "", "OpenDRIVE lane id; 0 off the lanes.", kind="integer", nothing=0, trajectory=True),
+    ]
+    s: Annotated[Floats, Column("entity", "m", "Distance along the road's reference line.", trajectory=True)]
+    off: Annotated[
+        Floats, Column("entity", "m", "Distance left of the lane's centre in the road's s direction.", trajectory=True)
+    ]
+    throttle: Annotated[Floats, Column("entity", "1", "Throttle, 0 to 1.")]
+    steer: Annotated[
+        Floats, Column("entity", "1", "Steering, -1 to 1 of the greatest wheel angle, positive to the left.")
+    ]
+    brake: Annotated[Floats, Column("entity", "1", "Brake, 0 to 1.")]
+
+    takeover_state: Annotated[Integers, Column("run", "", "State of the takeover.", kind="state", nothing=0)]
+    cause: Annotated[Integers, Column("run", "", "Cause of the present warning or request.", kind="cause", nothing=0)]
+    confidence_left: Annotated[Floats, Column("run", "1", "Lane confidence on the left, 0 to 1.")]
+    confidence_right: Annotated[Floats, Column("run", "1", "Lane confidence on the right, 0 to 1.")]
+    sensor_health: Annotated[Floats, Column("run", "1", "Health of the camera, 0 to 1.")]
+    sigma: Annotated[Floats, Column("run", "grey levels", "Standard deviation of the camera's noise.")]
+    blocked_distance: Annotated[
+        Floats,
+        Column("run", "m", "Distance from the front bumper to where the path is blocked, along the lane.", far=True),
+    ]
+    lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
+    left_y0: Annotated[Floats, Column("run", "m", "Detected left boundary: distance to the left at the camera.")]
+    left_slope: Annotated[Floats, Column("run", "1", "Detected left boundary: slope at the camera.")]
+    left_curvature: Annotated[Floats, Column("run", "1/m", "Detected left boundary: curvature.")]
+    right_y0: Annotated[Floats, Column("run", "m", "Detected right boundary: distance to the left at the camera.")]
+    right_slope: Annotated[Floats, Column("run", "1", "Detected right boundary: slope at the camera.")]
+    right_curvature: Annotated[Floats, Column("run", "1/m", "Detected right boundary: curvature.")]
+
+    events: tuple[EventRow, ...] = ()
+    frames: tuple[Frame, ...] = ()
+    stop_reason: StopReason = ""
+    error: int = 0
+
+    @cached_property
+    def trajectory_hash(self) -> str:
+        """SHA-256 over names, entities and roads and the little-endian bytes of the trajectory's columns."""
+        digest = hashlib.sha256()
+        for text in (*self.header.entities, "", *self.roads):
+            digest.update(text.encode() + b"\0")
+        for column in COLUMNS:
+            if column.trajectory:
+                array = np.asarray(getattr(self, column.name))
+                digest.update(column.name.encode() + b"\0")
+                digest.update(np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).tobytes())
+        return digest.hexdigest()
+
+    def __eq__(self, other: object) -> bool:
+        """Compare everything, bit for bit but for NaN."""
+        if not isinstance(other, Recording):
+            return NotImplemented
+        plain = ("header", "roads", "events", "frames", "stop_reason", "error")
+        return all(getattr(self, name) == getattr(other, name) for name in plain) and all(
+            np.array_equal(getattr(self, c.name), getattr(other, c.name), equal_nan=c.kind == "float") for c in COLUMNS
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _named_columns() -> tuple[Column, ...]:
+    hints = get_type_hints(Recording, include_extras=True)
+    marked = ((name, getattr(hint, "__metadata__", ())) for name, hint in hints.items())
+    return tuple(replace(marks[0], name=name) for name, marks in marked if marks)
+
+
+COLUMNS: tuple[Column, ...] = _named_columns()
+"""All columns in order, as `Recording` declares them."""
+
+
+class RecordingBuilder:
+    """Takes down a run.
+
+    The columns are bound once and are live: each `append` copies what they hold then. An entity's column is a
+    sequence of one value an entity, a run's column of one value. `road` holds indices into `road_ids`, as the
+    engine counts them.
+    """
+
+    def __init__(self, header: Header, road_ids: Sequence[str], columns: Mapping[str, Sequence[float]]) -> None:
+        """Bind the columns; one not named is recorded as empty, an unknown one raises ValueError."""
+        known = {column.name: column for column in COLUMNS if column.name != "t"}
+        if unknown := sorted(set(columns) - set(known)):
+            raise ValueError(f"not columns of a recording: {', '.join(unknown)}")
+        for name, values in columns.items():
+            expected = len(header.entities) if known[name].per == "entity" else 1
+            if len(values) != expected:
+                raise ValueError(f"column {name} has {len(values)} values instead of {expected}")
+        self._header = header
+        self._road_ids = road_ids
+        self._t: list[float] = []
+        self._events: list[EventRow] = []
+        self._frames: list[Frame] = []
+        self._rows: dict[str, list[float]] = {name: [] for name in columns}
+        self._live = [(self._rows[name].extend, values) for name, values in columns.items()]
+
+    def append(self, t: float) -> None:
+        """Take down one row from what the columns hold now."""
+        self._t.append(t)
+        for extend, values in self._live:
+            extend(values)
+
+    def event(
+        self,
+        t: float,
+        kind: EventKind,
+        *,
+        entity: str = "",
+        cause: str = "",
+        message: str = "",
+        value: float | None = None,
+    ) -> None:
+        """Take down an event."""
+        self._events.append(EventRow(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value))
+
+    def frame(self, t: float, label: str, png: bytes) -> None:
+        """Take down a first-person picture."""
+        self._frames.append(Frame(t, label, png))
+
+    def finish(self, stop_reason: StopReason, error: int = 0) -> Recording:
+        """Return the recording of all rows so far; events of one instant stay as they came."""
+        arrays = {column.name: self._array(column) for column in COLUMNS}
+        absent = ~arrays["present"]
+        if absent[:, :1].any():
+            raise ValueError("the ego vehicle must be present in every row")
+        for column in COLUMNS:
+            if column.per == "entity":
+                arrays[column.name][absent] = column.nothing
+        arrays["h"] = _wrapped(arrays["h"])
+        off_road = arrays["road"] < 0
+        for name, value in (("lane", 0), ("s", 0.0), ("off", 0.0)):
+            arrays[name][off_road & arrays["present"]] = value
+        roads, arrays["road"] = _used_roads(arrays["road"], self._road_ids)
+        for array in arrays.values():
+            array.setflags(write=False)
+        return Recording(
+            header=self._header,
+            roads=roads,
+            **arrays,
+            events=tuple(sorted(self._events, key=lambda event: event.t)),
+            frames=tuple(sorted(self._frames, key=lambda frame: frame.t)),
+            stop_reason=stop_reason,
+            error=error,
+        )
+
+    def _array(self, column: Column) -> NDArray[Any]:
+        rows, entities = len(self._t), len(self._header.entities)
+        shape = (rows, entities) if column.per == "entity" else (rows,)
+        if column.name == "t":
+            return np.array(self._t, dtype=np.float64)
+        if column.name not in self._rows:
+            nothing = 1 if column.kind == "flag" else column.nothing
+            return np.full(shape, nothing, dtype=column.dtype)
+        array = np.array(self._rows[column.name], dtype=column.dtype).reshape(shape)
+        if column.far:
+            array[array >= FAR] = np.nan
+        return array
+
+
+def _wrapped(h: Floats) -> Floats:
+    turned = np.where((h >= 0) & (h < 2 * np.pi), h, np.mod(h, 2 * np.pi))
+    return np.where(turned >= 2 * np.pi, 0.0, turned)
+
+
+def _used_roads(road: Integers, road_ids: Sequence[str]) -> tuple[tuple[str, ...], Integers]:
+    """Return the ids of the roads that occur, in order of first occurrence, and the indices into them."""
+    used, first = np.unique(road[road >= 0], return_index=True)
+    order = used[np.argsort(first)]
+    number = np.full(len(road_ids) + 1, -1, dtype=np.int64)
+    number[order] = np.arange(len(order))
+    return tuple(road_ids[index] for index in order), number[np.maximum(road, -1)]

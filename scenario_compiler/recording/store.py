@@ -1,0 +1,165 @@
+"""The recording as a Parquet file: one row an entity present and step, entities in document order.
+
+The run's own columns stand in the ego vehicle's rows and are null in the others; codes and roads are written by name.
+Header, units, events and the end of the run are JSON in the file's metadata under `scenario-compiler`, first-person
+pictures are PNG in base64 under `frame.0`, `frame.1`, ... Equal recordings give equal bytes.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
+from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
+
+FORMAT = "scenario-compiler/recording/1"
+_KEY = b"scenario-compiler"
+
+
+class RecordingError(ValueError):
+    """The file is no recording that can be read."""
+
+
+def write_recording(recording: Recording, path: Path) -> None:
+    """Write the recording to a Parquet file."""
+    present = recording.present
+    row, entity = np.nonzero(present)
+    ego = entity == 0
+    arrays: dict[str, Any] = {}
+    for column in COLUMNS:
+        if column.name == "present":
+            continue
+        values = getattr(recording, column.name)
+        if column.name == "t":
+            arrays["t"] = pa.array(values[row])
+            arrays["name"] = _named(entity, recording.header.entities)
+        elif column.per == "entity":
+            arrays[column.name] = _encoded(column, values[present], recording.roads)
+        else:
+            arrays[column.name] = _encoded(column, values[row], recording.roads, absent=~ego)
+    table = pa.table(arrays)
+    with pq.ParquetWriter(
+        path,
+        table.schema,
+        version="2.6",
+        data_page_version="1.0",
+        compression="zstd",
+        compression_level=3,
+        use_dictionary=True,
+        write_statistics=True,
+        store_schema=False,
+    ) as file:
+        file.write_table(table, row_group_size=1 << 16)
+        file.add_key_value_metadata(_metadata(recording))
+
+
+def read_recording(path: Path) -> Recording:
+    """Read a recording back, equal to the one that was written; RecordingError when the file holds none."""
+    try:
+        with pq.ParquetFile(path) as file:
+            table, metadata = file.read(), file.metadata.metadata or {}
+        about = json.loads(metadata.get(_KEY, b"{}"))
+        if about.get("format") != FORMAT:
+            raise RecordingError(f"{path} is no recording of the format {FORMAT}")
+        return _decoded(table, about, metadata)
+    except (pa.ArrowException, KeyError, ValueError) as problem:
+        if isinstance(problem, RecordingError):
+            raise
+        raise RecordingError(f"{path} is no recording: {problem}") from problem
+
+
+def _metadata(recording: Recording) -> dict[bytes, bytes]:
+    about = {
+        "format": FORMAT,
+        "columns": {c.name: {"unit": c.unit, "description": c.description} for c in COLUMNS},
+        "header": recording.header.model_dump(mode="json"),
+        "roads": recording.roads,
+        "rows": len(recording.t),
+        "events": [event.model_dump(mode="json") for event in recording.events],
+        "frames": [{"t": frame.t, "label": frame.label} for frame in recording.frames],
+        "stop_reason": recording.stop_reason,
+        "error": recording.error,
+        "trajectory_hash": recording.trajectory_hash,
+    }
+    pictures = {
+        f"frame.{number}".encode(): base64.b64encode(frame.png) for number, frame in enumerate(recording.frames)
+    }
+    return {_KEY: json.dumps(about, sort_keys=True, allow_nan=False).encode(), **pictures}
+
+
+def _named(codes: NDArray[np.int64], names: tuple[str, ...], absent: NDArray[np.bool_] | None = None) -> pa.Array:
+    """Return names for codes, null for codes below 0."""
+    missing = (codes < 0) if absent is None else absent | (codes < 0)
+    indices = pa.array(codes.astype(np.int32), mask=missing)
+    return pa.DictionaryArray.from_arrays(indices, pa.array(names, pa.string())).cast(pa.string())
+
+
+def _encoded(
+    column: Column, values: NDArray[Any], roads: tuple[str, ...], absent: NDArray[np.bool_] | None = None
+) -> pa.Array:
+    if column.kind == "road":
+        return _named(values, roads, absent)
+    if column.kind in ("state", "cause"):
+        return _named(values, _code_names(column), absent)
+    if column.kind == "integer":
+        return pa.array(values.astype(np.int32), mask=absent)
+    return pa.array(values, mask=absent, from_pandas=False)
+
+
+def _code_names(column: Column) -> tuple[str, ...]:
+    names = TAKEOVER_STATES if column.kind == "state" else CAUSES
+    return tuple(names.get(code, "") for code in range(max(names) + 1))
+
+
+def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes]) -> Recording:
+    header = Header.model_validate(about["header"])
+    roads = tuple(about["roads"])
+    names = np.array(_codes(table, "name", header.entities))
+    row = np.cumsum(names == 0) - 1
+    shape = (int(about["rows"]), len(header.entities))
+    arrays: dict[str, Any] = {}
+    for column in COLUMNS:
+        if column.per == "run":
+            array = np.full(shape[:1], column.nothing, dtype=column.dtype)
+            array[row[names == 0]] = _values(table, column, roads)[names == 0]
+        else:
+            array = np.full(shape, column.nothing, dtype=column.dtype)
+            array[row, names] = True if column.name == "present" else _values(table, column, roads)
+        array.setflags(write=False)
+        arrays[column.name] = array
+    frames = tuple(
+        Frame(one["t"], one["label"], base64.b64decode(metadata[f"frame.{number}".encode()]))
+        for number, one in enumerate(about["frames"])
+    )
+    events = tuple(EventRow.model_validate(event) for event in about["events"])
+    end = {"stop_reason": about["stop_reason"], "error": about["error"]}
+    return Recording(header=header, roads=roads, **arrays, events=events, frames=frames, **end)
+
+
+def _values(table: pa.Table, column: Column, roads: tuple[str, ...]) -> NDArray[Any]:
+    if column.kind == "road":
+        return _codes(table, column.name, roads)
+    if column.kind in ("state", "cause"):
+        return _codes(table, column.name, _code_names(column))
+    values = table[column.name]
+    nothing = pa.scalar(column.nothing if column.kind == "float" else int(column.nothing), values.type)
+    return np.asarray(values.fill_null(nothing).to_numpy(), dtype=column.dtype)
+
+
+def _codes(table: pa.Table, name: str, names: tuple[str, ...]) -> NDArray[np.int64]:
+    """Return the indices of a column's texts in `names`, -1 for null; KeyError for an unknown text."""
+    encoded = table[name].combine_chunks().dictionary_encode()
+    numbers = {text: number for number, text in enumerate(names)}
+    code = np.array([numbers[text] for text in encoded.dictionary.to_pylist()] + [-1], dtype=np.int64)
+    indices = encoded.indices.fill_null(len(code) - 1).to_numpy()
+    found: NDArray[np.int64] = code[indices]
+    return found
