@@ -1,8 +1,11 @@
 """Roads: OpenDRIVE in, a `Network` out.
 
-What enters: an OpenDRIVE file of version 1.1 to 1.8 (`load_network`). What leaves: a `Network`, which answers questions about
-poses, lanes, marks and routes by road id, and its `RoadTables`, flat columns that the compiled functions of `geometry`, `lanes`,
-`locate`, `travel` and `marks` read; engine and camera call the same ones. Faults in the file leave as diagnostics. Imports the hall
+What enters: an OpenDRIVE file of version 1.1 to 1.8 (`load_network`). What leaves: a `Network`, which
+answers questions about
+poses, lanes, marks and routes by road id, and its `RoadTables`, flat columns that the compiled functions of
+`geometry`, `lanes`,
+`locate`, `travel` and `marks` read; engine and camera call the same ones. Faults in the file leave as
+diagnostics. Imports the hall
 (diagnostics, document, marker, resources) and nothing else of ours.
 """
 

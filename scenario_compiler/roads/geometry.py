@@ -1,11 +1,16 @@
 """Reference line, elevation and lateral profile: from (road, s, t) to a pose.
 
-A line and an arc are evaluated in closed form; a spiral is stored as short pieces (`parse` cuts them) over which the three-point
-Gauss-Legendre rule is exact to 1e-9 m; poly3 and paramPoly3 are evaluated at a parameter that is linear in s, as CARLA and
-esmini do, although the standard's s is the arc length. Curvature is 0 there only if the polynomial is straight.
+A line and an arc are evaluated in closed form; a spiral is stored as short pieces (`parse` cuts them) over
+which the three-point
+Gauss-Legendre rule is exact to 1e-9 m; poly3 and paramPoly3 are evaluated at a parameter that is linear in
+s, as CARLA and
+esmini do, although the standard's s is the arc length. Curvature is 0 there only if the polynomial is
+straight.
 
-The cross-section is rolled by superelevation about the reference line, so that a point at t lies t cos(roll) beside it and
-t sin(roll) above it. Pitch and roll follow ISO 8855: pitch is positive nose down, roll is positive with the left side up.
+The cross-section is rolled by superelevation about the reference line, so that a point at t lies t cos(roll)
+beside it and
+t sin(roll) above it. Pitch and roll follow ISO 8855: pitch is positive nose down, roll is positive with the
+left side up.
 """
 
 from math import atan, atan2, cos, pi, sin, sqrt
@@ -62,7 +67,9 @@ def road_piece_at(n: RoadTables, road: int, s: float) -> int:
 
 @compiled
 def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, float, float, float]:
-    """Return (x, y, heading, curvature, speed) at s on a piece; speed is the length of d(x, y)/ds, 1 except on polynomials."""
+    """Return (x, y, heading, curvature, speed) at s on a piece; speed is the length of d(x, y)/ds, 1 except
+    on polynomials.
+    """
     d = s - n.piece_s[piece]
     kind = n.piece_kind[piece]
     h = n.piece_h[piece]
@@ -92,7 +99,9 @@ def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, floa
 
 @compiled
 def polynomial_point(n: RoadTables, piece: int, d: float) -> tuple[float, float, float, float, float]:
-    """Return what `piece_point` does, for a parametric polynomial at the distance d from the piece's start."""
+    """Return what `piece_point` does, for a parametric polynomial at the distance d from the piece's
+    start.
+    """
     q = n.piece_poly[piece]
     scale = n.poly_scale[q]
     p = d * scale
@@ -125,7 +134,9 @@ def road_reference(n: RoadTables, road: int, s: float) -> tuple[float, float, fl
 
 @compiled
 def cubic_row(n: RoadTables, first: int, last: int, s: float) -> int:
-    """Return the last cubic of a non-empty range that starts at or before s, the first one where none does."""
+    """Return the last cubic of a non-empty range that starts at or before s, the first one where none
+    does.
+    """
     low = first
     high = last - 1
     while low < high:
@@ -199,7 +210,9 @@ def shape_station(n: RoadTables, road: int, s: float) -> int:
 
 @compiled
 def lateral_shape(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float]:
-    """Return (height, slope dz/dt) that shape and crossfall add at t; shapes are interpolated linearly between stations."""
+    """Return (height, slope dz/dt) that shape and crossfall add at t; shapes are interpolated linearly
+    between stations.
+    """
     z = 0.0
     slope = 0.0
     if n.road_shape[road] < n.road_shape[road + 1]:
@@ -239,9 +252,7 @@ def road_surface(n: RoadTables, road: int, s: float, t: float) -> tuple[float, f
 
 
 @compiled
-def road_pose(
-    n: RoadTables, road: int, s: float, t: float
-) -> tuple[float, float, float, float, float, float]:
+def road_pose(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float, float, float]:
     """Return (x, y, z, heading along s, pitch, roll) of the point (s, t) on the road surface."""
     x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)
     plane_t, z, pitch, roll = road_surface(n, road, s, t)

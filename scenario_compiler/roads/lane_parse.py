@@ -10,6 +10,8 @@ from lxml import etree
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, NONE
 from scenario_compiler.roads.marks import (
+    CHANGE_BOTH,
+    CHANGE_NONE,
     LANE_CHANGE_CODES,
     MARK_COLOUR_CODES,
     MARK_CUSTOM,
@@ -22,14 +24,16 @@ from scenario_compiler.roads.tables import RoadTables
 BAD_LANE = Code(
     "SC310",
     "bad-lane",
-    "A lane cannot be used and is left out: its id is no integer, is used twice in its section, or has the wrong sign for its "
+    "A lane cannot be used and is left out: its id is no integer, is used twice in its section, or has the "
+    "wrong sign for its "
     "side (left lanes are positive, right lanes negative).",
     Severity.WARNING,
 )
 BAD_SECTION = Code(
     "SC311",
     "bad-lane-section",
-    "A lane section starts at or beyond the end of its road, or where another one starts, so nothing of it lies on the road. It "
+    "A lane section starts at or beyond the end of its road, or where another one starts, so nothing of it "
+    "lies on the road. It "
     "is left out.",
     Severity.WARNING,
 )
@@ -42,6 +46,9 @@ UNKNOWN_LANE_WORD = Code(
 
 QUALITY_CODE = "marking_quality"
 """Code of the `<userData>` in a `<roadMark>` that says how well the mark can be seen, 0 to 1."""
+
+UNCROSSED_MARKS = frozenset({"solid", "solid solid", "curb", "edge"})
+"""Marks that forbid a lane change where the file does not say (`laneChange`); the others allow it."""
 
 LANE_DIRECTIONS = {"standard": 0, "reversed": 1, "both": 2}
 
@@ -98,16 +105,12 @@ class LaneReader:
                 self._reader.report(BAD_SECTION, f"the lane section at s = {s:g} is left out", element, "s")
                 continue
             if found and s < found[-1][0]:
-                self._reader.report(
-                    UNSORTED, "s is smaller than that of the lane section before", element, "s"
-                )
+                self._reader.report(UNSORTED, "s is smaller than that of the lane section before", element, "s")
             found.append((s if found else min(s, 0.0), element))
         found.sort(key=lambda pair: pair[0])
         return found
 
-    def _section(
-        self, element: etree._Element, road: int, span: tuple[float, float], left: Side, right: Side
-    ) -> None:
+    def _section(self, element: etree._Element, road: int, span: tuple[float, float], left: Side, right: Side) -> None:
         n = self._n
         n.section_s.append(span[0])
         n.section_end.append(span[1])
@@ -158,9 +161,7 @@ class LaneReader:
         code = LANE_TYPE_CODES.get(name, -1)
         if code < 0:
             code = NONE
-            self._reader.report(
-                UNKNOWN_LANE_WORD, f"unknown lane type '{name[:40]}'; 'none' is used", element, "type"
-            )
+            self._reader.report(UNKNOWN_LANE_WORD, f"unknown lane type '{name[:40]}'; 'none' is used", element, "type")
         n.lane_type.append(code)
         n.lane_level.append(int(element.get("level") in {"true", "1"}))
         direction = LANE_DIRECTIONS.get(element.get("direction", "standard"), 0)
@@ -274,7 +275,11 @@ class LaneReader:
             )
         n.mark_type.append(code)
         n.mark_colour.append(MARK_COLOUR_CODES.get(get("color", "standard"), 0))
-        n.mark_change.append(LANE_CHANGE_CODES.get(get("laneChange", "both").lower(), 0))
+        change = get("laneChange")
+        if change is None:
+            n.mark_change.append(CHANGE_NONE if name in UNCROSSED_MARKS else CHANGE_BOTH)
+        else:
+            n.mark_change.append(LANE_CHANGE_CODES.get(change.lower(), CHANGE_BOTH))
         width = self._reader.number(element, "width", 0.0)
         if width <= 0.0:
             width = 2.0 * STANDARD_WIDTH if get("weight") == "bold" else STANDARD_WIDTH
@@ -314,10 +319,7 @@ class LaneReader:
 
 
 def _rows(n: RoadTables, span: tuple[int, int]) -> list[Cubic]:
-    return [
-        (n.cubic_s[i], n.cubic_a[i], n.cubic_b[i], n.cubic_c[i], n.cubic_d[i])
-        for i in range(span[0], span[1])
-    ]
+    return [(n.cubic_s[i], n.cubic_a[i], n.cubic_b[i], n.cubic_c[i], n.cubic_d[i]) for i in range(span[0], span[1])]
 
 
 def _sum(a: list[Cubic], b: list[Cubic], factor: float) -> list[Cubic]:

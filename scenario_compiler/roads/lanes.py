@@ -20,7 +20,9 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def section_at(n: RoadTables, road: int, s: float) -> int:
-    """Return the row of the lane section that holds s: the last that starts at or before it, -1 on a road without lanes."""
+    """Return the row of the lane section that holds s: the last that starts at or before it, -1 on a road
+    without lanes.
+    """
     low = n.road_section[road]
     high = n.road_section[road + 1] - 1
     if low > high:
@@ -129,7 +131,9 @@ def lane_centre(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, f
 
 @compiled
 def lane_borders(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, float]:
-    """Return (t of the left border, t of the right border); both those of the centre lane where the lane does not exist."""
+    """Return (t of the left border, t of the right border); both those of the centre lane where the lane
+    does not exist.
+    """
     row = lane_row(n, road, lane, s)
     if row < 0:
         t = lane_offset(n, road, s)
@@ -171,7 +175,8 @@ def lane_type(n: RoadTables, road: int, lane: int, s: float) -> int:
 def lane_direction(n: RoadTables, road: int, lane: int) -> int:
     """Return 1 when travel in the lane is along increasing s, -1 against it.
 
-    Right lanes go along s in right-hand traffic, left lanes in left-hand traffic; a lane declared "reversed" goes the
+    Right lanes go along s in right-hand traffic, left lanes in left-hand traffic; a lane declared "reversed"
+    goes the
     other way. The centre lane counts as a right lane.
     """
     direction = n.road_rule[road]

@@ -1,7 +1,9 @@
 """From a point of the plane to (road, s, t) and to lanes.
 
-The plane is cut into square cells; each knows the chunks (`locate_build`) whose surface may touch it. A chunk lies in one piece
-of the reference line and one lane section, so a point is projected onto the piece alone: in closed form on lines and arcs, by
+The plane is cut into square cells; each knows the chunks (`locate_build`) whose surface may touch it. A
+chunk lies in one piece
+of the reference line and one lane section, so a point is projected onto the piece alone: in closed form on
+lines and arcs, by
 Newton's method on spirals and polynomials.
 """
 
@@ -57,10 +59,10 @@ def cell_at(n: RoadTables, x: float, y: float) -> int:
 
 
 @compiled
-def project_on_piece(
-    n: RoadTables, piece: int, low: float, high: float, x: float, y: float
-) -> tuple[float, float]:
-    """Return (s, lateral distance in the plane) of a point on a piece continued beyond its ends, nearest to [low, high]."""
+def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: float, y: float) -> tuple[float, float]:
+    """Return (s, lateral distance in the plane) of a point on a piece continued beyond its ends, nearest to
+    [low, high].
+    """
     h = n.piece_h[piece]
     start = n.piece_s[piece]
     kind = n.piece_kind[piece]
@@ -119,7 +121,8 @@ def rolled_t(n: RoadTables, road: int, s: float, lateral: float) -> float:
 def project_on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> tuple[int, float, float]:
     """Return (found, s, t) of a point on a chunk.
 
-    found is 1 inside; 2 beyond its end by no more than a kink of the reference line explains (s is then at the end); else 0.
+    found is 1 inside; 2 beyond its end by no more than a kink of the reference line explains (s is then at
+    the end); else 0.
     """
     if x < n.chunk_x0[chunk] or x > n.chunk_x1[chunk] or y < n.chunk_y0[chunk] or y > n.chunk_y1[chunk]:
         return 0, 0.0, 0.0
@@ -159,7 +162,9 @@ def lane_on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> tuple[int, i
 
 @compiled
 def better_place(n: RoadTables, row: int, offset: float, best: int, best_offset: float) -> int:
-    """Return 1 where a lane is to be preferred: nearer to its centre (to 1 mm), then drivable, then earlier in the file."""
+    """Return 1 where a lane is to be preferred: nearer to its centre (to 1 mm), then drivable, then earlier
+    in the file.
+    """
     if best < 0:
         return 1
     gain = abs(best_offset) - abs(offset)
@@ -176,7 +181,8 @@ def better_place(n: RoadTables, row: int, offset: float, best: int, best_offset:
 
 @compiled
 def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float, float]:
-    """Return (found, road, lane, s, offset) of the lane whose centre is nearest among those that hold a point.
+    """Return (found, road, lane, s, offset) of the lane whose centre is nearest among those that hold a
+    point.
 
     Driving lanes are preferred on ties. Off the road: (0, -1, 0, 0.0, 0.0).
     """
@@ -209,7 +215,9 @@ def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float
 
 @compiled
 def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -> tuple[float, float]:
-    """Return (s, t) of a point on a road's reference line, continued beyond its ends, by Newton's method from a hint."""
+    """Return (s, t) of a point on a road's reference line, continued beyond its ends, by Newton's method
+    from a hint.
+    """
     s = hint
     length = n.road_length[road]
     if not (s > 0.0):
@@ -242,7 +250,9 @@ def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -
 def track_on(
     n: RoadTables, road: int, hint: float, x: float, y: float, beyond: float
 ) -> tuple[int, float, float, float]:
-    """Return (found, s, t, |offset| from the lane's centre) of a point on the lanes of one road, found 0 off them."""
+    """Return (found, s, t, |offset| from the lane's centre) of a point on the lanes of one road, found 0 off
+    them.
+    """
     length = n.road_length[road]
     s, t = project_on_road(n, road, hint, x, y)
     if not (s >= -beyond and s <= length + beyond):
@@ -261,7 +271,8 @@ def track_on(
 def track(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> tuple[int, int, float, float]:
     """Return (found, road, s, t) of a point that was at (road, s) a short while ago, found 0 off every road.
 
-    Looked for on that road, then on the roads linked to the end that was passed, then by the index. A negative road hint goes
+    Looked for on that road, then on the roads linked to the end that was passed, then by the index. A
+    negative road hint goes
     straight to the index.
     """
     if not (x > -PLANE_LIMIT and x < PLANE_LIMIT and y > -PLANE_LIMIT and y < PLANE_LIMIT):
@@ -294,9 +305,7 @@ def track(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> t
 
 
 @compiled
-def track_by_index(
-    n: RoadTables, x: float, y: float, road_hint: int, s_hint: float
-) -> tuple[int, int, float, float]:
+def track_by_index(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> tuple[int, int, float, float]:
     """Return (found, road, s, t) by the index; failing that, just beyond the end of the hinted road."""
     found, road, lane, s, _ = locate_lane(n, x, y)
     if found == 1:

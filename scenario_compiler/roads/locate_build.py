@@ -1,4 +1,6 @@
-"""The index over the plane: the reference line in short chunks, and which chunks' surfaces touch each cell."""
+"""The index over the plane: the reference line in short chunks, and which chunks' surfaces touch each
+cell.
+"""
 
 from __future__ import annotations
 
@@ -18,10 +20,12 @@ CHUNK_TURN = 0.5
 """Most turning of a chunk, rad."""
 
 CHUNK_LIMIT = 1_000_000
-"""Rough bound on the number of chunks of one network; chunks of a network of more than 10 000 km are longer."""
+"""Rough bound on the number of chunks of one network; chunks of a network of more than 10 000 km are
+longer."""
 
 CELLS_LIMIT = 400
-"""Most cells that a chunk is entered into; a wider one (hundreds of metres of lanes) goes to the list that is always looked at."""
+"""Most cells that a chunk is entered into; a wider one (hundreds of metres of lanes) goes to the list that
+is always looked at."""
 
 JOINT_TURN_LIMIT = 0.5
 """Largest kink of a reference line, rad, that a point beside it is still located across."""
@@ -103,10 +107,10 @@ def _add_part(
         _add_bounds(n, piece, s0, s1, extent, max(beyond))
 
 
-def _add_bounds(
-    n: RoadTables, piece: int, s0: float, s1: float, extent: tuple[float, float], beyond: float
-) -> None:
-    """Append bounds of the surface over [s0, s1]: those of sampled corners, widened by what curves between samples."""
+def _add_bounds(n: RoadTables, piece: int, s0: float, s1: float, extent: tuple[float, float], beyond: float) -> None:
+    """Append bounds of the surface over [s0, s1]: those of sampled corners, widened by what curves between
+    samples.
+    """
     kind = n.piece_kind[piece]
     samples = 2 if kind == LINE else 5 if kind == POLYNOMIAL else 3
     xs, ys = [], []

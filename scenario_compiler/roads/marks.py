@@ -1,6 +1,7 @@
 """Codes of road marks, their default widths and lines, and the mark of a lane's border at s with its quality.
 
-Quality says how well a mark can be seen, 1 (new) to 0 (gone). A file gives it in `<userData code="marking_quality" value="0.3"/>`
+Quality says how well a mark can be seen, 1 (new) to 0 (gone). A file gives it in `<userData
+code="marking_quality" value="0.3"/>`
 inside `<roadMark>`; a scenario overrides it by stretch (`Network.with_mark_quality`).
 """
 
@@ -54,12 +55,15 @@ LANE_CHANGES = ("both", "none", "increase", "decrease")
 LANE_CHANGE_CODES = {name: code for code, name in enumerate(LANE_CHANGES)}
 
 STANDARD_WIDTH = 0.12
-"""Width of a mark where the file gives none, m (OpenDRIVE 1.8, table of roadMark: weight standard); bold is twice that."""
+"""Width of a mark where the file gives none, m (OpenDRIVE 1.8, table of roadMark: weight standard); bold is
+twice that."""
 
 
 @compiled
 def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
-    """Return the row of the mark on a lane's outer border at s (of the centre line for lane 0), -1 where there is none."""
+    """Return the row of the mark on a lane's outer border at s (of the centre line for lane 0), -1 where
+    there is none.
+    """
     row = lane_row(n, road, lane, s)
     if row < 0:
         return -1
@@ -72,7 +76,9 @@ def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
 
 @compiled
 def mark_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, float, int, float]:
-    """Return (type code, quality, colour code, width) of the mark on a lane's outer border, of the centre line for lane 0."""
+    """Return (type code, quality, colour code, width) of the mark on a lane's outer border, of the centre
+    line for lane 0.
+    """
     mark = mark_row(n, road, lane, s)
     if mark < 0:
         return MARK_NONE, 0.0, 0, 0.0

@@ -1,12 +1,43 @@
-"""The network as quads: road surfaces by material and painted marks, for the camera, for plots and for mesh export."""
+"""The network as quads: road surfaces by material and painted marks, for the camera, for plots and for mesh
+export.
+
+Lanes are cut at stations every two metres, of which those are left out between which the surface is flat and
+straight. A mark
+is drawn by the lines of its type where the file gives them, else by `_LINES_OF_TYPE`: the standard leaves
+the dashes
+of a "broken" mark open, and 3 m of paint and 9 m of gap is the American and CARLA's habit.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from scenario_compiler.roads import geometry, lane_types, lanes
+from scenario_compiler.roads import marks as road_marks_codes
+from scenario_compiler.roads.tables import RoadTables
+
+if TYPE_CHECKING:
+    from scenario_compiler.roads.network import Network
+
+Floats = NDArray[np.float64]
+Point = tuple[float, float, float]
+
+VERGE_WIDTH = 6.0
+"""Width of the strip of grass along roads that are not level, m; it ties them to the ground."""
+
+LONGEST = 20.0
+"""Longest piece of a surface, m."""
+
+MOST_PIECES = 20_000
+"""Most stations of a lane section and most pieces of a mark; beyond it they get longer. A bound on hostile
+files."""
 
 
 class Material(IntEnum):
@@ -38,7 +69,8 @@ class Surface:
     """Pieces of lanes, and of the verge beside them. N pieces.
 
     Attributes:
-        quads: (N, 4, 3) float32, world, m: left and right are as seen along increasing s; corners are left start, left
+        quads: (N, 4, 3) float32, world, m: left and right are as seen along increasing s; corners are left
+            start, left
             end, right end, right start.
         material: (N,) uint8, a `Material`.
         layer: (N,) uint8, what is laid on what where pieces overlap: larger lies on top.
@@ -78,11 +110,286 @@ class Marks:
     s: NDArray[np.float32]
 
 
-def road_surface(network: object, step: float = 2.0) -> Surface:
-    """Stub."""
-    raise NotImplementedError
+_MATERIALS = {
+    lane_types.NONE: Material.VERGE,
+    lane_types.SHOULDER: Material.SHOULDER,
+    lane_types.BORDER: Material.SHOULDER,
+    lane_types.RESTRICTED: Material.SHOULDER,
+    lane_types.MEDIAN: Material.GRASS,
+    lane_types.BIKING: Material.CYCLE,
+    lane_types.SIDEWALK: Material.CONCRETE,
+    lane_types.WALKING: Material.CONCRETE,
+    lane_types.CURB: Material.CONCRETE,
+    lane_types.TRAM: Material.CONCRETE,
+    lane_types.RAIL: Material.GRASS,
+}
+_LAYERS = {
+    Material.VERGE: 0,
+    Material.GRASS: 1,
+    Material.CONCRETE: 1,
+    Material.CYCLE: 2,
+    Material.SHOULDER: 2,
+    Material.ASPHALT: 3,
+}
+_PAINTS = dict.fromkeys(range(len(road_marks_codes.MARK_COLOURS)), Paint.WHITE) | {
+    road_marks_codes.MARK_COLOUR_CODES[paint.name.lower()]: paint for paint in Paint
+}
 
 
-def road_marks(network: object) -> Marks:
-    """Stub."""
-    raise NotImplementedError
+class _Line(NamedTuple):
+    """One line of a mark: dash and gap, m (gap 0: solid), offset in widths of the mark towards the outer
+    side.
+    """
+
+    dash: float
+    gap: float
+    beside: float
+
+
+_SOLID, _BROKEN = (0.0, 0.0), (3.0, 9.0)
+_LINES_OF_TYPE = {
+    road_marks_codes.MARK_SOLID: (_Line(*_SOLID, 0.0),),
+    road_marks_codes.MARK_BROKEN: (_Line(*_BROKEN, 0.0),),
+    road_marks_codes.MARK_SOLID_SOLID: (_Line(*_SOLID, -1.0), _Line(*_SOLID, 1.0)),
+    road_marks_codes.MARK_SOLID_BROKEN: (_Line(*_SOLID, -1.0), _Line(*_BROKEN, 1.0)),
+    road_marks_codes.MARK_BROKEN_SOLID: (_Line(*_BROKEN, -1.0), _Line(*_SOLID, 1.0)),
+    road_marks_codes.MARK_BROKEN_BROKEN: (_Line(*_BROKEN, -1.0), _Line(*_BROKEN, 1.0)),
+    road_marks_codes.MARK_BOTTS_DOTS: (_Line(0.1, 1.1, 0.0),),
+}
+
+
+def road_surface(network: Network, step: float = 2.0, tolerance: float = 0.01) -> Surface:
+    """Return every lane of every road, junctions included, and the verge beside roads that are not level.
+
+    Args:
+        network: The roads.
+        step: Distance of the stations, m.
+        tolerance: How far a surface may lie off a quad that spans several stations, m.
+    """
+    n = network.tables
+    quads: list[Floats] = []
+    columns: list[tuple[int, int, int, float, float]] = []
+    for section in range(len(n.section_s)):
+        for material, lane, corners, s in _strips(n, section, step, tolerance):
+            road = n.section_road[section]
+            quads.append(corners)
+            columns += [(material, road, lane, a, b) for a, b in zip(s[:-1], s[1:], strict=True)]
+    table = np.array(columns, np.float64).reshape(-1, 5)
+    layer = np.array([_LAYERS[material] for material in Material], np.uint8)
+    material = table[:, 0].astype(np.uint8)
+    return Surface(
+        quads=np.concatenate([*quads, np.empty((0, 4, 3))]).astype(np.float32),
+        material=material,
+        layer=layer[material],
+        road=table[:, 1].astype(np.int32),
+        lane=table[:, 2].astype(np.int32),
+        s=table[:, 3:].astype(np.float32),
+    )
+
+
+def _strips(
+    n: RoadTables, section: int, step: float, tolerance: float
+) -> Iterator[tuple[Material, int, Floats, list[float]]]:
+    """Yield material, lane, quads (N, 4, 3) and the N + 1 stations of each lane of a section."""
+    road = n.section_road[section]
+    start, end = n.section_s[section], min(n.section_end[section], n.road_length[road])
+    rows = [r for r in range(n.section_lane[section], n.section_lane[section + 1]) if n.lane_id[r] != 0]
+    if not rows or end - start < 1e-6:
+        return
+    count = min(max(1, math.ceil((end - start) / step)), MOST_PIECES)
+    stations = [start + (end - start) * k / count for k in range(count)] + [end]
+    borders = np.array([_borders(n, road, section, rows, s) for s in stations])
+    kept = _needed(borders, np.array(stations), tolerance)
+    borders, stations = borders[kept], [stations[k] for k in kept]
+    for k, row in enumerate(rows):
+        left, right = borders[:, 2 * k + 1], borders[:, 2 * k + 2]
+        if float(np.abs(left - right).max()) < 1e-3:
+            continue
+        material = _MATERIALS.get(n.lane_type[row], Material.ASPHALT)
+        yield material, n.lane_id[row], _quads(left, right), stations
+    if n.road_flat[road] == 0:
+        yield Material.VERGE, 0, _quads(borders[:, 0], borders[:, 1]), stations
+        yield Material.VERGE, 0, _quads(borders[:, -2], borders[:, -1]), stations
+
+
+def _quads(left: Floats, right: Floats) -> Floats:
+    return np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1)
+
+
+def _borders(n: RoadTables, road: int, section: int, rows: list[int], s: float) -> list[Point]:
+    """Return points from left to right: the verge's rim, left and right border of each lane, the other
+    verge's rim.
+    """
+    x, y, h, _, _ = geometry.piece_point(n, geometry.road_piece_at(n, road, s), s)
+    sin, cos = math.sin(h), math.cos(h)
+    t = lanes.lane_offset(n, road, s)
+    t += sum(lanes.row_width(n, row, s) for row in rows if n.lane_id[row] > 0)
+    points: list[Point] = []
+    for row in rows:
+        width = lanes.row_width(n, row, s)
+        for border in (t, t - width):
+            plane_t, z, _, _ = lanes.lane_surface(n, road, row, s, border)
+            points.append((x - plane_t * sin, y + plane_t * cos, z))
+        t -= width
+    left, right = points[0], points[-1]
+    w = VERGE_WIDTH
+    return [
+        (left[0] - w * sin, left[1] + w * cos, left[2]),
+        *points,
+        (right[0] + w * sin, right[1] - w * cos, right[2]),
+    ]
+
+
+def _needed(borders: Floats, s: Floats, tolerance: float) -> list[int]:
+    """Return the stations, first and last included, between which every border is straight within
+    `tolerance`.
+    """
+    kept, last = [0], len(s) - 1
+    while kept[-1] < last:
+        here = kept[-1]
+        ahead = here + 1
+        while ahead < last and s[ahead + 1] - s[here] <= LONGEST:
+            share = ((s[here + 1 : ahead + 1] - s[here]) / (s[ahead + 1] - s[here]))[:, None, None]
+            chord = borders[here] + share * (borders[ahead + 1] - borders[here])
+            if float(np.abs(borders[here + 1 : ahead + 1] - chord).max()) > tolerance:
+                break
+            ahead += 1
+        kept.append(ahead)
+    return kept
+
+
+def road_marks(network: Network, tolerance: float = 0.01) -> Marks:
+    """Return the painted pieces of every mark: solid lines, dashes, double lines.
+
+    Args:
+        network: The roads, with the quality of their marks.
+        tolerance: How far a line may lie off a straight piece, m.
+    """
+    n = network.tables
+    quads: list[tuple[Point, Point, Point, Point]] = []
+    columns: list[tuple[int, float, float, int, int, float, float]] = []
+    for section in range(len(n.section_s)):
+        for row in range(n.section_lane[section], n.section_lane[section + 1]):
+            for mark in range(n.lane_mark[row], n.lane_mark[row + 1]):
+                for line in _lines(n, mark):
+                    _paint(n, row, mark, line, tolerance, quads, columns)
+    table = np.array(columns, np.float64).reshape(-1, 7)
+    return Marks(
+        quads=np.array(quads, np.float32).reshape(-1, 4, 3),
+        colour=table[:, 0].astype(np.uint8),
+        quality=table[:, 1].astype(np.float32),
+        width=table[:, 2].astype(np.float32),
+        road=table[:, 3].astype(np.int32),
+        lane=table[:, 4].astype(np.int32),
+        s=table[:, 5:].astype(np.float32),
+    )
+
+
+class _Stroke(NamedTuple):
+    """A line to be painted: lateral offset from the border (left positive), width, colour, dash, gap, first
+    and last s.
+    """
+
+    t: float
+    width: float
+    colour: Paint
+    dash: float
+    gap: float
+    start: float
+    end: float
+
+
+def _lines(n: RoadTables, mark: int) -> Iterator[_Stroke]:
+    """Yield the lines of a mark: those of the file, else those of its type."""
+    start, end, width = n.mark_s[mark], n.mark_end[mark], n.mark_width[mark]
+    if n.mark_type[mark] == road_marks_codes.MARK_NONE:
+        return
+    explicit = range(n.mark_line[mark], n.mark_line[mark + 1])
+    for k in explicit:
+        own = n.line_width[k] if n.line_width[k] > 0.0 else width
+        first, length = start + n.line_s[k], n.line_length[k]
+        last = min(first + length, end) if n.line_once[k] else end
+        gap = 0.0 if n.line_once[k] else n.line_space[k]
+        yield _Stroke(n.line_t[k], own, _PAINTS[n.line_colour[k]], length, gap, first, last)
+    if not explicit:
+        colour = _PAINTS[n.mark_colour[mark]]
+        for dash, gap, beside in _LINES_OF_TYPE.get(n.mark_type[mark], ()):
+            yield _Stroke(-beside * width, width, colour, dash, gap, start, end)
+
+
+def _paint(
+    n: RoadTables,
+    row: int,
+    mark: int,
+    line: _Stroke,
+    tolerance: float,
+    quads: list[tuple[Point, Point, Point, Point]],
+    columns: list[tuple[int, float, float, int, int, float, float]],
+) -> None:
+    """Append the pieces of one line."""
+    section = n.lane_section[row]
+    road, lane = n.section_road[section], n.lane_id[row]
+    low = max(line.start, n.section_s[section], 0.0)
+    high = min(line.end, n.section_end[section], n.road_length[road])
+    outwards = -line.t if lane > 0 else line.t
+    from_q, to_q = n.mark_quality_from[mark], n.mark_quality_to[mark]
+    span = n.mark_end[mark] - n.mark_s[mark]
+    for a, b in _dashes(line, low, high):
+        for s0, s1 in _pieces(n, road, a, b, tolerance, 1.0 if from_q != to_q else 10.0):
+            left0, right0 = _across(n, road, row, mark, s0, outwards, line.width)
+            left1, right1 = _across(n, road, row, mark, s1, outwards, line.width)
+            share = ((s0 + s1) / 2.0 - n.mark_s[mark]) / span if span > 0.0 else 0.0
+            quads.append((left0, left1, right1, right0))
+            columns.append((line.colour, from_q + share * (to_q - from_q), line.width, road, lane, s0, s1))
+
+
+def _dashes(line: _Stroke, low: float, high: float) -> Iterator[tuple[float, float]]:
+    """Yield the painted ranges of s between `low` and `high`."""
+    period = line.dash + line.gap
+    if line.gap <= 0.0 or line.dash <= 0.0 or (high - low) / period > MOST_PIECES:
+        if high > low:
+            yield low, high
+        return
+    first = math.floor((low - line.start) / period)
+    for k in range(first, math.ceil((high - line.start) / period)):
+        a, b = line.start + k * period, line.start + k * period + line.dash
+        if min(b, high) - max(a, low) > 0.01:
+            yield max(a, low), min(b, high)
+
+
+def _pieces(
+    n: RoadTables, road: int, low: float, high: float, tolerance: float, longest: float
+) -> Iterator[tuple[float, float]]:
+    """Yield ranges over which the reference line is straight within `tolerance`, at most `longest` m."""
+    if n.road_flat[road] == 0:
+        longest = min(longest, 4.0)
+    longest = max(longest, (high - low) / MOST_PIECES)
+    s = low
+    while high - s > 1e-6:
+        k = abs(geometry.road_reference(n, road, s)[3])
+        ahead = abs(geometry.road_reference(n, road, min(s + longest, high))[3])
+        chord = math.sqrt(8.0 * tolerance / max(k, ahead, 1e-6))
+        parts = max(1, math.ceil((high - s) / max(min(longest, chord), (high - low) / MOST_PIECES)))
+        step = (high - s) / parts
+        yield s, s + step
+        s += step
+
+
+def _across(
+    n: RoadTables, road: int, row: int, mark: int, s: float, beside: float, width: float
+) -> tuple[Point, Point]:
+    """Return the left and right rim of a line at s on the outer border of a lane's row."""
+    x, y, h, _, _ = geometry.piece_point(n, geometry.road_piece_at(n, road, s), s)
+    lane = n.lane_id[row]
+    border = lanes.lane_offset(n, road, s) if lane == 0 else lanes.row_inner_border(n, road, row, s)
+    if lane != 0:
+        border += math.copysign(lanes.row_width(n, row, s), lane)
+    t = border + beside + geometry.cubic_value(n, n.mark_sway_first[mark], n.mark_sway_last[mark], s)
+    rims: list[Point] = []
+    for rim in (t + width / 2.0, t - width / 2.0):
+        if lane == 0:
+            plane_t, z, _, _ = geometry.road_surface(n, road, s, rim)
+        else:
+            plane_t, z, _, _ = lanes.lane_surface(n, road, row, s, rim)
+        rims.append((x - plane_t * math.sin(h), y + plane_t * math.cos(h), z))
+    return rims[0], rims[1]

@@ -1,4 +1,6 @@
-"""`Network`: the questions that can be asked of a road network, by ids and in values; the work is done by the compiled functions."""
+"""`Network`: the questions that can be asked of a road network, by ids and in values; the work is done by
+the compiled functions.
+"""
 
 from __future__ import annotations
 
@@ -8,28 +10,40 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scenario_compiler.diagnostics import CompileError, Diagnostics
-from scenario_compiler.document import read_document
+from scenario_compiler.document import MAX_BYTES, parse_document, read_document
 from scenario_compiler.roads import geometry, lanes, locate, marks, travel
-from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES
+from scenario_compiler.roads.cache import read_cached, write_cached
+from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES, is_drivable
+from scenario_compiler.roads.nearest import nearest_lane
 from scenario_compiler.roads.parse import ParsedNetwork, read_network
 from scenario_compiler.roads.positions import (
     LaneAt,
     LanePosition,
+    Located,
     Mark,
+    MarkStretch,
     Pose,
     RoadDescription,
+    Route,
 )
-from scenario_compiler.roads.tables import NO_SPEED, RoadTables
+from scenario_compiler.roads.quality import with_mark_quality
+from scenario_compiler.roads.routing import find_route
+from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, RoadTables
 
 if TYPE_CHECKING:
     import numpy as np
+    import numpy.typing as npt
+
+    from scenario_compiler.roads.locate_many import BatchLocator, Floats, Ints
 
 END_TOLERANCE = 1e-6
 """How far beyond a road's ends s may lie before it counts as outside, m: rounding of written decimals."""
 
 
 class Network:
-    """A road network. Frames and units: OpenDRIVE axes, metres, radians; left and right as seen along increasing s."""
+    """A road network. Frames and units: OpenDRIVE axes, metres, radians; left and right as seen along
+    increasing s.
+    """
 
     def __init__(self, path: str, sha256: str, parsed: ParsedNetwork) -> None:
         """Wrap parsed tables; use `load_network`."""
@@ -39,6 +53,7 @@ class Network:
         self.tables: RoadTables = parsed.tables
         self.road_ids = parsed.road_ids
         self.junction_ids = parsed.junction_ids
+        self._batch: BatchLocator | None = None
         self._index = {name: i for i, name in enumerate(parsed.road_ids)}
 
     def tables_as_arrays(self) -> tuple[np.ndarray, ...]:
@@ -85,7 +100,9 @@ class Network:
         return Pose(*lanes.lane_pose(self.tables, i, lane, s, offset))
 
     def road_pose(self, road: str, s: float, t: float) -> Pose:
-        """Return the pose at (s, t) of a road, heading along increasing s; ValueError outside the road's range of s."""
+        """Return the pose at (s, t) of a road, heading along increasing s; ValueError outside the road's
+        range of s.
+        """
         i, s = self._place(road, s)
         return Pose(*geometry.road_pose(self.tables, i, s, t))
 
@@ -110,8 +127,53 @@ class Network:
             kind, row, s, offset = locate.lane_on_chunk(n, chunk, x, y)
             if kind > 0:
                 found.append((kind, abs(offset), row, s, offset))
-        places = [self._position(row, s, offset) for row, s, offset in _distinct(n, found)]
-        return places
+        if not found and nearest:
+            closest = nearest_lane(n, x, y)
+            return [] if closest is None else [self._position(*closest)]
+        return [self._position(row, s, offset) for row, s, offset in _distinct(n, found)]
+
+    def locate_many(self, xs: npt.ArrayLike, ys: npt.ArrayLike) -> Located:
+        """Return, for many points at once, what `locate` returns for each; see `Located`."""
+        import numpy as np
+
+        from scenario_compiler.roads.locate_many import BatchLocator
+
+        if self._batch is None:
+            self._batch = BatchLocator(self.tables)
+        x, y = np.atleast_1d(np.asarray(xs, np.float64)), np.atleast_1d(np.asarray(ys, np.float64))
+        point, row, s, offset, found = self._batch.candidates(x, y)
+        order = np.lexsort((row, np.abs(offset), point))
+        point, row, s, offset, found = point[order], row[order], s[order], offset[order], found[order]
+        point, row, s, offset = self._drop_repeated(point, row, s, offset, found)
+        start = np.searchsorted(point, np.arange(len(x) + 1))
+        n = self._batch.columns
+        return Located(start, n["section_road"][n["lane_section"][row]], n["lane_id"][row], s, offset)
+
+    def _drop_repeated(
+        self, point: Ints, row: Ints, s: Floats, offset: Floats, found: Ints
+    ) -> tuple[Ints, Ints, Floats, Floats]:
+        """Settle, point by point, the few that several chunks of one road hold."""
+        import numpy as np
+
+        n = self.tables
+        road = np.asarray(n.section_road)[np.asarray(n.lane_section)[row]]
+        order = np.lexsort((road, point))
+        same = (np.diff(point[order]) == 0) & (np.diff(road[order]) == 0)
+        doubtful = np.unique(np.concatenate([point[order][1:][same], point[found == 2]]))
+        if not len(doubtful):
+            return point, row, s, offset
+        keep = np.ones(len(point), bool)
+        settled: list[tuple[int, int, float, float]] = []
+        for one in doubtful.tolist():
+            at = slice(*np.searchsorted(point, [one, one + 1]))
+            keep[at] = False
+            candidates = zip(found[at], np.abs(offset[at]), row[at], s[at], offset[at], strict=True)
+            places = [(int(a), float(b), int(c), float(d), float(e)) for a, b, c, d, e in candidates]
+            settled.extend((one, *place) for place in _distinct(n, places))
+        columns = [np.array(column) for column in zip(*settled, strict=True)]
+        merged = [np.concatenate([old[keep], new]) for old, new in zip((point, row, s, offset), columns, strict=True)]
+        order = np.argsort(merged[0], kind="stable")
+        return merged[0][order], merged[1][order], merged[2][order], merged[3][order]
 
     def _position(self, row: int, s: float, offset: float) -> LanePosition:
         n = self.tables
@@ -123,7 +185,9 @@ class Network:
         return lanes.lane_width(self.tables, i, lane, s)
 
     def curvature(self, road: str, s: float) -> float:
-        """Return the curvature of the reference line, 1/m, positive to the left. ValueError outside the road."""
+        """Return the curvature of the reference line, 1/m, positive to the left. ValueError outside the
+        road.
+        """
         i, s = self._place(road, s)
         return geometry.road_reference(self.tables, i, s)[3]
 
@@ -133,7 +197,9 @@ class Network:
         return geometry.road_grade(self.tables, i, s)
 
     def speed_limit(self, road: str, lane: int, s: float) -> float | None:
-        """Return the lane's speed limit, else the road's, m/s; `inf` for "no limit", None where none is stated."""
+        """Return the lane's speed limit, else the road's, m/s; `inf` for "no limit", None where none is
+        stated.
+        """
         i, s = self._place(road, s)
         n = self.tables
         row = lanes.lane_row(n, i, lane, s)
@@ -149,7 +215,9 @@ class Network:
         return None if speed == NO_SPEED else speed
 
     def marks(self, road: str, lane: int, s: float) -> tuple[Mark | None, Mark | None]:
-        """Return (outer mark, inner mark) of a lane at s; the inner one belongs to the lane beside it towards the centre."""
+        """Return (outer mark, inner mark) of a lane at s; the inner one belongs to the lane beside it
+        towards the centre.
+        """
         i, s = self._place(road, s)
         inner = lane - 1 if lane > 0 else lane + 1
         return self._mark(i, lane, s), self._mark(i, inner, s) if lane != 0 else None
@@ -186,7 +254,9 @@ class Network:
         return min(n.chunk_x0), min(n.chunk_y0), max(n.chunk_x1), max(n.chunk_y1)
 
     def next(self, position: LanePosition, distance: float) -> LanePosition | None:
-        """Return the position a distance ahead in the direction of travel (straightest exits), None beyond the lane's end."""
+        """Return the position a distance ahead in the direction of travel (straightest exits), None beyond
+        the lane's end.
+        """
         i, s = self._place(position.road, position.s)
         road, lane, s, left = travel.advance(self.tables, i, position.lane, s, distance, -1)
         if left > 0.0:
@@ -194,8 +264,74 @@ class Network:
         return LanePosition(self.road_ids[road], lane, s, position.offset)
 
     def previous(self, position: LanePosition, distance: float) -> LanePosition | None:
-        """Return the position a distance behind against the direction of travel, None beyond the lane's start."""
+        """Return the position a distance behind against the direction of travel, None beyond the lane's
+        start.
+        """
         return self.next(position, -distance)
+
+    def left(self, position: LanePosition) -> LanePosition | None:
+        """Return the position on the lane to the left as seen in the direction of travel, None where there
+        is none.
+        """
+        return self._beside(position, 1)
+
+    def right(self, position: LanePosition) -> LanePosition | None:
+        """Return the position on the lane to the right as seen in the direction of travel, None where there
+        is none.
+        """
+        return self._beside(position, -1)
+
+    def _beside(self, position: LanePosition, side: int) -> LanePosition | None:
+        i, s = self._place(position.road, position.s)
+        step = side * lanes.lane_direction(self.tables, i, position.lane)
+        lane = position.lane + step
+        if lane == 0:
+            lane += step
+        if lanes.lane_exists(self.tables, i, lane, s) == 0:
+            return None
+        return LanePosition(position.road, lane, s, position.offset)
+
+    def route(self, start: LanePosition, goal: LanePosition) -> Route | None:
+        """Return the shortest route, with the fewest lane changes among equals, None where there is none.
+
+        Raises:
+            ValueError: When the start or the goal lies on no lane.
+        """
+        return find_route(self.tables, self.road_ids, start, goal)
+
+    def topology(self) -> list[tuple[LanePosition, LanePosition]]:
+        """Return (where a drivable lane of a section is entered, where a lane that follows it is entered),
+        in file order.
+        """
+        n = self.tables
+        pairs = []
+        for row in range(len(n.lane_id)):
+            if n.lane_id[row] == 0 or not is_drivable(n.lane_type[row]):
+                continue
+            forward = lanes.lane_direction(n, n.section_road[n.lane_section[row]], n.lane_id[row]) == 1
+            end = AT_END if forward else AT_START
+            for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
+                other = n.link_lane[link]
+                follows = lanes.lane_direction(n, n.section_road[n.lane_section[other]], n.lane_id[other]) == 1
+                if is_drivable(n.lane_type[other]) and follows == (n.link_contact[link] == AT_START):
+                    pairs.append((self._entry(row, forward), self._entry(other, follows)))
+        return pairs
+
+    def _entry(self, row: int, forward: bool) -> LanePosition:
+        n = self.tables
+        section = n.lane_section[row]
+        s = n.section_s[section] if forward else n.section_end[section]
+        return LanePosition(self.road_ids[n.section_road[section]], n.lane_id[row], s)
+
+    def with_mark_quality(self, overrides: Sequence[MarkStretch]) -> Network:
+        """Return a network whose marks carry the overrides; the rest is shared with this one.
+
+        Raises:
+            KeyError: When a stretch names a road that does not exist.
+            ValueError: When a quality is outside 0 to 1.
+        """
+        tables = with_mark_quality(self.tables, self._index, overrides)
+        return Network(self.path, self.sha256, ParsedNetwork(tables, self.road_ids, self.junction_ids))
 
 
 def _chunks_near(n: RoadTables, x: float, y: float) -> Sequence[int]:
@@ -206,9 +342,7 @@ def _chunks_near(n: RoadTables, x: float, y: float) -> Sequence[int]:
     return near + n.wide_chunk if n.wide_chunk else near
 
 
-def _distinct(
-    n: RoadTables, found: list[tuple[int, float, int, float, float]]
-) -> list[tuple[int, float, float]]:
+def _distinct(n: RoadTables, found: list[tuple[int, float, int, float, float]]) -> list[tuple[int, float, float]]:
     """Return (row, s, offset) by distance to the lane's centre, each place once.
 
     A place found across a kink counts only where no lane of its road holds the point near there exactly.
@@ -218,9 +352,7 @@ def _distinct(
     for kind, distance, row, s, offset in found:
         road = n.section_road[n.lane_section[row]]
         near = 1.0 if kind == 2 else 1e-6
-        if not any(
-            n.section_road[n.lane_section[other]] == road and abs(at - s) < near for _, other, at, _ in kept
-        ):
+        if not any(n.section_road[n.lane_section[other]] == road and abs(at - s) < near for _, other, at, _ in kept):
             kept.append((distance, row, s, offset))
     kept.sort()
     return [(row, s, offset) for _, row, s, offset in kept]
@@ -241,11 +373,37 @@ def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics | No
         CompileError: When the file is unreadable and no sink was given.
     """
     findings = Diagnostics() if sink is None else sink
-    document = read_document(path, findings)
-    parsed = read_network(document, findings) if document is not None else None
-    if document is None or parsed is None:
+    raw = _read(Path(path), findings)
+    parsed = None if raw is None else _parse(raw, str(path), findings, cache)
+    if raw is None or parsed is None:
         if sink is None:
             raise CompileError(findings)
         return None
-    sha256 = hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    return Network(str(path), sha256, parsed)
+    return Network(str(path), hashlib.sha256(raw).hexdigest(), parsed)
+
+
+def _read(path: Path, sink: Diagnostics) -> bytes | None:
+    """Return the content of a file; what is wrong with an unreadable one is found out, and told, by
+    `read_document`.
+    """
+    try:
+        if path.stat().st_size <= MAX_BYTES:
+            return path.read_bytes()
+    except (OSError, ValueError):
+        pass
+    read_document(path, sink)
+    return None
+
+
+def _parse(raw: bytes, path: str, sink: Diagnostics, cache: bool) -> ParsedNetwork | None:
+    sha256 = hashlib.sha256(raw).hexdigest() if cache else ""
+    parsed = read_cached(sha256, path, sink) if cache else None
+    if parsed is not None:
+        return parsed
+    findings = Diagnostics()
+    document = parse_document(raw, path, findings)
+    parsed = read_network(document, findings) if document is not None else None
+    if parsed is not None and cache:
+        write_cached(sha256, parsed, findings)
+    sink.found.extend(findings.found)
+    return parsed

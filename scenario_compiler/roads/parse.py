@@ -1,7 +1,10 @@
-"""OpenDRIVE XML to `RoadTables`: everything that positions, routes and pictures need, with diagnostics for what cannot be used.
+"""OpenDRIVE XML to `RoadTables`: everything that positions, routes and pictures need, with diagnostics for
+what cannot be used.
 
-Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is read. Errors are
-left for files that give no network at all. What the tables do not hold (objects, signals, controllers, header) is read by
+Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is
+read. Errors are
+left for files that give no network at all. What the tables do not hold (objects, signals, controllers,
+header) is read by
 `model` when it is asked for.
 """
 
@@ -24,7 +27,8 @@ from scenario_compiler.roads.topology import build_links
 NOT_OPENDRIVE = Code(
     "SC301",
     "not-opendrive",
-    "The root element of the road file is not <OpenDRIVE>, or it holds no usable <road>. Check that the scenario names the "
+    "The root element of the road file is not <OpenDRIVE>, or it holds no usable <road>. Check that the "
+    "scenario names the "
     "right file.",
 )
 DUPLICATE_ROAD = Code(
@@ -36,14 +40,16 @@ DUPLICATE_ROAD = Code(
 UNUSABLE_ROAD = Code(
     "SC303",
     "unusable-road",
-    "A road cannot be used and is left out: it has no id, no reference line (<planView> with <geometry>), or a length that "
+    "A road cannot be used and is left out: it has no id, no reference line (<planView> with <geometry>), "
+    "or a length that "
     "is 0 or negative.",
     Severity.WARNING,
 )
 UNKNOWN_WORD = Code(
     "SC304",
     "unknown-road-word",
-    "An attribute has a value that OpenDRIVE does not know (a lane type, a mark type, a colour, a traffic rule). The default "
+    "An attribute has a value that OpenDRIVE does not know (a lane type, a mark type, a colour, a traffic "
+    "rule). The default "
     "is used in its place.",
     Severity.WARNING,
 )
@@ -59,7 +65,9 @@ class ParsedNetwork:
 
 
 def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
-    """Read the roads, junctions and links of a document; None (and an error in the sink) when there is no road in it."""
+    """Read the roads, junctions and links of a document; None (and an error in the sink) when there is no
+    road in it.
+    """
     root = document.root
     _drop_namespace(root)
     if root.tag != "OpenDRIVE":
@@ -78,9 +86,7 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
         if road_id is None:
             reader.report(UNUSABLE_ROAD, "a road without id is left out", element)
         elif road_id in seen:
-            reader.report(
-                DUPLICATE_ROAD, f"a second road has the id '{road_id}'; it is left out", element, "id"
-            )
+            reader.report(DUPLICATE_ROAD, f"a second road has the id '{road_id}'; it is left out", element, "id")
         elif _read_road(reader, parsed.tables, lanes, element, junctions):
             seen.add(road_id)
             parsed.road_ids.append(road_id)
@@ -109,16 +115,12 @@ def _read_road(
     length = reader.number(element, "length", -1.0, limit=LENGTH_LIMIT)
     if length <= 0.0:
         if element.get("length") is not None:
-            reader.report(
-                UNUSABLE_ROAD, "the road's length is not positive; it is left out", element, "length"
-            )
+            reader.report(UNUSABLE_ROAD, "the road's length is not positive; it is left out", element, "length")
             return False
         geometries = element.findall("planView/geometry")
         length = sum(reader.number(one, "length", 0.0, limit=LENGTH_LIMIT) for one in geometries)
     if length <= 0.0 or not read_reference_line(reader, n, element, length):
-        reader.report(
-            UNUSABLE_ROAD, "the road has no reference line of positive length; it is left out", element
-        )
+        reader.report(UNUSABLE_ROAD, "the road has no reference line of positive length; it is left out", element)
         return False
     n.road_length.append(length)
     rule = element.get("rule", "RHT")
@@ -182,9 +184,7 @@ def _is_flat(n: RoadTables, road: int) -> bool:
     )
     if any(first < last for first, last in ranges) or n.road_shape[road] < len(n.shape_s):
         return False
-    lanes = (
-        n.section_lane[n.road_section[road]] if n.road_section[road] < len(n.section_s) else len(n.lane_id)
-    )
+    lanes = n.section_lane[n.road_section[road]] if n.road_section[road] < len(n.section_s) else len(n.lane_id)
     heights = n.lane_height[lanes] if lanes < len(n.lane_id) else len(n.height_s)
     return heights == len(n.height_s)
 

@@ -1,4 +1,6 @@
-"""The values that questions to a network return: poses, lane positions, routes, descriptions of lanes and marks."""
+"""The values that questions to a network return: poses, lane positions, routes, descriptions of lanes and
+marks.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,8 @@ from typing import NamedTuple
 class Pose(NamedTuple):
     """A point on the road surface with the orientation of the surface there.
 
-    OpenDRIVE axes: metres; heading counterclockwise from +x in [0, 2 pi), pitch positive nose down, roll positive left side
+    OpenDRIVE axes: metres; heading counterclockwise from +x in [0, 2 pi), pitch positive nose down, roll
+    positive left side
     up, radians.
     """
 
@@ -22,7 +25,9 @@ class Pose(NamedTuple):
 
 
 class LanePosition(NamedTuple):
-    """A point on a lane; offset is in m from the lane's centre, positive to the left as seen along increasing s."""
+    """A point on a lane; offset is in m from the lane's centre, positive to the left as seen along
+    increasing s.
+    """
 
     road: str
     lane: int
@@ -31,7 +36,8 @@ class LanePosition(NamedTuple):
 
 
 class Located(NamedTuple):
-    """What `Network.locate_many` returns: columns over all found (point, lane) pairs, by point, nearest lane centre first.
+    """What `Network.locate_many` returns: columns over all found (point, lane) pairs, by point, nearest lane
+    centre first.
 
     Attributes:
         start: CSR over the points, (points + 1,).
@@ -68,7 +74,8 @@ class Mark(NamedTuple):
 
 
 class MarkStretch(NamedTuple):
-    """Marks whose quality is set from s_from to s_to, linear between both qualities; lane None means every mark of the road.
+    """Marks whose quality is set from s_from to s_to, linear between both qualities; lane None means every
+    mark of the road.
 
     A lane's mark lies on its outer border; lane 0 is the centre line.
     """
@@ -82,7 +89,9 @@ class MarkStretch(NamedTuple):
 
 
 class Leg(NamedTuple):
-    """A part of a route: one lane of one road from s to s. `changes_lane` tells that it is entered from the lane beside."""
+    """A part of a route: one lane of one road from s to s. `changes_lane` tells that it is entered from the
+    lane beside.
+    """
 
     road: str
     lane: int

@@ -14,14 +14,17 @@ from scenario_compiler.roads.tables import NO_SPEED, RoadTables
 BAD_NUMBER = Code(
     "SC305",
     "bad-road-number",
-    "An attribute of the road file should hold a finite number of sensible size and does not: it is missing, is not a number, "
-    "is NaN or infinite, or is larger than any real road needs. The default (mostly 0) is used, or the record is left out.",
+    "An attribute of the road file should hold a finite number of sensible size and does not: it is "
+    "missing, is not a number, "
+    "is NaN or infinite, or is larger than any real road needs. The default (mostly 0) is used, or the "
+    "record is left out.",
     Severity.WARNING,
 )
 UNSORTED = Code(
     "SC306",
     "unsorted-records",
-    "Records along a road (geometries, elevations, lane sections, widths, marks) should stand in ascending order of s. They "
+    "Records along a road (geometries, elevations, lane sections, widths, marks) should stand in ascending "
+    "order of s. They "
     "are sorted before they are used.",
     Severity.WARNING,
 )
@@ -63,12 +66,12 @@ class Reader:
             message = f"more than {FINDINGS_LIMIT} findings; the rest is not listed"
             self.sink.add(MANY_FINDINGS, message, FilePlace(self.document.path))
 
-    def number(
-        self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT
-    ) -> float:
-        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is none.
+    def number(self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
+        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is
+        none.
 
-        A missing attribute is no finding here: whether it may be missing is a matter of structure, not of reading.
+        A missing attribute is no finding here: whether it may be missing is a matter of structure, not of
+        reading.
         """
         text = element.get(name)
         if text is None:
@@ -76,9 +79,7 @@ class Reader:
         try:
             value = float(text)
         except ValueError:
-            self.report(
-                BAD_NUMBER, f"{name} is '{text[:40]}', not a number; {default:g} is used", element, name
-            )
+            self.report(BAD_NUMBER, f"{name} is '{text[:40]}', not a number; {default:g} is used", element, name)
             return default
         if -limit <= value <= limit:
             return value
@@ -98,7 +99,9 @@ class Reader:
         return None
 
     def speed(self, element: etree._Element) -> float:
-        """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` where it says nothing usable."""
+        """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` where it says nothing
+        usable.
+        """
         text = element.get("max", "undefined")
         if text == "no limit":
             return inf
@@ -109,9 +112,7 @@ class Reader:
             return NO_SPEED
         return value * SPEED_UNITS.get(element.get("unit", "m/s"), 1.0)
 
-    def cubics(
-        self, n: RoadTables, records: Iterable[etree._Element], station: str, origin: float
-    ) -> tuple[int, int]:
+    def cubics(self, n: RoadTables, records: Iterable[etree._Element], station: str, origin: float) -> tuple[int, int]:
         """Append cubics to the pool and return their range, empty when all of them are 0 everywhere.
 
         Args:
@@ -126,15 +127,10 @@ class Reader:
         for record in records:
             get = record.get
             try:
-                s, a, b, c, d = (
-                    float(get(station)),
-                    float(get("a")),
-                    float(get("b")),
-                    float(get("c")),
-                    float(get("d")),
-                )  # type: ignore[arg-type]
-                fine = abs(s) + abs(a) + abs(b) + abs(c) + abs(d) < NUMBER_LIMIT
-            except (TypeError, ValueError):
+                s = float(get(station, "?"))
+                a, b, c, d = float(get("a", "?")), float(get("b", "?")), float(get("c", "?")), float(get("d", "?"))
+                fine = abs(s) + abs(a) + abs(b) + abs(c) + abs(d) < NUMBER_LIMIT and abs(s) <= LENGTH_LIMIT
+            except ValueError:
                 fine = False
             if not fine:
                 s = self.number(record, station, 0.0, limit=LENGTH_LIMIT)

@@ -19,7 +19,8 @@ UNKNOWN_GEOMETRY = Code(
 COARSE_SPIRAL = Code(
     "SC309",
     "coarse-spiral",
-    "A spiral turns so often that it would need too many pieces to be exact. It is evaluated more coarsely; no road is like that, "
+    "A spiral turns so often that it would need too many pieces to be exact. It is evaluated more coarsely; "
+    "no road is like that, "
     "so its curvatures or its length are probably wrong.",
     Severity.WARNING,
 )

@@ -1,7 +1,9 @@
 """`RoadTables`: a whole road network as flat columns, the container `n` of every compiled road function.
 
-Ragged data is in CSR form: the rows of owner `i` in a child table are `start[i] .. start[i + 1] - 1`. Ranges into the pool of
-cubics are given by `*_first` and `*_last` (exclusive), because lanes may share them. Indices are 0-based, -1 is "none".
+Ragged data is in CSR form: the rows of owner `i` in a child table are `start[i] .. start[i + 1] - 1`. Ranges
+into the pool of
+cubics are given by `*_first` and `*_last` (exclusive), because lanes may share them. Indices are 0-based, -1
+is "none".
 Lengths are in metres, angles in radians, OpenDRIVE axes (x east, y north, z up).
 """
 
@@ -34,17 +36,21 @@ class RoadTables:
         road_flat: 1 where height, pitch and roll are 0 everywhere.
         road_directions: 1 where a lane declares a direction other than its side's.
         road_piece: CSR into the pieces of the reference line.
-        road_cell: CSR into `cell_piece`, the uniform s-index: the last piece that starts at or before each cell.
+        road_cell: CSR into `cell_piece`, the uniform s-index: the last piece that starts at or before each
+            cell.
         road_cell_scale: Cells per metre of s.
         road_elevation_first, road_superelevation_first, road_offset_first, road_crossfall_left_first,
-        road_crossfall_right_first (and `*_last`): Ranges of cubics over s: z in m, roll in rad, lane offset in m, crossfall in rad.
+        road_crossfall_right_first (and `*_last`): Ranges of cubics over s: z in m, roll in rad, lane offset
+        in m, crossfall in rad.
         road_shape: CSR into the stations of the lateral shape.
         road_section: CSR into the lane sections.
         road_type: CSR into the road type records.
-        road_start_road, road_start_contact, road_end_road, road_end_contact: The road that the start (end) is linked to and the end
+        road_start_road, road_start_contact, road_end_road, road_end_contact: The road that the start (end)
+            is linked to and the end
             of it that is touched (`AT_START`, `AT_END`), or -1.
         road_start_junction, road_end_junction: The junction that the start (end) leads into, or -1.
-        road_exit: CSR with two rows a road (start, then end) into the exits, the roads whose lanes are linked there.
+        road_exit: CSR with two rows a road (start, then end) into the exits, the roads whose lanes are
+            linked there.
         exit_road, exit_contact: Such a road and its end that is touched.
         piece_s, piece_x, piece_y, piece_h: s, position and heading at the piece's start.
         piece_k, piece_dk: Curvature there, 1/m, and its rate, 1/m2.
@@ -68,7 +74,8 @@ class RoadTables:
         link_lane: The linked lane's row.
         link_contact: The end of that lane that is touched.
         link_turn: Absolute change of heading along the linked road when it lies in a junction, else 0; rad.
-        height_s, height_inner, height_outer: Lane height above the road surface at its inner and outer border, m.
+        height_s, height_inner, height_outer: Lane height above the road surface at its inner and outer
+            border, m.
         type_s, type_code, type_speed: Road type records; speed in m/s.
         speed_s, speed_max: Lane speed records, m/s.
         mark_s, mark_end: Range of s that the mark covers.
@@ -76,11 +83,14 @@ class RoadTables:
         mark_quality_from, mark_quality_to: Quality at both ends, 0 (gone) to 1 (new), linear between.
         mark_sway_first, mark_sway_last: Range of cubics over absolute s: lateral offset of the whole mark, m.
         mark_line: CSR into the explicit lines of the mark's type.
-        line_length, line_space, line_t, line_s, line_width, line_colour: A line: dash and gap length (gap 0: solid), lateral offset,
+        line_length, line_space, line_t, line_s, line_width, line_colour: A line: dash and gap length (gap 0:
+            solid), lateral offset,
             start within the mark, width in m.
         line_once: 1 for a single explicit line, 0 for one that repeats.
-        chunk_road, chunk_section, chunk_piece, chunk_s, chunk_end: Short parts of the reference line, each in one piece and section.
-        chunk_before, chunk_after: How far beyond each end a point still belongs to it (over a kink of the reference line), m.
+        chunk_road, chunk_section, chunk_piece, chunk_s, chunk_end: Short parts of the reference line, each
+            in one piece and section.
+        chunk_before, chunk_after: How far beyond each end a point still belongs to it (over a kink of the
+            reference line), m.
         chunk_right, chunk_left: Bounds of t of the lanes, m.
         chunk_x0, chunk_x1, chunk_y0, chunk_y1: Bounds of the surface in the plane.
         cell_key: Sorted keys of the occupied cells of the plane.

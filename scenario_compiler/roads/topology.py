@@ -1,8 +1,11 @@
 """Links of roads, lanes and junctions, resolved to rows: which lane goes on in which.
 
-A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both directions, whoever of the
-two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of roads; the lane links
-of junction connections (default and direct); where a connection names no lanes, the connecting road's own lane links. Where
+A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both
+directions, whoever of the
+two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of roads;
+the lane links
+of junction connections (default and direct); where a connection names no lanes, the connecting road's own
+lane links. Where
 a joint names no lane at all, lanes of the same id go on in each other.
 """
 
@@ -24,7 +27,8 @@ from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 UNKNOWN_LINK = Code(
     "SC313",
     "unknown-road-link",
-    "A road, junction or connection links to a road or junction that the file does not hold (or that could not be used). The "
+    "A road, junction or connection links to a road or junction that the file does not hold (or that could "
+    "not be used). The "
     "link is ignored, so traffic cannot go on there.",
     Severity.WARNING,
 )
@@ -73,8 +77,7 @@ def build_links(
         for section in range(n.road_section[road], n.road_section[road + 1] - 1):
             _link_joint(n, links, lane_links, (section, AT_END), (section + 1, AT_START))
     connections = {
-        i: list(_read_connections(reader, element, index))
-        for i, element in enumerate(root.iterfind("junction"))
+        i: list(_read_connections(reader, element, index)) for i, element in enumerate(root.iterfind("junction"))
     }
     for road in range(len(roads)):
         for end in (AT_START, AT_END):
@@ -124,9 +127,7 @@ def _nearest_contact(n: RoadTables, road: int, end: int, other: int) -> int:
     return AT_START if gaps[0] <= gaps[1] else AT_END
 
 
-def _read_connections(
-    reader: Reader, junction: etree._Element, index: dict[str, int]
-) -> Iterator[Connection]:
+def _read_connections(reader: Reader, junction: etree._Element, index: dict[str, int]) -> Iterator[Connection]:
     for element in junction.iterfind("connection"):
         attribute = "connectingRoad" if element.get("connectingRoad") is not None else "linkedRoad"
         incoming, road = (
@@ -215,7 +216,9 @@ def _link_road_end(
 
 
 def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bool:
-    """Tell whether an end of a road does not name another road, or another end of that road, as its neighbour."""
+    """Tell whether an end of a road does not name another road, or another end of that road, as its
+    neighbour.
+    """
     named = n.road_start_road[road] if contact == AT_START else n.road_end_road[road]
     named_end = n.road_start_contact[road] if contact == AT_START else n.road_end_contact[road]
     return named != other or named_end == end

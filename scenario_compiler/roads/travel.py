@@ -1,6 +1,7 @@
 """Along the lanes: what follows a lane, moving on by a distance, how far a lane still goes.
 
-Forward is a lane's direction of travel. At a junction the preferred road is taken where it can be entered, else the
+Forward is a lane's direction of travel. At a junction the preferred road is taken where it can be entered,
+else the
 straightest exit (the smallest change of heading), the first in the file among equals.
 """
 
@@ -13,7 +14,8 @@ HOP_LIMIT = 10000
 """Most lane rows passed in one call; a bound for links in a circle of very short lanes."""
 
 MIN_DRIVING_WIDTH = 2.0
-"""Width below which a driving lane is taken to have ended, m: less than a car needs (cars are 1.7 to 2.0 m wide)."""
+"""Width below which a driving lane is taken to have ended, m: less than a car needs (cars are 1.7 to 2.0 m
+wide)."""
 
 WIDTH_STEP = 2.0
 """Distance between the places at which a changing width is looked at, m."""
@@ -27,7 +29,8 @@ def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: in
         n: The tables.
         row: The lane's row.
         end: `AT_START` or `AT_END`: the end that is left.
-        forward: 1 when moving in the direction of travel, -1 against it. Only lanes with the same sense follow.
+        forward: 1 when moving in the direction of travel, -1 against it. Only lanes with the same sense
+            follow.
         preferred_road: Road to enter where possible, or -1.
     """
     best = -1
@@ -37,9 +40,7 @@ def row_next(n: RoadTables, row: int, end: int, forward: int, preferred_road: in
         other = n.link_lane[link]
         road = n.section_road[n.lane_section[other]]
         sense = lane_direction(n, road, n.lane_id[other]) * forward
-        if (sense == 1 and n.link_contact[link] == AT_START) or (
-            sense == -1 and n.link_contact[link] == AT_END
-        ):
+        if (sense == 1 and n.link_contact[link] == AT_START) or (sense == -1 and n.link_contact[link] == AT_END):
             turn = n.link_turn[link]
             if road == preferred_road:
                 turn = -1.0
@@ -74,10 +75,9 @@ def lane_next(n: RoadTables, road: int, lane: int, direction: int, preferred_roa
 
 
 @compiled
-def advance(
-    n: RoadTables, road: int, lane: int, s: float, ds: float, next_road: int
-) -> tuple[int, int, float, float]:
-    """Return (road, lane, s, left over) after moving ds along the lane's direction of travel (against it for ds < 0).
+def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road: int) -> tuple[int, int, float, float]:
+    """Return (road, lane, s, left over) after moving ds along the lane's direction of travel (against it for
+    ds < 0).
 
     What is left over, m, is above 0 when the lane ends before.
     """
@@ -123,16 +123,17 @@ def advance(
 
 @compiled
 def row_narrows_after(n: RoadTables, row: int, s: float, sense: int, room: float) -> float:
-    """Return the distance within `room` from s (along s for sense 1) after which a row is too narrow to drive on, else `room`.
+    """Return the distance within `room` from s (along s for sense 1) after which a row is too narrow to
+    drive on, else `room`.
 
     The place is found to 1 cm.
     """
     if row_width(n, row, s) < MIN_DRIVING_WIDTH:
         return 0.0
     first = n.lane_width_first[row]
-    if n.lane_width_last[row] - first == 1:
-        if n.cubic_b[first] == 0.0 and n.cubic_c[first] == 0.0 and n.cubic_d[first] == 0.0:
-            return room
+    single = n.lane_width_last[row] - first == 1
+    if single and n.cubic_b[first] == 0.0 and n.cubic_c[first] == 0.0 and n.cubic_d[first] == 0.0:
+        return room
     done = 0.0
     while done < room:
         ahead = done + WIDTH_STEP
@@ -151,12 +152,11 @@ def row_narrows_after(n: RoadTables, row: int, s: float, sense: int, room: float
 
 
 @compiled
-def distance_to_lane_end(
-    n: RoadTables, road: int, lane: int, s: float, limit: float, next_road: int
-) -> float:
+def distance_to_lane_end(n: RoadTables, road: int, lane: int, s: float, limit: float, next_road: int) -> float:
     """Return how far the driving lane goes on in its direction of travel, m, at most `limit`.
 
-    It ends where nothing follows, where it is narrower than `MIN_DRIVING_WIDTH`, and where motor traffic may not drive on it.
+    It ends where nothing follows, where it is narrower than `MIN_DRIVING_WIDTH`, and where motor traffic may
+    not drive on it.
     """
     section = section_at(n, road, s)
     row = lane_row_in(n, section, lane)
