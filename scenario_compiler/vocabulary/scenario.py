@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal
 
+from scenario_compiler.expressions import Value
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Actor, Ego, Vehicle
 from scenario_compiler.vocabulary.markings import Markings
@@ -45,6 +47,25 @@ class Parameter(Word):
     min: Number | None = attribute("Least value.", default=None)
     max: Number | None = attribute("Greatest value.", default=None)
     summary: str = attribute("What it does.", default="")
+
+    def value(self) -> Value:
+        """Return the default as a value of the parameter's type, numbers in the unit that XML uses.
+
+        Raises:
+            ValueError: There is no default, or it is no number where one is due.
+        """
+        if self.default is None:
+            raise ValueError(f"the parameter '{self.name}' has no value")
+        if self.type == "text":
+            return self.default
+        if self.type == "boolean":
+            return self.default == "true"
+        return float(self.default)
+
+
+def parameter_values(parameters: Iterable[Parameter]) -> dict[str, Value]:
+    """Return the values of parameters by name."""
+    return {parameter.name: parameter.value() for parameter in parameters}
 
 
 class Scenario(Word):

@@ -92,7 +92,7 @@ class Driver(Word):
 
 
 class DriverModel(Word):
-    """A driver's takeover time as a lognormal distribution with lapses: the catalog's entry, bound into a plan."""
+    """A driver's takeover time as a lognormal distribution with lapses: the catalog's entry, which plans hold."""
 
     word: Literal["driver_model"] = "driver_model"
 
@@ -103,6 +103,12 @@ class DriverModel(Word):
     sigma: float = attribute("Standard deviation of that logarithm.", default=0.0, minimum=0)
     lapse: float = attribute(
         "Probability of no answer at all.", default=0.0, quantity="fraction", minimum=0, maximum=1
+    )
+    takeover_time: Number | None = attribute(
+        "Time from the request to the driver's first input, s, in place of the distribution.",
+        default=None,
+        quantity="time",
+        minimum=0,
     )
 
 

@@ -7,17 +7,18 @@ these declarations.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PrivateAttr
 from pydantic.fields import FieldInfo
 
 from scenario_compiler.diagnostics import FilePlace, Place
+from scenario_compiler.document import Origin
 from typing_extensions import Self
 
-from scenario_compiler.expressions import Expression, parse_expression
+from scenario_compiler.expressions import Expression, Value, parse_expression
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +59,11 @@ Number = Annotated[float | Expression, BeforeValidator(_number), PlainSerializer
 """A literal, or an expression over the scenario's parameters that stays open until a run binds them. SI unit."""
 
 
+def number_value(number: float | Expression, values: Mapping[str, Value]) -> float:
+    """Return a number at the parameters' values; raises ExpressionError when it has none."""
+    return number.number(values) if isinstance(number, Expression) else float(number)
+
+
 class Word(BaseModel):
     """A word of the scenario language.
 
@@ -82,6 +88,11 @@ class Word(BaseModel):
         """Where the author wrote the word; a nameless place for words made by programs."""
         return self._origin or FilePlace("<python>")
 
+    def place_of(self, attribute: str) -> Place:
+        """Return where the author wrote one of the word's attributes, named as in XML."""
+        origin = self._origin
+        return origin.of(attribute) if isinstance(origin, Origin) else self.origin
+
     def written_at(self, origin: Place) -> Self:
         """Remember where the word was written and return it."""
         self._origin = origin
@@ -99,6 +110,8 @@ class AttributeSpelling:
         maximum: Greatest value, in the XML unit; None for no limit.
         names: What the text refers to: "entity", "road", "map", ... or empty.
         separated: The text is a space-separated list.
+        pattern: Regular expression that the whole text must match, in the syntax that Python and XML Schema share;
+            empty for any text.
     """
 
     name: str = ""
@@ -108,6 +121,7 @@ class AttributeSpelling:
     exclusive: bool = False
     names: str = ""
     separated: bool = False
+    pattern: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +135,16 @@ class ChildSpelling:
 
     wrapper: str = ""
 
+
+@dataclass(frozen=True, slots=True)
+class OtherAttributesSpelling:
+    """The field collects the attributes whose names are not declared, as name and text."""
+
+
+Spelling: TypeAlias = AttributeSpelling | ChildSpelling | OtherAttributesSpelling
+
+IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
+"""Pattern of names that expressions and prefixes are made of."""
 
 REQUIRED: Any = ...
 
@@ -136,10 +160,11 @@ def attribute(
     exclusive: bool = False,
     names: str = "",
     separated: bool = False,
+    pattern: str = "",
 ) -> Any:
     """Declare a field that XML writes as an attribute; limits are in the unit of `quantity` as XML writes it."""
     return _declare(
-        AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, separated),
+        AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, separated, pattern),
         default=default,
         description=description,
     )
@@ -159,12 +184,27 @@ def child(
     return _declare(spelling, default=default, description=description)
 
 
-def spelling_of(field: FieldInfo) -> AttributeSpelling | ChildSpelling | None:
+def other_attributes(description: str) -> Any:
+    """Declare a field of type `dict[str, str]` that takes every attribute that no other field declares."""
+    return _declare(OtherAttributesSpelling(), default={}, description=description)
+
+
+def same_as(word: type[Word], field: str) -> Any:
+    """Declare a field as another word declares it: its spelling, default and description are written once."""
+    info = word.model_fields[field]
+    spelling = spelling_of(info)
+    if spelling is None or info.default_factory is not None:
+        return _declare(spelling, default_factory=info.default_factory, description=info.description)
+    return _declare(spelling, default=info.default, description=info.description)
+
+
+def spelling_of(field: FieldInfo) -> Spelling | None:
     """Return how XML spells a field of a word; None for `word` itself."""
-    return next((m for m in field.metadata if isinstance(m, AttributeSpelling | ChildSpelling)), None)
+    return next((m for m in field.metadata if isinstance(m, Spelling)), None)
 
 
-def _declare(spelling: AttributeSpelling | ChildSpelling, **settings: Any) -> Any:
+def _declare(spelling: Spelling | None, **settings: Any) -> Any:
     info: FieldInfo = Field(**settings)
-    info.metadata.append(spelling)
+    if spelling is not None:
+        info.metadata.append(spelling)
     return info

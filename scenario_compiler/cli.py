@@ -1,0 +1,347 @@
+"""The command line, and the only module that prints.
+
+Exit codes: 0 fine (warnings too), 1 the input is at fault, 2 wrong use, 3 criteria failed under --strict.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from scenario_compiler.diagnostic_formats import FORMATS, formatted
+from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, Severity, did_you_mean
+
+if TYPE_CHECKING:
+    from scenario_compiler.compiler import Compilation
+    from scenario_compiler.plan.model import Plan
+    from scenario_compiler.recording.outcome import Outcome
+    from scenario_compiler.recording.recording import Recording
+    from scenario_compiler.roads import Network
+    from scenario_compiler.worlds import World
+
+CODE_HOMES = ("compiler", "recording.store")
+"""Modules whose import brings in all others that declare diagnostic codes."""
+
+FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED = 0, 1, 2, 3
+
+
+class WrongUse(Exception):
+    """The command was used in a way that cannot work; the message says which."""
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and exit."""
+    parser = make_parser()
+    options = parser.parse_args(arguments)
+    try:
+        code = options.command(options)
+    except WrongUse as fault:
+        print(f"scenario-compiler: {fault}", file=sys.stderr)
+        code = WRONG_USE
+    except BrokenPipeError:
+        sys.stderr.close()
+        code = FINE
+    sys.exit(code)
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
+    parser = argparse.ArgumentParser(
+        prog="scenario-compiler", description="Compile, check and run conflicts for automated driving."
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    _add_validate(commands)
+    _add_compile(commands)
+    _add_run(commands)
+    _add_report(commands)
+    _add_map(commands)
+    _add_explain(commands)
+    prewarm = commands.add_parser("prewarm", help="compile the engine into the cache")
+    prewarm.set_defaults(command=prewarm_command)
+    return parser
+
+
+_Commands = argparse._SubParsersAction  # type: ignore[type-arg]  # argparse gives the type no public name
+
+
+def _add_validate(commands: _Commands) -> None:
+    parser = commands.add_parser("validate", help="check scenario and road files")
+    parser.add_argument("paths", nargs="+", type=Path, metavar="PATH", help="file or folder")
+    _add_maps(parser)
+    _add_diagnostics(parser)
+    parser.add_argument("--strict", action="store_true", help="warnings are errors")
+    parser.set_defaults(command=validate_command)
+
+
+def _add_compile(commands: _Commands) -> None:
+    parser = commands.add_parser("compile", help="compile a scenario to a plan")
+    parser.add_argument("target", metavar="FILE[#name]")
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json")
+    _add_scenario(parser)
+    _add_maps(parser)
+    _add_diagnostics(parser)
+    parser.set_defaults(command=compile_command)
+
+
+def _add_run(commands: _Commands) -> None:
+    parser = commands.add_parser("run", help="run a scenario or a plan")
+    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    parser.add_argument("-o", dest="output", type=Path, metavar="DIR", help="folder of the run")
+    parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--world", default="kinematic", metavar="NAME")
+    parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
+    parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
+    _add_scenario(parser)
+    _add_maps(parser)
+    _add_diagnostics(parser)
+    parser.set_defaults(command=run_command)
+
+
+def _add_report(commands: _Commands) -> None:
+    parser = commands.add_parser("report", help="write the report of a run folder again")
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    _add_maps(parser)
+    _add_diagnostics(parser)
+    parser.set_defaults(command=report_command)
+
+
+def _add_explain(commands: _Commands) -> None:
+    parser = commands.add_parser("explain", help="explain a diagnostic's code")
+    parser.add_argument("code", metavar="CODE")
+    parser.set_defaults(command=explain_command)
+
+
+def _add_scenario(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="give a parameter a value", dest="settings"
+    )
+    parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
+    parser.add_argument("--controller", metavar="NAME|package.module:Class", help="what drives the ego vehicle")
+    parser.add_argument("--dt", type=_positive, metavar="S", help="length of a time step")
+    parser.add_argument("--duration", type=_positive, metavar="S", help="when the run ends at the latest")
+
+
+def _add_maps(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--maps", action="append", type=Path, default=[], metavar="DIR", help="look for maps here first"
+    )
+
+
+def _add_diagnostics(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--format", choices=FORMATS, default="text", help="format of the diagnostics")
+    parser.add_argument("--error", action="append", default=[], metavar="CODE|all", help="make it an error")
+    parser.add_argument("--allow", action="append", default=[], metavar="CODE", help="do not report it")
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < 1.0e6:
+        raise argparse.ArgumentTypeError(f"{text} is not a time in seconds")
+    return value
+
+
+def judged(found: Iterable[Diagnostic], options: argparse.Namespace) -> list[Diagnostic]:
+    """Return the findings as --error, --allow and --strict want them weighed."""
+    kept = []
+    for diagnostic in found:
+        if diagnostic.code.id in options.allow and diagnostic.severity is not Severity.ERROR:
+            continue
+        lifted = diagnostic.severity is Severity.WARNING and (
+            "all" in options.error or getattr(options, "strict", False) and options.command is validate_command
+        )
+        if lifted or diagnostic.code.id in options.error:
+            diagnostic = replace(diagnostic, severity=Severity.ERROR)
+        kept.append(diagnostic)
+    return kept
+
+
+def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
+    """Print diagnostics, text on stderr and everything else on stdout; return whether one is an error."""
+    weighed = judged(found, options)
+    text = formatted(weighed, options.format)
+    if text:
+        print(text, file=sys.stderr if options.format == "text" else sys.stdout)
+    return any(d.severity is Severity.ERROR for d in weighed)
+
+
+def validate_command(options: argparse.Namespace) -> int:
+    """Check files, or all files of folders."""
+    from scenario_compiler.compiler import files_below, validate_file
+
+    sink = Diagnostics()
+    files = [file for path in options.paths for file in files_below(path)]
+    if not files:
+        raise WrongUse("there is no .xml, .xosc or .xodr file to check")
+    for file in files:
+        validate_file(file, sink, options.maps)
+    failed = show(sink, options)
+    if options.format == "text":
+        errors = sum(d.severity is Severity.ERROR for d in judged(sink, options))
+        print(f"{len(files)} file{'s' * (len(files) != 1)} checked, {errors} error{'s' * (errors != 1)}")
+    return AT_FAULT if failed else FINE
+
+
+def compile_command(options: argparse.Namespace) -> int:
+    """Compile a scenario and write its plan."""
+    from scenario_compiler.plan.store import write_plan
+
+    sink = Diagnostics()
+    compilation = _compiled(options, sink)
+    if show(sink, options) or compilation is None:
+        return AT_FAULT
+    write_plan(compilation.plan, options.output)
+    return FINE
+
+
+def _compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
+    from scenario_compiler.compiler import Overrides, compile_target
+    from scenario_compiler.source import ScenarioNameNeededError
+
+    overrides = Overrides(
+        perception=options.perception, controller=options.controller, step=options.dt, duration=options.duration
+    )
+    try:
+        return compile_target(options.target, _settings(options.settings), sink, maps=options.maps, overrides=overrides)
+    except ScenarioNameNeededError as needed:
+        raise WrongUse(
+            f"{options.target} has several scenarios; name one as FILE#name: {', '.join(needed.names)}"
+        ) from None
+
+
+def _settings(texts: Sequence[str]) -> dict[str, str]:
+    settings = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise WrongUse(f"--set wants NAME=VALUE, not '{text}'")
+        settings[name.strip()] = value.strip()
+    return settings
+
+
+def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
+    if not options.target.endswith(".json"):
+        compilation = _compiled(options, sink)
+        return None if compilation is None else (compilation.plan, compilation.network)
+    from scenario_compiler.compiler import open_plan_map
+    from scenario_compiler.plan.store import read_plan
+
+    if options.settings or options.perception or options.controller or options.dt or options.duration:
+        raise WrongUse("a plan is compiled already: give --set, --perception, --controller, --dt and --duration to compile")
+    plan = read_plan(options.target, sink)
+    network = None if plan is None else open_plan_map(plan, sink, options.maps)
+    return None if plan is None or network is None else (plan, network)
+
+
+def run_command(options: argparse.Namespace) -> int:
+    """Run a scenario or a plan."""
+    from scenario_compiler.worlds import WORLDS
+
+    if options.world not in WORLDS:
+        raise WrongUse(f"there is no world '{options.world}' ({did_you_mean(options.world, WORLDS)})")
+    if options.output is not None and not options.force and _is_filled(options.output):
+        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+    sink = Diagnostics()
+    planned = _planned(options, sink)
+    if show(sink, options) or planned is None:
+        return AT_FAULT
+    plan, network = planned
+    from scenario_compiler.recording.outcome import judge
+    from scenario_compiler.runtime import open_world
+
+    world = open_world(options.world, plan, network)
+    try:
+        recording = run_with_progress(plan, world, options.seed)
+    finally:
+        world.close()
+    outcome = judge(plan, recording)
+    if options.trajectory is not None:
+        from scenario_compiler.recording.trajectory import write_trajectory
+
+        write_trajectory(recording, options.trajectory)
+    if options.output is not None:
+        from scenario_compiler.report import Run, write_run_folder
+
+        write_run_folder(Run(plan, network, recording, outcome), options.output)
+    print_outcome(outcome, options.output)
+    return CRITERIA_FAILED if options.strict and not outcome.passed else FINE
+
+
+def run_with_progress(plan: Plan, world: World, seed: int) -> Recording:
+    """Run a plan, with a progress bar where stderr is a terminal."""
+    from scenario_compiler.runtime import run
+
+    if not sys.stderr.isatty():
+        return run(plan, world, seed=seed)
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(plan.name, total=plan.duration)
+        return run(plan, world, seed=seed, progress=lambda t: bar.update(task, completed=t))
+
+
+def _is_filled(folder: Path) -> bool:
+    return folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
+
+
+def print_outcome(outcome: Outcome, folder: Path | None) -> None:
+    """Print what a run came to."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from scenario_compiler.report.summary import summary_rows
+
+    table = Table(show_header=False, box=None, pad_edge=False)
+    for label, value in summary_rows(outcome):
+        table.add_row(label, value)
+    Console().print(table)
+    if folder is not None:
+        print(f"report: {folder / 'report.html'}")
+
+
+def report_command(options: argparse.Namespace) -> int:
+    """Write the report of a run folder again from its plan and recording."""
+    from scenario_compiler.compiler import open_plan_map
+    from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.recording.outcome import judge
+    from scenario_compiler.recording.store import read_recording
+    from scenario_compiler.report import Run, write_report
+
+    sink = Diagnostics()
+    plan = read_plan(options.folder / "plan.json", sink)
+    network = None if plan is None else open_plan_map(plan, sink, options.maps)
+    recording = read_recording(options.folder / "recording.parquet", sink)
+    if show(sink, options) or plan is None or network is None or recording is None:
+        return AT_FAULT
+    write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
+    print(f"report: {options.folder / 'report.html'}")
+    return FINE
+
+
+def explain_command(options: argparse.Namespace) -> int:
+    """Print the page of a diagnostic's code."""
+    import textwrap
+
+    for module in CODE_HOMES:
+        importlib.import_module(f"scenario_compiler.{module}")
+    code = CODES.get(options.code.upper())
+    if code is None:
+        raise WrongUse(f"there is no code '{options.code}' ({did_you_mean(options.code.upper(), CODES)})")
+    print(f"{code.id} {code.name} ({code.severity.value})\n")
+    print("\n\n".join(textwrap.fill(part, 100) for part in code.explanation.split("\n\n")))
+    return FINE
+
+
+def prewarm_command(options: argparse.Namespace) -> int:
+    """Compile the engine into the cache, so that later commands find it there."""
+    del options
+    from scenario_compiler.engine.build import warm
+
+    print(f"the compiled engine is ready: {warm()}")
+    return FINE

@@ -1,0 +1,194 @@
+"""The first five stages in a row: a file to a plan on its map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from scenario_compiler.controllers import check_controller
+from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.plan.lower import Perception, lower
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
+from scenario_compiler.roads import Network, load_network
+from scenario_compiler.source import Source, check_source, expand, parse
+from scenario_compiler.vocabulary.entities import Controller
+from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
+
+UNKNOWN_MAP = Code(
+    "SC204",
+    "unknown-map",
+    "There is no OpenDRIVE file of that name on the map search path: the folder of the scenario's file, the folders of "
+    "--maps, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, and the maps that come along. "
+    "CARLA's towns are not among those: they are part of a CARLA installation (set CARLA_ROOT), and "
+    "`open(name, 'w').write(world.get_map().to_opendrive())` saves one from a running server.",
+)
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """What compiling a scenario yields: the plan, the map that it is bound to, and the scenario itself."""
+
+    plan: Plan
+    network: Network
+    scenario: Scenario
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """What a command sets in place of the scenario; None leaves it to the scenario.
+
+    Attributes:
+        perception: What the lane confidence comes from.
+        controller: Name of the ego vehicle's controller.
+        step: Length of a time step, s.
+        duration: When the run ends at the latest, s.
+    """
+
+    perception: Perception | None = None
+    controller: str | None = None
+    step: float | None = None
+    duration: float | None = None
+
+    def applied(self, scenario: Scenario) -> Scenario:
+        """Return the scenario with the overrides in it."""
+        changes: dict[str, object] = {}
+        if self.step is not None:
+            changes["step"] = self.step
+        if self.duration is not None:
+            changes["duration"] = self.duration
+        if self.controller is not None:
+            named = Controller(model=self.controller).written_at(scenario.ego.controller.origin)
+            changes["ego"] = scenario.ego.model_copy(update={"controller": named})
+        return scenario.model_copy(update=changes)
+
+
+def split_target(target: str | Path) -> tuple[str, str | None]:
+    """Split FILE#name into the file and the scenario's name; a file whose own name has a '#' stays whole."""
+    text = str(target)
+    if "#" not in text or Path(text).is_file():
+        return text, None
+    path, _, name = text.rpartition("#")
+    return path, name
+
+
+def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] | None:
+    """Read and parse a scenario file; None when nothing can be made of it."""
+    document = read_document(path, sink)
+    source = None if document is None else parse(document, sink)
+    return None if document is None or source is None else (document, source)
+
+
+def compile_target(
+    target: str | Path,
+    arguments: Mapping[str, str],
+    sink: Diagnostics,
+    *,
+    maps: Sequence[Path] = (),
+    overrides: Overrides | None = None,
+) -> Compilation | None:
+    """Compile FILE or FILE#name; None when the sink has errors.
+
+    Raises:
+        ScenarioNameNeededError: The file has several scenarios and no name is given.
+    """
+    path, name = split_target(target)
+    read = read_source(path, sink)
+    if read is None:
+        return None
+    document, source = read
+    scenario = expand(source, name, arguments, sink)
+    return None if scenario is None else compile_expanded(scenario, document, sink, maps, overrides or Overrides())
+
+
+def compile_expanded(
+    scenario: Scenario, document: Document, sink: Diagnostics, maps: Sequence[Path], overrides: Overrides
+) -> Compilation | None:
+    """Compile an expanded scenario that was written in `document`; None when the sink has errors."""
+    scenario = overrides.applied(scenario)
+    network = open_map(scenario.map, document.folder, scenario.place_of("map"), sink, maps)
+    if network is None:
+        return None
+    plan = lower(scenario, network, sink, values=parameter_values(scenario.parameters), perception=overrides.perception or "camera")
+    if plan is None:
+        return None
+    check_controller(plan, sink)
+    return None if sink.has_errors else Compilation(plan, network, scenario)
+
+
+def open_map(
+    name: str, beside: Path | None, place: Place, sink: Diagnostics, maps: Sequence[Path] = ()
+) -> Network | None:
+    """Find and load a map; report where it was looked for when it is not there."""
+    try:
+        path = find_map(name, beside=beside, folders=maps)
+    except MapNotFoundError as missing:
+        folders = list(dict.fromkeys(str(file.parent) for file in missing.looked))
+        hint = did_you_mean(Path(name).stem, known_maps(maps))
+        get = "give its folder with --maps, or set CARLA_ROOT to a CARLA installation for CARLA's towns"
+        hint = "; ".join(part for part in (hint, get, "looked in: " + ", ".join(folders)) if part)
+        sink.add(UNKNOWN_MAP, f"there is no map '{name}'", place, hint=hint)
+        return None
+    return load_network(path, sink=sink)
+
+
+def open_plan_map(plan: Plan, sink: Diagnostics, maps: Sequence[Path] = ()) -> Network | None:
+    """Load the map of a stored plan: the file it was compiled with, or one of its name on the search path."""
+    name = plan.map.file if Path(plan.map.file).is_file() else plan.map.name
+    network = open_map(name, None, FilePlace(plan.name), sink, maps)
+    if network is not None and network.sha256 != plan.map.sha256:
+        sink.add(CHANGED_MAP, f"the map '{plan.map.name}' is not the one of the plan", FilePlace(network.path))
+        return None
+    return network
+
+
+CHANGED_MAP = Code(
+    "SC205",
+    "changed-map",
+    "The map has changed since the plan was compiled, so the plan's positions may no longer lie where they did. Compile "
+    "the scenario again.",
+)
+
+
+def compile_scenario(path: str | Path, **arguments: object) -> Plan:
+    """Compile FILE or FILE#name with these values of its parameters.
+
+    Raises:
+        CompileError: The input is at fault; its `diagnostics` say how.
+    """
+    sink = Diagnostics()
+    texts = {name: _as_text(value) for name, value in arguments.items()}
+    compilation = compile_target(path, texts, sink)
+    if compilation is None:
+        raise CompileError(sink)
+    return compilation.plan
+
+
+SUFFIXES = (".xml", ".xosc", ".xodr")
+"""Endings of the files that `validate` takes from a folder."""
+
+
+def files_below(path: Path) -> list[Path]:
+    """Return a file itself, or all scenario and road files below a folder, sorted."""
+    if not path.is_dir():
+        return [path]
+    return sorted(file for file in path.rglob("*") if file.suffix in SUFFIXES and file.is_file())
+
+
+def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = ()) -> None:
+    """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds."""
+    if path.suffix == ".xodr":
+        load_network(path, cache=False, sink=sink)
+        return
+    read = read_source(path, sink)
+    if read is None:
+        return
+    document, source = read
+    for scenario in check_source(source, sink):
+        compile_expanded(scenario, document, sink, maps, Overrides())
+
+
+def _as_text(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -1,0 +1,214 @@
+"""The lane-keeping automation that drives by what its camera sees.
+
+Pure pursuit of the middle between the detected boundaries and a proportional speed controller, with the AISA toolkit's
+numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last path it trusted is
+kept in the odometry's frame and followed to its end, and then on at its last curvature.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar
+
+from pydantic import Field
+
+from scenario_compiler.controllers.model import (
+    Control,
+    ControllerModel,
+    ControllerParams,
+    SensorData,
+    VehicleState,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from scenario_compiler.perception.lane_detector import Boundary, LaneDetector, LaneResult, LaneState
+
+Point = tuple[float, float]
+
+TRUSTED = 0.3
+"""Geometric probability from which a boundary leads the path; the request's own threshold."""
+
+PATH_LENGTH = 25
+"""Length of the path ahead of the camera that is kept, m: the detector's reach."""
+
+USUAL_WIDTH = 3.5
+"""Width of a lane of which only one side is seen before both were, m."""
+
+
+class LaneDetectionParams(ControllerParams):
+    """Parameters of the lane-keeping automation."""
+
+    look_ahead_time: float = Field(0.4, gt=0, le=5, description="Look-ahead of the pure pursuit, s.")
+    look_ahead_min: float = Field(3.0, gt=0, le=50, description="Least look-ahead, m.")
+    look_ahead_max: float = Field(20.0, gt=0, le=100, description="Greatest look-ahead, m.")
+    speed_gain: float = Field(2.0, gt=0, le=20, description="Throttle per m/s of missing speed.")
+
+
+class LaneDetectionController(ControllerModel):
+    """Drives in the lane that the detector finds."""
+
+    Params: ClassVar[type[ControllerParams]] = LaneDetectionParams
+    params: LaneDetectionParams
+
+    def reset(self, seed: int) -> None:
+        """Forget the lane and the path."""
+        del seed
+        self._detector: LaneDetector | None = None
+        self._prior: LaneState | None = None
+        self._path: list[Point] = []
+        self._lanes: LaneResult | None = None
+
+    def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
+        """Detect the lane, follow its middle and hold the desired speed."""
+        lanes = self._detect(sensor_data)
+        ahead = vehicle.center + sensor_data.camera.x
+        path = _to_vehicle(self._path, vehicle)
+        middle = self._middle(lanes)
+        if middle is not None:
+            seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
+            path = _blend(path, seen, max(lanes.left.p_geom, lanes.right.p_geom))
+            self._path = _to_world(path, vehicle)
+        reach = min(
+            max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max
+        )
+        x, y = _target(path, reach)
+        angle = math.atan2(2.0 * vehicle.wheelbase * y, x * x + y * y)
+        missing = self.params.speed_gain * (vehicle.desired_speed - speed)
+        return Control(
+            throttle=min(max(missing, 0.0), 1.0),
+            steer=min(max(angle / vehicle.max_steer, -1.0), 1.0),
+            brake=min(max(-missing / 4.0, 0.0), 1.0),
+            trajectory=tuple(point for point in path if point[0] > 0.0),
+            confidence_left=lanes.p_left,
+            confidence_right=lanes.p_right,
+            sensor_health=lanes.sensor_health,
+            lanes=lanes,
+        )
+
+    def display_info(self) -> dict[str, str]:
+        """Return both sides' confidences and the sensor's health."""
+        if self._lanes is None:
+            return {}
+        return {
+            "left lane": f"{self._lanes.p_left:.2f}",
+            "right lane": f"{self._lanes.p_right:.2f}",
+            "sensor": f"{self._lanes.sensor_health:.2f}",
+        }
+
+    def warning_messages(self) -> list[str]:
+        """Return which boundary is weak."""
+        if self._lanes is None:
+            return []
+        sides = (("Left", self._lanes.p_left), ("Right", self._lanes.p_right))
+        return [f"{side} lane marking is hard to see" for side, p in sides if TRUSTED <= p < 2 * TRUSTED]
+
+    def critical_messages(self) -> list[str]:
+        """Return why the driver must take over."""
+        if self._lanes is None:
+            return []
+        if self._lanes.sensor_health < TRUSTED:
+            return ["Camera fails: take over"]
+        return ["Lane markings lost: take over"] if max(self._lanes.p_left, self._lanes.p_right) < TRUSTED else []
+
+    def overlay_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return the image with the boundaries that are trusted, in green."""
+        if self._lanes is None:
+            return image
+        from scenario_compiler.perception.overlay import draw_lanes
+
+        return draw_lanes(image, self._lanes, self._camera)
+
+    def _detect(self, sensor_data: SensorData) -> LaneResult:
+        from scenario_compiler.perception.camera import Camera
+        from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
+
+        if self._detector is None:
+            c = sensor_data.camera
+            self._camera = Camera(c.width, c.height, c.fov, c.x, c.z, c.pitch)
+            self._detector = ClassicalLaneDetector(self._camera)
+            self._prior = LaneState()
+        self._lanes = self._detector.detect(sensor_data.image, self._prior)
+        assert self._prior is not None
+        self._prior = self._prior.after(self._lanes)
+        return self._lanes
+
+    def _middle(self, lanes: LaneResult) -> _Middle | None:
+        """Return the lane's middle from the sides that are trusted, None when neither is."""
+        width = self._prior.width if self._prior is not None and self._prior.width is not None else USUAL_WIDTH
+        left = lanes.left.p_geom if lanes.left.p_geom >= TRUSTED else 0.0
+        right = lanes.right.p_geom if lanes.right.p_geom >= TRUSTED else 0.0
+        if left + right == 0.0:
+            return None
+        return _Middle(lanes.left, lanes.right, left / (left + right), width)
+
+
+class _Middle:
+    """The middle of a lane as a function of the distance ahead of the camera."""
+
+    def __init__(self, left: Boundary, right: Boundary, share: float, width: float) -> None:
+        self.left, self.right, self.share, self.width = left, right, share, width
+
+    def __call__(self, x: float) -> float:
+        from_left = _y(self.left, x) - self.width / 2.0
+        from_right = _y(self.right, x) + self.width / 2.0
+        return self.share * from_left + (1.0 - self.share) * from_right
+
+
+def _y(boundary: Boundary, x: float) -> float:
+    return boundary.y0 + boundary.slope * x + 0.5 * boundary.curvature * x * x
+
+
+def _to_world(path: list[Point], vehicle: VehicleState) -> list[Point]:
+    c, s = math.cos(vehicle.heading), math.sin(vehicle.heading)
+    return [(vehicle.x + c * x - s * y, vehicle.y + s * x + c * y) for x, y in path]
+
+
+def _to_vehicle(path: list[Point], vehicle: VehicleState) -> list[Point]:
+    c, s = math.cos(vehicle.heading), math.sin(vehicle.heading)
+    moved = [(x - vehicle.x, y - vehicle.y) for x, y in path]
+    return [(c * x + s * y, -s * x + c * y) for x, y in moved]
+
+
+def _blend(old: list[Point], seen: list[Point], trust: float) -> list[Point]:
+    """Return the seen path, drawn towards the remembered one by what it lacks in trust."""
+    blended = []
+    for x, y in seen:
+        before = _y_at(old, x)
+        blended.append((x, y if before is None else trust * y + (1.0 - trust) * before))
+    return blended
+
+
+def _y_at(path: list[Point], x: float) -> float | None:
+    for (x0, y0), (x1, y1) in zip(path, path[1:], strict=False):
+        if x0 <= x <= x1 and x1 > x0:
+            return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+    return None
+
+
+def _target(path: list[Point], reach: float) -> Point:
+    """Return the point of a path at a distance from the rear axle; beyond its end it goes on at its last curvature."""
+    for (x0, y0), (x1, y1) in zip(path, path[1:], strict=False):
+        if x1 > 0.0 and math.hypot(x1, y1) >= reach:
+            near = math.hypot(x0, y0)
+            share = 1.0 if near >= reach else (reach - near) / (math.hypot(x1, y1) - near)
+            return x0 + share * (x1 - x0), y0 + share * (y1 - y0)
+    if len(path) < 3:
+        return reach, 0.0
+    bend = _end_curvature(path)
+    if path[-1][0] <= 0.0:
+        return reach, 0.5 * bend * reach * reach
+    (x0, y0), (x1, y1) = path[-2], path[-1]
+    rest = reach - math.hypot(x1, y1)
+    heading = math.atan2(y1 - y0, x1 - x0) + 0.5 * bend * rest
+    return x1 + rest * math.cos(heading), y1 + rest * math.sin(heading)
+
+
+def _end_curvature(path: list[Point]) -> float:
+    """Return the mean curvature of a path, 1/m."""
+    first = math.atan2(path[1][1] - path[0][1], path[1][0] - path[0][0])
+    last = math.atan2(path[-1][1] - path[-2][1], path[-1][0] - path[-2][0])
+    length = sum(math.dist(a, b) for a, b in zip(path, path[1:], strict=False))
+    return math.remainder(last - first, 2 * math.pi) / length if length > 0.0 else 0.0

@@ -1,0 +1,139 @@
+"""The interface of everything that drives the ego vehicle from Python between steps.
+
+Method names are those of the AISA toolkit (HRI 2025): a controller written for it needs a base class and a `Params`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from scenario_compiler.perception.lane_detector import LaneResult
+
+
+class ControllerParams(BaseModel):
+    """Parameters of a controller; subclasses declare fields, which are checked when a scenario is compiled."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+@dataclass(frozen=True, slots=True)
+class CameraMounting:
+    """The camera that the images come from: pixels, rad and m, as in the plan."""
+
+    width: int
+    height: int
+    fov: float
+    x: float
+    z: float
+    pitch: float
+
+
+@dataclass(frozen=True, slots=True)
+class SensorData:
+    """What the sensors deliver at a control step.
+
+    Attributes:
+        t: Time, s.
+        image: (height, width, 3) uint8, BGR.
+        camera: The camera that took it.
+    """
+
+    t: float
+    image: NDArray[np.uint8]
+    camera: CameraMounting
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleState:
+    """The ego vehicle as its own odometry knows it.
+
+    Attributes:
+        x: x of the rear axle, m, OpenDRIVE axes.
+        y: y of the rear axle, m.
+        heading: Heading, rad.
+        wheelbase: Distance between the axles, m.
+        center: Distance from the rear axle ahead to the box's centre, m.
+        max_steer: Greatest angle of the front wheels, rad.
+        desired_speed: Speed that the automation aims for, m/s.
+        period: Time between two control steps, s.
+    """
+
+    x: float
+    y: float
+    heading: float
+    wheelbase: float
+    center: float
+    max_steer: float
+    desired_speed: float
+    period: float
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """What a controller answers.
+
+    Attributes:
+        throttle: 0 .. 1.
+        steer: -1 .. 1 of the greatest steering angle, positive to the left.
+        brake: 0 .. 1.
+        trajectory: Predicted path, points (x ahead, y left) of the rear axle, m.
+        confidence_left: Confidence in the left lane boundary, 0 .. 1.
+        confidence_right: Confidence in the right lane boundary, 0 .. 1.
+        sensor_health: Health of the sensor, 0 .. 1.
+        lanes: The lane as the controller sees it, for the display and the recording; None when it knows none.
+    """
+
+    throttle: float
+    steer: float
+    brake: float
+    trajectory: tuple[tuple[float, float], ...] = ()
+    confidence_left: float = 1.0
+    confidence_right: float = 1.0
+    sensor_health: float = 1.0
+    lanes: LaneResult | None = None
+
+
+class ControllerModel(ABC):
+    """A controller: one instance a run, given its checked parameters."""
+
+    Params: ClassVar[type[ControllerParams]] = ControllerParams
+
+    def __init__(self, params: Any) -> None:
+        """Keep the parameters, an instance of the class's `Params`."""
+        self.params = params
+
+    def reset(self, seed: int) -> None:
+        """Forget everything: a run begins. `seed` is the run's, for controllers that draw numbers."""
+        del seed
+
+    @abstractmethod
+    def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
+        """Return the command for the time until the next control step; `speed` in m/s."""
+
+    def display_info(self) -> dict[str, str]:
+        """Return what the display shows beside the picture, by label."""
+        return {}
+
+    def warning_messages(self) -> list[str]:
+        """Return warnings for the driver, the most important first."""
+        return []
+
+    def critical_messages(self) -> list[str]:
+        """Return messages of a takeover request, the most important first."""
+        return []
+
+    def initiate_takeover(self) -> bool:
+        """Return whether the controller itself asks the driver to take over."""
+        return False
+
+    def overlay_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return the camera image with what the controller sees drawn into it."""
+        return image

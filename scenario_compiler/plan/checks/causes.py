@@ -1,0 +1,38 @@
+"""Every limit of a cause is one that its kind has, and the numbers agree with each other."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.takeover import Cause
+from scenario_compiler.vocabulary.word import AttributeSpelling, spelling_of
+
+FOREIGN_LIMIT = Code(
+    "SC501",
+    "foreign-limit",
+    "A <cause> has an attribute that belongs to another kind of cause, and would do nothing. Thresholds belong to "
+    "lane_confidence and sensor_health, range, field_of_view and margin to path_blocked, the gaps to lane_ends.",
+)
+IMPOSSIBLE_COUNT = Code(
+    "SC502",
+    "impossible-count",
+    "A <cause> wants more control steps (`count`) than it looks back on (`of`), so it can never ask.",
+)
+
+
+def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report attributes that a cause's kind does not have, and counts that can never be reached."""
+    del network
+    for cause in plan.takeover.causes:
+        allowed = {"word", "kind", "count", "of", *CAUSE_DEFAULTS[cause.kind]}
+        for name, field in Cause.model_fields.items():
+            spelling = spelling_of(field)
+            if getattr(cause, name) is not None and name not in allowed and isinstance(spelling, AttributeSpelling):
+                attribute = spelling.name or name
+                message = f"'{attribute}' is no limit of the cause '{cause.kind}'"
+                sink.add(FOREIGN_LIMIT, message, cause.place_of(attribute))
+        if cause.count is not None and cause.of is not None and cause.count > cause.of:
+            message = f"{cause.count} of {cause.of} control steps can never ask"
+            sink.add(IMPOSSIBLE_COUNT, message, cause.place_of("count"))

@@ -1,0 +1,48 @@
+"""No two entities stand in one another at the start."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.frames import center_from_reference
+from scenario_compiler.plan.model import Entity, Plan, StartPose
+from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.roads import Network
+
+OVERLAP = Code(
+    "SC311",
+    "entities-overlap",
+    "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them.",
+)
+
+
+def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report every pair of entities whose boxes overlap at the start."""
+    del network
+    placed = [(entity, plan.derived[entity.id]) for entity in plan.entities if entity.id in plan.derived]
+    for (one, at), (other, there) in combinations(placed, 2):
+        if abs(at.z - there.z) < 2.0 and boxes_overlap(corners(one, at), corners(other, there)):
+            message = f"'{one.id}' and '{other.id}' overlap at the start"
+            sink.add(OVERLAP, message, place_of(plan, f"entities/{other.id}"))
+
+
+def corners(entity: Entity, pose: StartPose) -> list[tuple[float, float]]:
+    """Return the corners of an entity's box on the ground, counter-clockwise, m."""
+    x, y = center_from_reference(pose.x, pose.y, pose.heading, entity.vehicle.center)
+    c, s = math.cos(pose.heading), math.sin(pose.heading)
+    a, b = entity.vehicle.length / 2, entity.vehicle.width / 2
+    return [(x + c * u - s * v, y + s * u + c * v) for u, v in ((a, b), (-a, b), (-a, -b), (a, -b))]
+
+
+def boxes_overlap(one: list[tuple[float, float]], other: list[tuple[float, float]]) -> bool:
+    """Return whether two rectangles overlap, by the separating axis theorem."""
+    for box in (one, other):
+        for (ax, ay), (bx, by) in zip(box, box[1:], strict=False):
+            nx, ny = by - ay, ax - bx
+            first = [nx * x + ny * y for x, y in one]
+            second = [nx * x + ny * y for x, y in other]
+            if max(first) <= min(second) or max(second) <= min(first):
+                return False
+    return True

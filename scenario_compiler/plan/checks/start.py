@@ -1,0 +1,27 @@
+"""The ego vehicle can drive where it starts."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.positions import LanePosition
+
+NOT_DRIVABLE = Code(
+    "SC310",
+    "start-not-drivable",
+    "The ego vehicle starts on a lane that is not for driving, such as a shoulder or a sidewalk. It can, but its "
+    "automation will find no lane to follow.",
+    Severity.WARNING,
+)
+
+
+def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Warn when the ego vehicle starts on a lane that is not for driving."""
+    start = plan.ego.start
+    if not isinstance(start, LanePosition) or not isinstance(start.s, float):
+        return
+    if not network.is_drivable(start.road, start.lane, start.s):
+        message = f"'{plan.ego.id}' starts on lane {start.lane} of road '{start.road}', which is not for driving"
+        sink.add(NOT_DRIVABLE, message, place_of(plan, f"entities/{plan.ego.id}"))

@@ -1,0 +1,39 @@
+"""The numbers of the takeover policy that an author may leave out, by kind of cause.
+
+Warning below 0.6 and request below 0.3 are the AISA toolkit's; 5 of 8 control steps, the forward sensor's range and
+angle, and the gaps are ours: the range is that of a long-range radar, the gaps are a second either way.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Takeover
+
+CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
+    "sensor_health": {"warning_below": 0.6, "request_below": 0.3, "count": 5, "of": 8},
+    "lane_confidence": {"warning_below": 0.6, "request_below": 0.3, "count": 5, "of": 8},
+    "path_blocked": {
+        "count": 2,
+        "of": 3,
+        "sensor_range": 150.0,
+        "field_of_view": math.radians(60.0),
+        "margin": 0.5,
+    },
+    "lane_ends": {"count": 2, "of": 3, "gap_front": 1.0, "gap_rear": 2.0},
+    "controller": {"count": 1, "of": 1},
+}
+"""Defaults in SI units. The order is that of `Takeover.causes` when none is given: the first to ask is named."""
+
+
+def complete_takeover(written: Takeover) -> Takeover:
+    """Return the policy with all causes switched on when none is given, and every number filled in."""
+    causes = written.causes or tuple(Cause(kind=kind) for kind in CAUSE_DEFAULTS)
+    return written.model_copy(update={"causes": tuple(_complete(cause) for cause in causes)})
+
+
+def _complete(cause: Cause) -> Cause:
+    missing = {
+        name: value for name, value in CAUSE_DEFAULTS[cause.kind].items() if getattr(cause, name) is None
+    }
+    return cause.model_copy(update=missing)

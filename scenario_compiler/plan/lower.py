@@ -1,0 +1,317 @@
+"""Lowering: a scenario and a network to a plan, in named passes that each do one thing.
+
+`PASSES` is the whole story: each pass reads the scenario, reports into the sink and fills its part of the draft; none
+calls another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
+from scenario_compiler.expressions import Expression, Value
+from scenario_compiler.plan.binding import Binder
+from scenario_compiler.plan.checks import CHECKS
+from scenario_compiler.plan.defaults import complete_takeover
+from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg, StartPose
+from scenario_compiler.plan.store import digest_of
+from scenario_compiler.roads import LanePosition as FoundLane
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
+from scenario_compiler.vocabulary.positions import (
+    BoundPosition,
+    LanePosition,
+    Position,
+    RelativeLanePosition,
+    RoadPosition,
+    SpawnPoint,
+    WorldPosition,
+)
+from scenario_compiler.vocabulary.scenario import Parameter, Scenario
+from scenario_compiler.vocabulary.storyboard import Storyboard
+from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.traversal import parameters_in, references, replaced, walk
+from scenario_compiler.vocabulary.word import Word
+
+UNKNOWN_ENTITY = Code(
+    "SC201",
+    "unknown-entity",
+    "A condition, an action or a position names an entity that the scenario does not have. Ids of entities that come "
+    "from a template begin with the id of its <use>.",
+)
+DUPLICATE_ENTITY = Code(
+    "SC202",
+    "duplicate-entity",
+    "Two entities of a scenario have the same id. The ego vehicle's id is `ego` unless it is given another.",
+)
+POSITION_CYCLE = Code(
+    "SC203",
+    "position-cycle",
+    "The starts of entities depend on each other in a circle: each is `ahead_of` the next. One of them needs a position "
+    "of its own.",
+)
+NO_ROUTE = Code(
+    "SC309",
+    "no-route",
+    "No way over the map's lanes leads from the start to the destination: the run would never end there. Check the "
+    "direction of travel of both lanes.",
+)
+NO_DURATION = Code(
+    "SC601",
+    "no-duration",
+    "The scenario says neither how long it lasts nor what stops it, so it ends after 60 s. Give the scenario a "
+    "`duration`, or pass --duration.",
+    Severity.WARNING,
+)
+
+DEFAULT_DURATION = 60.0
+"""Length of a run that says nothing of its end, s."""
+
+Perception = Literal["camera", "ideal"]
+
+
+@dataclass
+class Draft:
+    """A plan in the making."""
+
+    scenario: Scenario
+    network: Network
+    sink: Diagnostics
+    binder: Binder
+    entities: list[Entity] = field(default_factory=list)
+    lanes: dict[str, FoundLane] = field(default_factory=dict)
+    poses: dict[str, StartPose] = field(default_factory=dict)
+    unresolved: set[str] = field(default_factory=set)
+    destination: LanePosition | None = None
+    route: tuple[RouteLeg, ...] = ()
+    storyboard: Storyboard = field(default_factory=Storyboard)
+    takeover: Takeover = field(default_factory=Takeover)
+    parameters: tuple[Parameter, ...] = ()
+    duration: float = DEFAULT_DURATION
+    origins: dict[str, PlanOrigin] = field(default_factory=dict)
+
+
+def lower(
+    scenario: Scenario,
+    network: Network,
+    sink: Diagnostics,
+    *,
+    values: Mapping[str, Value],
+    perception: Perception = "camera",
+) -> Plan | None:
+    """Return the plan of a scenario on its map; None when the sink has errors.
+
+    Args:
+        scenario: What was written, expanded.
+        network: The map.
+        sink: Where faults go.
+        values: Values of the scenario's open parameters, for the checks.
+        perception: What the lane confidence comes from.
+    """
+    draft = Draft(scenario, network, sink, Binder(network, values, sink))
+    for run_pass in PASSES:
+        run_pass(draft)
+    if sink.has_errors:
+        return None
+    plan = Plan(
+        name=scenario.name,
+        summary=scenario.summary,
+        map=MapReference(name=scenario.map, file=network.path, sha256=network.sha256),
+        step=scenario.step,
+        control_every=scenario.control_every,
+        duration=draft.duration,
+        parameters=draft.parameters,
+        weather=scenario.weather,
+        entities=tuple(draft.entities),
+        camera=scenario.ego.camera,
+        controller=scenario.ego.controller,
+        perception=perception,
+        destination=draft.destination,
+        route=draft.route,
+        markings=scenario.markings,
+        storyboard=draft.storyboard,
+        takeover=draft.takeover,
+        criteria=scenario.criteria,
+        classification=scenario.classification,
+        derived=draft.poses,
+        origins=draft.origins,
+    )
+    for check in CHECKS:
+        check(plan, network, sink)
+    if sink.has_errors:
+        return None
+    return plan.model_copy(update={"digest": digest_of(plan)})
+
+
+def check_names(draft: Draft) -> None:
+    """Report ids that are used twice."""
+    seen: set[str] = set()
+    for entity in (draft.scenario.ego, *draft.scenario.actors):
+        if entity.id in seen:
+            draft.sink.add(DUPLICATE_ENTITY, f"there are two entities '{entity.id}'", entity.place_of("id"))
+        seen.add(entity.id)
+
+
+def check_references(draft: Draft) -> None:
+    """Report every name of an entity that no entity has."""
+    known = [entity.id for entity in (draft.scenario.ego, *draft.scenario.actors)]
+    for word in walk(draft.scenario):
+        for attribute, name in references(word, "entity"):
+            if name not in known:
+                hint = did_you_mean(name, known)
+                draft.sink.add(UNKNOWN_ENTITY, f"there is no entity '{name}'", word.place_of(attribute), hint=hint)
+
+
+def bind_entities(draft: Draft) -> None:
+    """Bind every entity's start to a lane, in document order: an entity may stand relative to an earlier one."""
+    vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
+    written = (draft.scenario.ego, *draft.scenario.actors)
+    starts: dict[str, BoundPosition] = {}
+    for entity in written:
+        start = draft.binder.bind(start_of(entity), vehicles[entity.model].center)
+        if start is not None:
+            starts[entity.id] = start
+            draft.entities.append(make_entity(entity, start, vehicles[entity.model]))
+    resolve_starts(draft, starts)
+    for entity in written:
+        if isinstance(starts.get(entity.id), RelativeLanePosition) and entity.id in draft.unresolved:
+            message = f"the start of '{entity.id}' depends on itself"
+            draft.sink.add(POSITION_CYCLE, message, start_of(entity).origin)
+
+
+def resolve_starts(draft: Draft, starts: Mapping[str, BoundPosition]) -> None:
+    """Find every start's lane and pose, those that stand relative to another entity after that one."""
+    waiting = dict(starts)
+    while waiting:
+        ready = {
+            name: start
+            for name, start in waiting.items()
+            if not isinstance(start, RelativeLanePosition) or start.entity not in waiting
+        }
+        if not ready:
+            draft.unresolved.update(waiting)
+            return
+        for name, start in ready.items():
+            del waiting[name]
+            found = draft.binder.resolve(start, draft.lanes)
+            if found is not None:
+                draft.lanes[name], draft.poses[name] = found
+
+
+def start_of(entity: Ego | Static | Dynamic) -> Position:
+    """Return where an entity starts, as it was written."""
+    return entity.at if isinstance(entity, Static) else entity.start
+
+
+def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition, vehicle: Vehicle) -> Entity:
+    """Return the plan's entity for one of the scenario's."""
+    if isinstance(entity, Static):
+        return Entity(id=entity.id, kind="static", vehicle=vehicle, start=start, speed=0.0, desired_speed=0.0)
+    if isinstance(entity, Dynamic):
+        return Entity(
+            id=entity.id,
+            kind="dynamic",
+            vehicle=vehicle,
+            start=start,
+            speed=entity.speed,
+            desired_speed=entity.speed,
+            follow=entity.follow,
+        )
+    desired = entity.speed if entity.desired_speed is None else entity.desired_speed
+    return Entity(
+        id=entity.id, kind="ego", vehicle=vehicle, start=start, speed=entity.speed, desired_speed=desired
+    )
+
+
+def plan_route(draft: Draft) -> None:
+    """Bind the destination and find the way to it."""
+    written = draft.scenario.ego.destination
+    if written is None:
+        return
+    bound = draft.binder.bind(written, 0.0)
+    start = draft.lanes.get(draft.scenario.ego.id)
+    if bound is None or start is None:
+        return
+    found = draft.binder.resolve(bound, draft.lanes)
+    if found is None:
+        return
+    goal = found[0]
+    draft.destination = LanePosition(road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset)
+    route = draft.network.route(start, goal)
+    if route is None:
+        message = f"no route leads from road '{start.road}', lane {start.lane} to road '{goal.road}', lane {goal.lane}"
+        draft.sink.add(NO_ROUTE, message, written.origin)
+        return
+    draft.route = tuple(
+        RouteLeg(road=leg.road, lane=leg.lane, s_from=leg.s_from, s_to=leg.s_to) for leg in route.legs
+    )
+
+
+def bind_storyboard(draft: Draft) -> None:
+    """Bind the positions of conditions and actions."""
+
+    def bind(word: Word) -> Word:
+        if isinstance(word, WorldPosition | RoadPosition | SpawnPoint | LanePosition):
+            return draft.binder.bind(word, 0.0) or word
+        return word
+
+    draft.storyboard = replaced(draft.scenario.storyboard, bind)
+
+
+def check_markings(draft: Draft) -> None:
+    """Report marking stretches on roads that the map does not have."""
+    for stretch in draft.scenario.markings:
+        draft.binder.on_road(stretch, stretch.road, 0.0)
+
+
+def complete_policy(draft: Draft) -> None:
+    """Fill in the numbers of the takeover policy that the author left out."""
+    draft.takeover = complete_takeover(draft.scenario.takeover)
+
+
+def fill_duration(draft: Draft) -> None:
+    """Give the run an end."""
+    if draft.scenario.duration is not None:
+        draft.duration = draft.scenario.duration
+    elif draft.scenario.storyboard.stop is None and draft.scenario.ego.destination is None:
+        message = f"'{draft.scenario.name}' says nothing of its end; it ends after {DEFAULT_DURATION:g} s"
+        draft.sink.add(NO_DURATION, message, draft.scenario.origin)
+
+
+def keep_open_parameters(draft: Draft) -> None:
+    """Keep the parameters that numbers still depend on."""
+    words: list[Word] = [draft.storyboard, draft.takeover, draft.scenario.ego.camera, *draft.scenario.markings]
+    words += [word for entity in draft.entities for word in (entity.start, entity.follow) if word is not None]
+    open_names = {name for word in words for name in parameters_in(word)}
+    for entity in draft.entities:
+        for number in (entity.speed, entity.desired_speed):
+            open_names.update(number.names if isinstance(number, Expression) else ())
+    draft.parameters = tuple(p for p in draft.scenario.parameters if p.name in open_names)
+
+
+def note_origins(draft: Draft) -> None:
+    """Remember where the author wrote the parts of the plan that later stages speak of."""
+    parts: dict[str, Word] = {f"entities/{e.id}": e for e in (draft.scenario.ego, *draft.scenario.actors)}
+    parts["scenario"] = draft.scenario
+    parts["controller"] = draft.scenario.ego.controller
+    parts["takeover"] = draft.scenario.takeover
+    for key, word in parts.items():
+        place = word.origin
+        if place.line:
+            draft.origins[key] = PlanOrigin(file=place.file, line=place.line, column=place.column)
+
+
+PASSES: tuple[Callable[[Draft], None], ...] = (
+    check_names,
+    check_references,
+    bind_entities,
+    plan_route,
+    bind_storyboard,
+    check_markings,
+    complete_policy,
+    fill_duration,
+    keep_open_parameters,
+    note_origins,
+)

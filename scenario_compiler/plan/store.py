@@ -1,0 +1,46 @@
+"""The plan's file form (plan.json) and its digest."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+from scenario_compiler.plan.model import Plan
+
+BAD_PLAN = Code(
+    "SC104",
+    "unreadable-plan",
+    "The file is not a plan of this version: it is not JSON, lacks a field or has one that plans do not have. Compile "
+    "the scenario again.",
+)
+
+
+def digest_of(plan: Plan) -> str:
+    """Return the SHA-256 of the plan's canonical JSON, without provenance, derived values and the digest itself."""
+    content = plan.model_dump(mode="json", exclude={"origins", "derived", "digest"})
+    content["map"].pop("file")
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def write_plan(plan: Plan, path: str | Path) -> None:
+    """Write a plan as JSON."""
+    text = json.dumps(plan.model_dump(mode="json"), indent=1, ensure_ascii=False)
+    Path(path).write_text(text + "\n", encoding="utf-8")
+
+
+def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
+    """Read a plan; None and a diagnostic for each fault when it is none."""
+    try:
+        return Plan.model_validate_json(Path(path).read_bytes())
+    except OSError as error:
+        sink.add(BAD_PLAN, f"cannot read the plan: {error.strerror}", FilePlace(str(path)))
+    except ValidationError as error:
+        for fault in error.errors(include_url=False)[:20]:
+            where = "/".join(str(part) for part in fault["loc"])
+            sink.add(BAD_PLAN, f"{where or 'plan'}: {fault['msg']}", FilePlace(str(path)))
+    return None

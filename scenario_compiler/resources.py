@@ -1,0 +1,121 @@
+"""The only finder of schemas, library and maps, in a checkout and in an installed wheel."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+_PACKAGE = Path(__file__).parent
+_CHECKOUT = _PACKAGE.parent
+
+
+def _root() -> Path:
+    """Return the folder that holds schemas, library and maps: the checkout, or the wheel's data folder."""
+    installed = _PACKAGE / "_data"
+    return installed if installed.is_dir() else _CHECKOUT
+
+
+def schema_file(name: str) -> Path:
+    """Return the path of a file in schemas/."""
+    return _root() / "schemas" / name
+
+
+def library_folder() -> Path:
+    """Return the folder with conflicts, templates and catalogs."""
+    return _root() / "library"
+
+
+def maps_folder() -> Path:
+    """Return the folder with the maps that come along."""
+    return _root() / "maps"
+
+
+def cache_folder() -> Path:
+    """Return the folder for caches: $SCENARIO_COMPILER_CACHE, or the user's cache folder."""
+    named = os.environ.get("SCENARIO_COMPILER_CACHE")
+    if named:
+        return Path(named)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "scenario-compiler"
+
+
+@dataclass(frozen=True)
+class MapSearch:
+    """Where maps are looked for.
+
+    Attributes:
+        beside: Folder of the file that names the map; None for a map named by a program.
+        folders: Folders given on the command line, in order.
+    """
+
+    beside: Path | None = None
+    folders: tuple[Path, ...] = ()
+
+    def places(self) -> list[Path]:
+        """Return the folders of the search path, in order."""
+        found = list(self.folders)
+        found.extend(Path(p) for p in os.environ.get("SCENARIO_COMPILER_MAPS", "").split(os.pathsep) if p)
+        carla = os.environ.get("CARLA_ROOT")
+        if carla:
+            found.append(Path(carla) / "CarlaUE4" / "Content" / "Carla" / "Maps" / "OpenDrive")
+        found.append(maps_folder())
+        return found
+
+
+class MapNotFoundError(FileNotFoundError):
+    """No map of that name on the search path; `looked` lists the files that were tried."""
+
+    def __init__(self, name: str, looked: Sequence[Path]) -> None:
+        """Keep the name and the files that were tried."""
+        super().__init__(f"there is no map '{name}'")
+        self.name = name
+        self.looked = tuple(looked)
+
+
+def find_map(name: str, *, beside: Path | None = None, folders: Sequence[Path] = ()) -> Path:
+    """Return the OpenDRIVE file of a map given by its path or its name.
+
+    A relative path is tried from the folder of the file that names it, whole and then by its bare name; then on the
+    search path: `folders`, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, the maps that
+    come along. Names are case-sensitive on every system and ".xodr" may be left out.
+
+    Raises:
+        MapNotFoundError: No such file; says where it looked.
+    """
+    search = MapSearch(beside, tuple(folders))
+    looked: list[Path] = []
+    for candidate in _candidates(name, search):
+        looked.append(candidate)
+        if _is_exact_file(candidate):
+            return candidate
+    raise MapNotFoundError(name, looked)
+
+
+def known_maps(folders: Sequence[Path] = ()) -> list[str]:
+    """Return the names of all maps on the search path, sorted, for hints."""
+    names: set[str] = set()
+    for folder in MapSearch(None, tuple(folders)).places():
+        if folder.is_dir():
+            names.update(path.stem for path in folder.glob("*.xodr"))
+            names.update(path.stem for path in folder.glob("*/*.xodr"))
+    return sorted(names)
+
+
+def _candidates(name: str, search: MapSearch) -> list[Path]:
+    file = Path(name if name.endswith(".xodr") else f"{name}.xodr")
+    if file.is_absolute():
+        return [file]
+    found: list[Path] = []
+    for folder in [search.beside or Path(), *search.places()]:
+        found += [folder / file, folder / file.name, folder / file.stem / file.name]
+    return list(dict.fromkeys(found))
+
+
+def _is_exact_file(path: Path) -> bool:
+    """Return whether the file exists with exactly this name, on case-insensitive systems too."""
+    try:
+        return path.is_file() and path.name in os.listdir(path.parent)
+    except (OSError, ValueError):
+        return False

@@ -1,0 +1,157 @@
+"""What a word's declaration says about its XML element, worked out once a word: the reader and the XSD both use it.
+
+An element has attributes in any order and children in the order of the word's fields; where a field takes several
+kinds of words, or any number of them, these may be mixed.
+"""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal, Union, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from scenario_compiler.expressions import Expression
+from scenario_compiler.vocabulary.word import (
+    AttributeSpelling,
+    ChildSpelling,
+    OtherAttributesSpelling,
+    Word,
+    spelling_of,
+)
+
+NUMBER = r"[+\-]?([0-9]{1,30}(\.[0-9]{1,30})?|\.[0-9]{1,30})([eE][+\-]?[0-9]{1,2})?"
+"""A number as XML writes it: always finite, no hexadecimal, no infinity, a digit after the point."""
+
+INTEGER = r"[+\-]?[0-9]{1,9}"
+"""A whole number as XML writes it."""
+
+EXPRESSION = r"\$[A-Za-z_][A-Za-z0-9_.]*|\$\{[^{}]*\}"
+"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal."""
+
+AttributeKind = Literal["number", "fixed_number", "integer", "boolean", "choice", "text"]
+"""What an attribute holds. A `number` may stay open in a plan; the other kinds decide structure."""
+
+
+@dataclass(frozen=True, slots=True)
+class AttributeRule:
+    """An attribute that an element may have."""
+
+    name: str
+    field: str
+    kind: AttributeKind
+    spelling: AttributeSpelling
+    description: str
+    required: bool
+    default: Any
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ChildRule:
+    """Children that an element may have at one place of its order.
+
+    Attributes:
+        field: The word's field that holds them.
+        wrapper: Tag of the element around them, empty when they stand directly in the parent.
+        words: Tag to word type, in the order of the declaration.
+        required: At least one must be there.
+        many: Any number may be there.
+    """
+
+    field: str
+    wrapper: str
+    words: Mapping[str, type[Word]]
+    description: str
+    required: bool
+    many: bool
+
+    @property
+    def tags(self) -> tuple[str, ...]:
+        """The tags that may stand in the parent."""
+        return (self.wrapper,) if self.wrapper else tuple(self.words)
+
+
+@dataclass(frozen=True, slots=True)
+class Grammar:
+    """The XML element of a word.
+
+    Attributes:
+        attributes: By name, in the order of the declaration.
+        children: In the order in which the file must have them.
+        others: Field that collects attributes of any other name, empty when there may be none.
+    """
+
+    attributes: Mapping[str, AttributeRule]
+    children: tuple[ChildRule, ...]
+    others: str = ""
+
+
+@cache
+def grammar_of(word: type[Word]) -> Grammar:
+    """Return what the word's declaration says about its element."""
+    attributes: dict[str, AttributeRule] = {}
+    children: list[ChildRule] = []
+    others = ""
+    for field, info in word.model_fields.items():
+        spelling = spelling_of(info)
+        if isinstance(spelling, AttributeSpelling):
+            rule = _attribute_rule(field, info, spelling)
+            attributes[rule.name] = rule
+        elif isinstance(spelling, ChildSpelling):
+            children.append(_child_rule(field, info, spelling))
+        elif isinstance(spelling, OtherAttributesSpelling):
+            others = field
+    return Grammar(attributes, tuple(children), others)
+
+
+def _attribute_rule(field: str, info: FieldInfo, spelling: AttributeSpelling) -> AttributeRule:
+    kind, choices = _attribute_kind(info.annotation)
+    return AttributeRule(
+        name=spelling.name or field,
+        field=field,
+        kind=kind,
+        spelling=spelling,
+        description=info.description or "",
+        required=info.is_required(),
+        default=None if info.is_required() else info.get_default(),
+        choices=choices,
+    )
+
+
+def _attribute_kind(annotation: Any) -> tuple[AttributeKind, tuple[str, ...]]:
+    members = _members(annotation)
+    if Expression in members:
+        return "number", ()
+    kinds: dict[Any, AttributeKind] = {float: "fixed_number", int: "integer", bool: "boolean", str: "text"}
+    member = members[0]
+    if get_origin(member) is Literal:
+        return "choice", tuple(str(value) for value in get_args(member))
+    return kinds[member], ()
+
+
+def _child_rule(field: str, info: FieldInfo, spelling: ChildSpelling) -> ChildRule:
+    members = _members(info.annotation)
+    return ChildRule(
+        field=field,
+        wrapper=spelling.wrapper,
+        words={member.tag(): member for member in members},
+        description=info.description or "",
+        required=info.is_required(),
+        many=get_origin(info.annotation) is tuple,
+    )
+
+
+def _members(annotation: Any) -> list[Any]:
+    """Return the types that an annotation allows, without None, tuples and Annotated."""
+    origin = get_origin(annotation)
+    if origin in (Union, types.UnionType):
+        return [member for part in get_args(annotation) for member in _members(part)]
+    if origin is tuple:
+        return _members(get_args(annotation)[0])
+    if hasattr(annotation, "__metadata__"):
+        return _members(get_args(annotation)[0])
+    return [] if annotation is type(None) else [annotation]

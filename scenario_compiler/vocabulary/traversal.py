@@ -1,0 +1,64 @@
+"""Walks over words: every word below a word, the names in it, and a copy with some words replaced."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+from scenario_compiler.expressions import Expression
+from scenario_compiler.vocabulary.word import AttributeSpelling, Word, spelling_of
+
+AnyWord = TypeVar("AnyWord", bound=Word)
+
+
+def walk(word: Word) -> Iterator[Word]:
+    """Yield a word and every word below it, in document order."""
+    yield word
+    for name in type(word).model_fields:
+        for inner in _words_in(getattr(word, name)):
+            yield from walk(inner)
+
+
+def references(word: Word, target: str) -> Iterator[tuple[str, str]]:
+    """Yield (attribute as in XML, name) for each reference of a word's own attributes to a `target`, such as entity."""
+    for name, field in type(word).model_fields.items():
+        spelling = spelling_of(field)
+        if isinstance(spelling, AttributeSpelling) and spelling.names == target:
+            value = getattr(word, name)
+            for text in value if isinstance(value, tuple) else (value,):
+                if text:
+                    yield spelling.name or name, text
+
+
+def parameters_in(word: Word) -> set[str]:
+    """Return the names of the parameters that numbers of a word and the words below it depend on."""
+    found: set[str] = set()
+    for inner in walk(word):
+        for name in type(inner).model_fields:
+            value = getattr(inner, name)
+            if isinstance(value, Expression):
+                found.update(value.names)
+    return found
+
+
+def replaced(word: AnyWord, replace: Callable[[Word], Word]) -> AnyWord:
+    """Return a copy in which every word below `word` is what `replace` makes of it; origins are kept."""
+    changes = {name: _replaced_value(getattr(word, name), replace) for name in type(word).model_fields}
+    changes = {name: value for name, value in changes.items() if value is not getattr(word, name)}
+    return word.model_copy(update=changes) if changes else word
+
+
+def _replaced_value(value: Any, replace: Callable[[Word], Word]) -> Any:
+    if isinstance(value, Word):
+        return replaced(replace(value), replace)
+    if isinstance(value, tuple) and any(isinstance(item, Word) for item in value):
+        return tuple(_replaced_value(item, replace) for item in value)
+    return value
+
+
+def _words_in(value: Any) -> Iterator[Word]:
+    if isinstance(value, Word):
+        yield value
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _words_in(item)

@@ -1,0 +1,131 @@
+"""The built-in world: the map's own geometry, drawn for the camera, with the engine moving everything."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from typing import TYPE_CHECKING
+
+from scenario_compiler.controllers.model import CameraMounting, SensorData
+from scenario_compiler.frames import center_from_reference
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import MarkStretch, Network
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.word import number_value
+from scenario_compiler.worlds.model import EgoMotion, Snapshot
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from scenario_compiler.perception.camera import Pose as CameraPose
+    from scenario_compiler.perception.road_camera import RoadCamera
+    from scenario_compiler.perception.solids import Box
+
+PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_FOV = 960, 480, math.radians(62.0)
+"""Size (pixels) and horizontal field of view of the driver's view."""
+
+PAINTS = ((38, 38, 160), (150, 92, 40), (60, 60, 60), (205, 205, 205), (40, 120, 60), (30, 140, 190))
+"""Colours of vehicles (blue, green, red); an entity's is chosen by its id."""
+
+
+class KinematicWorld:
+    """The built-in world; see `World`."""
+
+    name = "kinematic"
+
+    def __init__(self, plan: Plan, network: Network) -> None:
+        """Prepare a world for a plan on its map; the camera's scene is made when it is first needed."""
+        self.plan = plan
+        self.network = network
+        self._seed = 1
+        self._camera: RoadCamera | None = None
+        self._viewer: RoadCamera | None = None
+        camera = plan.camera
+        self._mounting = CameraMounting(
+            camera.width,
+            camera.height,
+            math.radians(camera.fov),
+            camera.x,
+            camera.z,
+            math.radians(camera.pitch),
+        )
+
+    def reset(self, snapshot: Snapshot, seed: int) -> None:
+        """Begin a run: noise and rain are drawn from its seed."""
+        del snapshot
+        if seed != self._seed:
+            self._camera = self._viewer = None
+        self._seed = seed
+
+    def observe(self, snapshot: Snapshot) -> SensorData:
+        """Draw what the camera sees."""
+        image = self._road_camera().frame(
+            _pose(snapshot), self._boxes(snapshot), self.plan.weather, snapshot.sigma, snapshot.frame
+        )
+        return SensorData(snapshot.t, image, self._mounting)
+
+    def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
+        """Draw what the driver sees."""
+        from scenario_compiler.perception.camera import Camera
+        from scenario_compiler.perception.road_camera import RoadCamera
+
+        if self._viewer is None:
+            eye = Camera(PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_FOV, 0.2, 1.35, math.radians(-4.0))
+            self._viewer = RoadCamera(
+                self._road_camera().scene, eye, self._seed, self.plan.ego.vehicle.center
+            )
+        return self._viewer.frame(
+            _pose(snapshot), self._boxes(snapshot), self.plan.weather, 0.0, snapshot.frame
+        )
+
+    def step(self, snapshot: Snapshot, throttle: float, steer: float, brake: float) -> EgoMotion | None:
+        """Leave the motion to the engine."""
+        del snapshot, throttle, steer, brake
+
+    def close(self) -> None:
+        """Drop the camera's scene."""
+        self._camera = self._viewer = None
+
+    def _road_camera(self) -> RoadCamera:
+        from scenario_compiler.perception.road_camera import RoadCamera
+
+        if self._camera is None:
+            c = self._mounting
+            from scenario_compiler.perception.camera import Camera
+
+            camera = Camera(c.width, c.height, c.fov, c.x, c.z, c.pitch)
+            painted = self.network.with_mark_quality(mark_stretches(self.plan))
+            self._camera = RoadCamera(painted, camera, self._seed, self.plan.ego.vehicle.center)
+        return self._camera
+
+    def _boxes(self, snapshot: Snapshot) -> list[Box]:
+        from scenario_compiler.perception.solids import Box
+
+        boxes = []
+        for entity, pose in list(zip(self.plan.entities, snapshot.poses, strict=True))[1:]:
+            vehicle = entity.vehicle
+            x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
+            paint = PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)]
+            boxes.append(
+                Box(x, y, pose.z, pose.heading, vehicle.length, vehicle.width, vehicle.height, paint)
+            )
+        return boxes
+
+
+def mark_stretches(plan: Plan) -> list[MarkStretch]:
+    """Return the plan's overrides of the paint as stretches of the network's marks, at the parameters' values."""
+    values = parameter_values(plan.parameters)
+    stretches = []
+    for stretch in plan.markings:
+        quality = number_value(stretch.quality, values)
+        end = quality if stretch.quality_to is None else number_value(stretch.quality_to, values)
+        s_from, s_to = number_value(stretch.s_from, values), number_value(stretch.s_to, values)
+        stretches.append(MarkStretch(stretch.road, None, s_from, s_to, quality, end))
+    return stretches
+
+
+def _pose(snapshot: Snapshot) -> CameraPose:
+    from scenario_compiler.perception.camera import Pose as CameraPose
+
+    return CameraPose(*snapshot.poses[0])
