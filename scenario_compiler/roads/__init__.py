@@ -14,6 +14,7 @@ from scenario_compiler.roads.positions import (
     LaneAt,
     LanePosition,
     Leg,
+    Located,
     Mark,
     MarkStretch,
     Pose,
@@ -22,6 +23,15 @@ from scenario_compiler.roads.positions import (
 )
 
 __all__ = [
-    *("LaneAt", "LanePosition", "Leg", "Mark", "MarkStretch", "Network", "Pose", "RoadDescription", "Route"),
+    "LaneAt",
+    "LanePosition",
+    "Leg",
+    "Located",
+    "Mark",
+    "MarkStretch",
+    "Network",
+    "Pose",
+    "RoadDescription",
+    "Route",
     "load_network",
 ]

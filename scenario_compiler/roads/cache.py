@@ -31,9 +31,7 @@ DIGEST_SIZE = 32
 
 
 def cache_folder() -> Path:
-    """Return the user's cache folder: $SCENARIO_COMPILER_CACHE, else scenario-compiler in $XDG_CACHE_HOME or
-    ~/.cache.
-    """
+    """Return the user's cache folder: $SCENARIO_COMPILER_CACHE, else one in $XDG_CACHE_HOME or ~/.cache."""
     own = os.environ.get("SCENARIO_COMPILER_CACHE")
     if own:
         return Path(own)
@@ -77,17 +75,18 @@ def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> N
         column = _as_array(name, getattr(parsed.tables, name))
         columns.append((name, column.typecode, len(column)))
         blocks.append(column.tobytes())
-    rows = [
-        (d.code.id, d.severity.value, d.message, d.hint)
-        + (d.place.line, d.place.column, d.place.length, d.place.source_line)
-        for d in findings
-    ]
+    rows = [(d.code.id, d.severity.value, d.message, d.hint, *_numbers(d)) for d in findings]
     head = json.dumps(
         {"roads": parsed.road_ids, "junctions": parsed.junction_ids, "columns": columns, "findings": rows}
     ).encode()
     payload = struct.pack("<Q", len(head)) + head + b"".join(blocks)
     with contextlib.suppress(OSError, RuntimeError):
         _write_atomically(_cache_file(sha256), MAGIC + hashlib.sha256(payload).digest() + payload)
+
+
+def _numbers(finding: Diagnostic) -> tuple[int, int, int, str]:
+    place = finding.place
+    return place.line, place.column, place.length, place.source_line
 
 
 def _as_array(name: str, values: list[float] | list[int]) -> array[float] | array[int]:
@@ -117,9 +116,7 @@ def _cache_file(sha256: str) -> Path:
 
 @lru_cache(maxsize=1)
 def _reader_version() -> str:
-    """Return a digest of what turns a road file into tables: this package's sources and the machine's number
-    format.
-    """
+    """Return a digest of what turns a road file into tables: this package's sources and the machine's number format."""
     digest = hashlib.sha256(f"{sys.byteorder} {array('i').itemsize}".encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())

@@ -67,8 +67,9 @@ def road_piece_at(n: RoadTables, road: int, s: float) -> int:
 
 @compiled
 def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, float, float, float]:
-    """Return (x, y, heading, curvature, speed) at s on a piece; speed is the length of d(x, y)/ds, 1 except
-    on polynomials.
+    """Return (x, y, heading, curvature, speed) at s on a piece.
+
+    Speed is the length of d(x, y)/ds: 1 except on polynomials.
     """
     d = s - n.piece_s[piece]
     kind = n.piece_kind[piece]
@@ -99,9 +100,7 @@ def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, floa
 
 @compiled
 def polynomial_point(n: RoadTables, piece: int, d: float) -> tuple[float, float, float, float, float]:
-    """Return what `piece_point` does, for a parametric polynomial at the distance d from the piece's
-    start.
-    """
+    """Return what `piece_point` does, for a parametric polynomial at the distance d from the piece's start."""
     q = n.piece_poly[piece]
     scale = n.poly_scale[q]
     p = d * scale
@@ -134,9 +133,7 @@ def road_reference(n: RoadTables, road: int, s: float) -> tuple[float, float, fl
 
 @compiled
 def cubic_row(n: RoadTables, first: int, last: int, s: float) -> int:
-    """Return the last cubic of a non-empty range that starts at or before s, the first one where none
-    does.
-    """
+    """Return the last cubic of a non-empty range that starts at or before s, the first one where none does."""
     low = first
     high = last - 1
     while low < high:
@@ -210,8 +207,9 @@ def shape_station(n: RoadTables, road: int, s: float) -> int:
 
 @compiled
 def lateral_shape(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float]:
-    """Return (height, slope dz/dt) that shape and crossfall add at t; shapes are interpolated linearly
-    between stations.
+    """Return (height, slope dz/dt) that shape and crossfall add at t.
+
+    Shapes are interpolated linearly between their stations.
     """
     z = 0.0
     slope = 0.0

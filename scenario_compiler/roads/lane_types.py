@@ -1,5 +1,4 @@
-"""Codes of the lane types and road types of OpenDRIVE 1.1 to 1.8, as plain numbers for the compiled
-functions.
+"""Codes of the lane types and road types of OpenDRIVE 1.1 to 1.8, as plain numbers for the compiled functions.
 
 Lane types that motor traffic may use come first, so that one comparison tells them (`code <= LAST_DRIVABLE`).
 """

@@ -20,8 +20,9 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def section_at(n: RoadTables, road: int, s: float) -> int:
-    """Return the row of the lane section that holds s: the last that starts at or before it, -1 on a road
-    without lanes.
+    """Return the row of the lane section that holds s, -1 on a road without lanes.
+
+    It is the last that starts at or before s.
     """
     low = n.road_section[road]
     high = n.road_section[road + 1] - 1
@@ -131,8 +132,9 @@ def lane_centre(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, f
 
 @compiled
 def lane_borders(n: RoadTables, road: int, lane: int, s: float) -> tuple[float, float]:
-    """Return (t of the left border, t of the right border); both those of the centre lane where the lane
-    does not exist.
+    """Return (t of the left border, t of the right border).
+
+    Both are those of the centre lane where the lane does not exist.
     """
     row = lane_row(n, road, lane, s)
     if row < 0:

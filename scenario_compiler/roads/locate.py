@@ -44,7 +44,7 @@ def cell_at(n: RoadTables, x: float, y: float) -> int:
     """Return the row of the cell that holds a point, -1 where no road is near it."""
     if not (x > -PLANE_LIMIT and x < PLANE_LIMIT and y > -PLANE_LIMIT and y < PLANE_LIMIT):
         return -1
-    key = cell_key_of(int(floor(x / CELL)), int(floor(y / CELL)))
+    key = cell_key_of(floor(x / CELL), floor(y / CELL))
     low = 0
     high = len(n.cell_key) - 1
     while low < high:
@@ -60,13 +60,14 @@ def cell_at(n: RoadTables, x: float, y: float) -> int:
 
 @compiled
 def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: float, y: float) -> tuple[float, float]:
-    """Return (s, lateral distance in the plane) of a point on a piece continued beyond its ends, nearest to
-    [low, high].
+    """Return (s, lateral distance in the plane) of a point on a piece.
+
+    The piece goes on beyond its ends; of several feet the one nearest to [low, high] is meant.
     """
     h = n.piece_h[piece]
     start = n.piece_s[piece]
     kind = n.piece_kind[piece]
-    if kind == LINE or kind == ARC:
+    if kind <= ARC:
         c = cos(h)
         w = sin(h)
         dx = x - n.piece_x[piece]
@@ -162,8 +163,9 @@ def lane_on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> tuple[int, i
 
 @compiled
 def better_place(n: RoadTables, row: int, offset: float, best: int, best_offset: float) -> int:
-    """Return 1 where a lane is to be preferred: nearer to its centre (to 1 mm), then drivable, then earlier
-    in the file.
+    """Return 1 where a lane is to be preferred to the best one so far.
+
+    The nearer centre (by more than 1 mm) wins, then the drivable lane, then the earlier one in the file.
     """
     if best < 0:
         return 1
@@ -181,8 +183,7 @@ def better_place(n: RoadTables, row: int, offset: float, best: int, best_offset:
 
 @compiled
 def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float, float]:
-    """Return (found, road, lane, s, offset) of the lane whose centre is nearest among those that hold a
-    point.
+    """Return (found, road, lane, s, offset) of the lane whose centre is nearest among those that hold a point.
 
     Driving lanes are preferred on ties. Off the road: (0, -1, 0, 0.0, 0.0).
     """
@@ -203,7 +204,10 @@ def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float
             chunk = n.wide_chunk[i - count]
         found, row, s, offset = lane_on_chunk(n, chunk, x, y)
         if found > 0 and found <= exact:
-            if found < exact or better_place(n, row, offset, best, best_offset) == 1:
+            better = found < exact
+            if not better:
+                better = better_place(n, row, offset, best, best_offset) == 1
+            if better:
                 best = row
                 best_s = s
                 best_offset = offset
@@ -215,8 +219,9 @@ def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float
 
 @compiled
 def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -> tuple[float, float]:
-    """Return (s, t) of a point on a road's reference line, continued beyond its ends, by Newton's method
-    from a hint.
+    """Return (s, t) of a point on a road's reference line, continued beyond its ends.
+
+    Found by Newton's method from the hint.
     """
     s = hint
     length = n.road_length[road]
@@ -250,9 +255,7 @@ def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -
 def track_on(
     n: RoadTables, road: int, hint: float, x: float, y: float, beyond: float
 ) -> tuple[int, float, float, float]:
-    """Return (found, s, t, |offset| from the lane's centre) of a point on the lanes of one road, found 0 off
-    them.
-    """
+    """Return (found, s, t, |offset| from the lane's centre) of a point on the lanes of one road, found 0 off them."""
     length = n.road_length[road]
     s, t = project_on_road(n, road, hint, x, y)
     if not (s >= -beyond and s <= length + beyond):
@@ -307,7 +310,7 @@ def track(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> t
 @compiled
 def track_by_index(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> tuple[int, int, float, float]:
     """Return (found, road, s, t) by the index; failing that, just beyond the end of the hinted road."""
-    found, road, lane, s, _ = locate_lane(n, x, y)
+    found, road, _, s, _ = locate_lane(n, x, y)
     if found == 1:
         again, s, t, _ = track_on(n, road, s, x, y, 1.0)
         if again == 1:

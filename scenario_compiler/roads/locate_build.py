@@ -1,6 +1,4 @@
-"""The index over the plane: the reference line in short chunks, and which chunks' surfaces touch each
-cell.
-"""
+"""The index over the plane: the reference line in short chunks, and which chunks' surfaces touch each cell."""
 
 from __future__ import annotations
 
@@ -108,9 +106,7 @@ def _add_part(
 
 
 def _add_bounds(n: RoadTables, piece: int, s0: float, s1: float, extent: tuple[float, float], beyond: float) -> None:
-    """Append bounds of the surface over [s0, s1]: those of sampled corners, widened by what curves between
-    samples.
-    """
+    """Append bounds of the surface over [s0, s1]: those of sampled corners, widened by what curves between samples."""
     kind = n.piece_kind[piece]
     samples = 2 if kind == LINE else 5 if kind == POLYNOMIAL else 3
     xs, ys = [], []

@@ -1,5 +1,6 @@
-"""Batch location: the lanes that hold each of many points, as arrays. The same formulas as `locate`, over
-all points at once.
+"""Batch location: the lanes that hold each of many points, as arrays.
+
+The same formulas as in `locate`, over all points at once.
 """
 
 from __future__ import annotations

@@ -61,9 +61,7 @@ twice that."""
 
 @compiled
 def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
-    """Return the row of the mark on a lane's outer border at s (of the centre line for lane 0), -1 where
-    there is none.
-    """
+    """Return the row of the mark on a lane's outer border at s (lane 0: of the centre line), -1 where none is."""
     row = lane_row(n, road, lane, s)
     if row < 0:
         return -1
@@ -76,8 +74,9 @@ def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
 
 @compiled
 def mark_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, float, int, float]:
-    """Return (type code, quality, colour code, width) of the mark on a lane's outer border, of the centre
-    line for lane 0.
+    """Return (type code, quality, colour code, width) of the mark on a lane's outer border.
+
+    For lane 0 it is that of the centre line; without a mark the type is `MARK_NONE`.
     """
     mark = mark_row(n, road, lane, s)
     if mark < 0:

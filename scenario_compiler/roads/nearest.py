@@ -17,8 +17,7 @@ m)."""
 
 
 def nearest_lane(n: RoadTables, x: float, y: float) -> tuple[int, float, float] | None:
-    """Return (lane row, s, offset) of the lane whose surface is closest to a point; None without lanes or
-    far out.
+    """Return (lane row, s, offset) of the lane whose surface is closest to a point; None without lanes or far out.
 
     s is clamped to the road; the offset is that of the point itself, so it may exceed half the lane's width.
     """

@@ -1,5 +1,6 @@
-"""`Network`: the questions that can be asked of a road network, by ids and in values; the work is done by
-the compiled functions.
+"""`Network`: the questions that can be asked of a road network, by ids and in values.
+
+The work is done by the compiled functions.
 """
 
 from __future__ import annotations
@@ -41,9 +42,7 @@ END_TOLERANCE = 1e-6
 
 
 class Network:
-    """A road network. Frames and units: OpenDRIVE axes, metres, radians; left and right as seen along
-    increasing s.
-    """
+    """A road network. Frames and units: OpenDRIVE axes, metres, radians; left and right as seen along increasing s."""
 
     def __init__(self, path: str, sha256: str, parsed: ParsedNetwork) -> None:
         """Wrap parsed tables; use `load_network`."""
@@ -100,9 +99,7 @@ class Network:
         return Pose(*lanes.lane_pose(self.tables, i, lane, s, offset))
 
     def road_pose(self, road: str, s: float, t: float) -> Pose:
-        """Return the pose at (s, t) of a road, heading along increasing s; ValueError outside the road's
-        range of s.
-        """
+        """Return the pose at (s, t) of a road, heading along increasing s; ValueError outside the road's range of s."""
         i, s = self._place(road, s)
         return Pose(*geometry.road_pose(self.tables, i, s, t))
 
@@ -185,9 +182,7 @@ class Network:
         return lanes.lane_width(self.tables, i, lane, s)
 
     def curvature(self, road: str, s: float) -> float:
-        """Return the curvature of the reference line, 1/m, positive to the left. ValueError outside the
-        road.
-        """
+        """Return the curvature of the reference line, 1/m, positive to the left. ValueError outside the road."""
         i, s = self._place(road, s)
         return geometry.road_reference(self.tables, i, s)[3]
 
@@ -197,9 +192,7 @@ class Network:
         return geometry.road_grade(self.tables, i, s)
 
     def speed_limit(self, road: str, lane: int, s: float) -> float | None:
-        """Return the lane's speed limit, else the road's, m/s; `inf` for "no limit", None where none is
-        stated.
-        """
+        """Return the lane's speed limit, else the road's, m/s; `inf` for "no limit", None where none is stated."""
         i, s = self._place(road, s)
         n = self.tables
         row = lanes.lane_row(n, i, lane, s)
@@ -215,8 +208,9 @@ class Network:
         return None if speed == NO_SPEED else speed
 
     def marks(self, road: str, lane: int, s: float) -> tuple[Mark | None, Mark | None]:
-        """Return (outer mark, inner mark) of a lane at s; the inner one belongs to the lane beside it
-        towards the centre.
+        """Return (outer mark, inner mark) of a lane at s.
+
+        The inner one belongs to the lane beside it towards the centre.
         """
         i, s = self._place(road, s)
         inner = lane - 1 if lane > 0 else lane + 1
@@ -254,8 +248,9 @@ class Network:
         return min(n.chunk_x0), min(n.chunk_y0), max(n.chunk_x1), max(n.chunk_y1)
 
     def next(self, position: LanePosition, distance: float) -> LanePosition | None:
-        """Return the position a distance ahead in the direction of travel (straightest exits), None beyond
-        the lane's end.
+        """Return the position a distance ahead in the direction of travel, None beyond the lane's end.
+
+        Junctions are left by the straightest exit.
         """
         i, s = self._place(position.road, position.s)
         road, lane, s, left = travel.advance(self.tables, i, position.lane, s, distance, -1)
@@ -264,21 +259,15 @@ class Network:
         return LanePosition(self.road_ids[road], lane, s, position.offset)
 
     def previous(self, position: LanePosition, distance: float) -> LanePosition | None:
-        """Return the position a distance behind against the direction of travel, None beyond the lane's
-        start.
-        """
+        """Return the position a distance behind against the direction of travel, None beyond the lane's start."""
         return self.next(position, -distance)
 
     def left(self, position: LanePosition) -> LanePosition | None:
-        """Return the position on the lane to the left as seen in the direction of travel, None where there
-        is none.
-        """
+        """Return the position on the lane to the left as seen in the direction of travel, None where there is none."""
         return self._beside(position, 1)
 
     def right(self, position: LanePosition) -> LanePosition | None:
-        """Return the position on the lane to the right as seen in the direction of travel, None where there
-        is none.
-        """
+        """Return the position on the lane to the right as seen in the direction of travel, None where there is none."""
         return self._beside(position, -1)
 
     def _beside(self, position: LanePosition, side: int) -> LanePosition | None:
@@ -300,8 +289,9 @@ class Network:
         return find_route(self.tables, self.road_ids, start, goal)
 
     def topology(self) -> list[tuple[LanePosition, LanePosition]]:
-        """Return (where a drivable lane of a section is entered, where a lane that follows it is entered),
-        in file order.
+        """Return pairs of entries of drivable lanes, one lane following the other, in file order.
+
+        An entry is where travel enters the lane in one lane section.
         """
         n = self.tables
         pairs = []
@@ -383,9 +373,7 @@ def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics | No
 
 
 def _read(path: Path, sink: Diagnostics) -> bytes | None:
-    """Return the content of a file; what is wrong with an unreadable one is found out, and told, by
-    `read_document`.
-    """
+    """Return the content of a file; what is wrong with an unreadable one is found out, and told, by `read_document`."""
     try:
         if path.stat().st_size <= MAX_BYTES:
             return path.read_bytes()

@@ -1,5 +1,4 @@
-"""OpenDRIVE XML to `RoadTables`: everything that positions, routes and pictures need, with diagnostics for
-what cannot be used.
+"""OpenDRIVE XML to `RoadTables`, with diagnostics for what cannot be used.
 
 Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is
 read. Errors are
@@ -65,9 +64,7 @@ class ParsedNetwork:
 
 
 def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
-    """Read the roads, junctions and links of a document; None (and an error in the sink) when there is no
-    road in it.
-    """
+    """Read the roads, junctions and links of a document; None (and an error) when there is no road in it."""
     root = document.root
     _drop_namespace(root)
     if root.tag != "OpenDRIVE":

@@ -1,6 +1,4 @@
-"""The values that questions to a network return: poses, lane positions, routes, descriptions of lanes and
-marks.
-"""
+"""The values that questions to a network return: poses, lane positions, routes, descriptions of lanes and marks."""
 
 from __future__ import annotations
 
@@ -25,9 +23,7 @@ class Pose(NamedTuple):
 
 
 class LanePosition(NamedTuple):
-    """A point on a lane; offset is in m from the lane's centre, positive to the left as seen along
-    increasing s.
-    """
+    """A point on a lane; offset is in m from the lane's centre, positive to the left as seen along increasing s."""
 
     road: str
     lane: int
@@ -36,8 +32,9 @@ class LanePosition(NamedTuple):
 
 
 class Located(NamedTuple):
-    """What `Network.locate_many` returns: columns over all found (point, lane) pairs, by point, nearest lane
-    centre first.
+    """What `Network.locate_many` returns: columns over all found (point, lane) pairs.
+
+    They are ordered by point, nearest lane centre first.
 
     Attributes:
         start: CSR over the points, (points + 1,).
@@ -74,10 +71,9 @@ class Mark(NamedTuple):
 
 
 class MarkStretch(NamedTuple):
-    """Marks whose quality is set from s_from to s_to, linear between both qualities; lane None means every
-    mark of the road.
+    """Marks whose quality is set from s_from to s_to, linear between both qualities.
 
-    A lane's mark lies on its outer border; lane 0 is the centre line.
+    A lane's mark lies on its outer border; lane 0 is the centre line, None means every mark of the road.
     """
 
     road: str
@@ -89,8 +85,9 @@ class MarkStretch(NamedTuple):
 
 
 class Leg(NamedTuple):
-    """A part of a route: one lane of one road from s to s. `changes_lane` tells that it is entered from the
-    lane beside.
+    """A part of a route: one lane of one road from s to s.
+
+    `changes_lane` tells that it is entered from the lane beside.
     """
 
     road: str

@@ -48,9 +48,7 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
 
 
 def _override(piece: Piece, stretch: MarkStretch) -> list[Piece]:
-    """Cut a part of a mark where a stretch starts and ends, and give what lies in it the stretch's
-    quality.
-    """
+    """Cut a part of a mark where a stretch starts and ends, and give what lies in it the stretch's quality."""
     mark, s, end, before, after = piece
     low = max(s, min(stretch.s_from, stretch.s_to))
     high = min(end, max(stretch.s_from, stretch.s_to))

@@ -67,8 +67,7 @@ class Reader:
             self.sink.add(MANY_FINDINGS, message, FilePlace(self.document.path))
 
     def number(self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
-        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is
-        none.
+        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is none.
 
         A missing attribute is no finding here: whether it may be missing is a matter of structure, not of
         reading.
@@ -99,9 +98,7 @@ class Reader:
         return None
 
     def speed(self, element: etree._Element) -> float:
-        """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` where it says nothing
-        usable.
-        """
+        """Return the `max` of a speed element in m/s, `inf` for "no limit", `NO_SPEED` where it says nothing usable."""
         text = element.get("max", "undefined")
         if text == "no limit":
             return inf

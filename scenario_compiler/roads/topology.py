@@ -216,9 +216,7 @@ def _link_road_end(
 
 
 def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bool:
-    """Tell whether an end of a road does not name another road, or another end of that road, as its
-    neighbour.
-    """
+    """Tell whether an end of a road does not name another road, or another end of that road, as its neighbour."""
     named = n.road_start_road[road] if contact == AT_START else n.road_end_road[road]
     named_end = n.road_start_contact[road] if contact == AT_START else n.road_end_contact[road]
     return named != other or named_end == end

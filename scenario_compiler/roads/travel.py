@@ -76,8 +76,7 @@ def lane_next(n: RoadTables, road: int, lane: int, direction: int, preferred_roa
 
 @compiled
 def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road: int) -> tuple[int, int, float, float]:
-    """Return (road, lane, s, left over) after moving ds along the lane's direction of travel (against it for
-    ds < 0).
+    """Return (road, lane, s, left over) after moving ds along the lane's direction of travel (against it for ds < 0).
 
     What is left over, m, is above 0 when the lane ends before.
     """
@@ -123,8 +122,7 @@ def advance(n: RoadTables, road: int, lane: int, s: float, ds: float, next_road:
 
 @compiled
 def row_narrows_after(n: RoadTables, row: int, s: float, sense: int, room: float) -> float:
-    """Return the distance within `room` from s (along s for sense 1) after which a row is too narrow to
-    drive on, else `room`.
+    """Return the distance from s after which a row is too narrow to drive on, `room` where none within it is.
 
     The place is found to 1 cm.
     """
