@@ -13,23 +13,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenario_compiler.roads.positions import Pose
+
 Floats = NDArray[np.float64]
-
-
-class Pose(NamedTuple):
-    """Position (m, world) and attitude (rad) of a vehicle's reference point."""
-
-    x: float
-    y: float
-    z: float = 0.0
-    heading: float = 0.0
-    pitch: float = 0.0
-    roll: float = 0.0
 
 
 @dataclass(frozen=True)

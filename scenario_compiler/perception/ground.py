@@ -58,8 +58,7 @@ class Ground:
         """Prepare what depends on neither pose nor weather."""
         self.scene = scene
         self.camera = camera
-        heights = scene.surface.quads[:, :, 2]
-        self.relief = bool(len(heights)) and float(np.ptp(heights)) > 0.3
+        self.relief = scene.relief
         horizon = min(max(math.ceil(camera.horizon) + 1, 0), camera.height)
         self.top = max(0, horizon - camera.height // 7) if self.relief else horizon
         self.sky_rows = horizon - self.top
@@ -91,64 +90,57 @@ class Ground:
         paint = np.zeros((*self.x.shape, 2), np.uint8)
         colours = np.zeros(self.x.shape, np.uint8)
         self._draw_quads(view, codes, paint, colours)
+        if self.relief:
+            self._ground_below_hills(codes)
+        if colours.any():
+            colours = np.asarray(cv2.dilate(colours, np.ones((3, 3), np.uint8)), np.uint8)
         grain, wear, patch, grass = cv2.split(self._texture(view))
         image = self._shade(codes, grain, patch, grass, look)
         self._apply_paint(image, paint, colours, grain, wear, look)
         return image, codes, patch
 
     def _draw_quads(self, view: View, codes: Image, paint: Image, colours: Image) -> None:
-        surface, marks = self.scene.surface, self.scene.marks
-        ground = project(view, surface.quads, self.scene.surface_grid.ahead(view, SURFACE_DISTANCE))
-        lines = project(view, marks.quads, self.scene.mark_grid.ahead(view, MARK_DISTANCE))
-        shift = np.array((0, -self.top << SUBPIXEL), np.int32)
+        scene = self.scene
+        ground = project(view, scene.surface_grid, SURFACE_DISTANCE, self.top)
+        lines = project(view, scene.mark_grid, MARK_DISTANCE, self.top)
         if not self.relief:
-            self._fill(ground, np.arange(len(ground.index)), shift, codes)
-            self._mark(lines, np.arange(len(lines.index)), shift, paint, colours)
+            self._fill(ground, np.arange(len(ground.index)), codes)
+            self._mark(lines, np.arange(len(lines.index)), paint, colours)
             return
-        verge = surface.material[ground.index] == Material.VERGE
-        for k in np.nonzero(ground.from_below & (ground.height > STOREY) & ~verge)[0]:
-            cv2.fillConvexPoly(codes, ground.polygons[k] + shift, DECK, cv2.LINE_8, SUBPIXEL)
-        for storey in (True, False):
-            level = ~ground.from_below & ((ground.height < -STOREY) == storey)
-            covered = paint if bool(paint.any()) else None
-            self._fill(ground, np.nonzero(level)[0], shift, codes, covered)
-            self._mark(
-                lines,
-                np.nonzero(~lines.from_below & ((lines.height < -STOREY) == storey))[0],
-                shift,
-                paint,
-                colours,
-            )
+        bridge = ground.from_below & (ground.height > STOREY)
+        for k in np.nonzero(bridge & (scene.material[ground.index] != Material.VERGE))[0].tolist():
+            cv2.fillConvexPoly(codes, ground.polygons[k], DECK, cv2.LINE_8, SUBPIXEL)
+        for below in (True, False):
+            level = ~ground.from_below & ((ground.height < -STOREY) == below)
+            self._fill(ground, np.nonzero(level)[0], codes, paint if paint.any() else None)
+            level = ~lines.from_below & ((lines.height < -STOREY) == below)
+            self._mark(lines, np.nonzero(level)[0], paint, colours)
+
+    def _ground_below_hills(self, codes: Image) -> None:
+        """Turn sky below a piece of ground that rises over the horizon into ground; below a bridge it stays."""
+        strip = codes[: self.sky_rows]
+        solid = strip < DECK
+        if solid.any():
+            strip[np.logical_or.accumulate(solid, axis=0) & (strip == SKY)] = Material.VERGE
 
     def _fill(
-        self,
-        ground: Projected,
-        chosen: NDArray[np.int64],
-        shift: NDArray[np.int32],
-        codes: Image,
-        covered: Image | None = None,
+        self, ground: Projected, chosen: NDArray[np.int64], codes: Image, covered: Image | None = None
     ) -> None:
-        surface = self.scene.surface
-        layers = surface.layer[ground.index[chosen]]
-        for k in chosen[np.argsort(layers, kind="stable")].tolist():
-            polygon = ground.polygons[k] + shift
-            cv2.fillConvexPoly(codes, polygon, int(surface.material[ground.index[k]]), cv2.LINE_8, SUBPIXEL)
+        """Draw surfaces, the lower layers first; they cover paint that lies below them, on a road underneath."""
+        index = ground.index[chosen]
+        order = np.argsort(self.scene.layer[index], kind="stable")
+        for k, material in zip(
+            chosen[order].tolist(), self.scene.material[index[order]].tolist(), strict=True
+        ):
+            cv2.fillConvexPoly(codes, ground.polygons[k], material, cv2.LINE_8, SUBPIXEL)
             if covered is not None:
-                cv2.fillConvexPoly(covered, polygon, (0, 0), cv2.LINE_8, SUBPIXEL)
+                cv2.fillConvexPoly(covered, ground.polygons[k], (0, 0), cv2.LINE_8, SUBPIXEL)
 
-    def _mark(
-        self,
-        lines: Projected,
-        chosen: NDArray[np.int64],
-        shift: NDArray[np.int32],
-        paint: Image,
-        colours: Image,
-    ) -> None:
+    def _mark(self, lines: Projected, chosen: NDArray[np.int64], paint: Image, colours: Image) -> None:
         """Draw paint into `paint`: coverage, and coverage times quality, so that their ratio is quality up to the rim."""
         marks = self.scene.marks
         index = lines.index[chosen]
-        pixels = marks.width[index] * self.camera.focal / np.maximum(lines.depth[chosen], 0.3)
-        coverage = 255.0 * np.minimum(pixels, 1.0)
+        coverage = 255.0 * np.minimum(lines.thickness[chosen], 1.0)
         left = coverage * np.clip(marks.quality[index], 0.0, 1.0)
         tones = marks.colour[index]
         for k, full, part, tone in zip(
@@ -156,7 +148,7 @@ class Ground:
         ):
             if part < 2.0:
                 continue
-            polygon = lines.polygons[k] + shift
+            polygon = lines.polygons[k]
             cv2.fillConvexPoly(paint, polygon, (full, part), cv2.LINE_AA, SUBPIXEL)
             if tone:
                 cv2.fillConvexPoly(colours, polygon, tone, cv2.LINE_8, SUBPIXEL)

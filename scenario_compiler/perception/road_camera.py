@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.camera import Camera, Pose, View
+from scenario_compiler.perception.camera import Camera, View
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.render import Renderer
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.weather_look import WeatherNumbers, look_of
 from scenario_compiler.roads.mesh import road_marks, road_surface
+from scenario_compiler.roads.positions import Pose
 
 if TYPE_CHECKING:
     from scenario_compiler.roads.network import Network

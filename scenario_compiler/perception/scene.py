@@ -74,6 +74,7 @@ class Projected:
         index: (K,) which quads, nearest last.
         polygons: For each of them its corners, (corners, 2), in units of 2**-SUBPIXEL pixels.
         depth: (K,) mean distance along the optical axis, m.
+        thickness: (K,) area by longest side, pixels: how thin a mark looks.
         from_below: (K,) bool, the quad's underside is seen.
         height: (K,) mean height over the ground that the vehicle stands on, m.
     """
@@ -81,6 +82,7 @@ class Projected:
     index: NDArray[np.int64]
     polygons: list[Polygon]
     depth: NDArray[np.float64]
+    thickness: NDArray[np.float64]
     from_below: NDArray[np.bool_]
     height: NDArray[np.float64]
 
@@ -89,34 +91,79 @@ class RoadScene:
     """Everything that stands still: the road's surface and its paint."""
 
     def __init__(self, surface: Surface, marks: Marks) -> None:
-        """Index the quads; the arrays are shared, not copied."""
-        self.surface = surface
+        """Index the quads. Neighbouring lanes of one material are joined: the picture is the same and comes sooner."""
+        quads, kept = _joined(surface)
+        self.material = surface.material[kept]
+        self.layer = surface.layer[kept]
+        self.relief = bool(len(quads)) and float(np.ptp(quads[:, :, 2])) > 0.3
         self.marks = marks
-        self.surface_grid = QuadGrid(surface.quads)
+        self.surface_grid = QuadGrid(quads)
         self.mark_grid = QuadGrid(marks.quads)
 
 
-def project(view: View, quads: NDArray[np.float32], index: NDArray[np.int64]) -> Projected:
-    """Return the quads of `index` that lie before the lens, clipped at the near plane, sorted from far to near."""
-    world = quads[index].astype(np.float64)
+def _joined(surface: Surface) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Return quads that span all neighbouring quads of one material, and the first of each."""
+    wide = np.nonzero((surface.quads[:, :2] != surface.quads[:, :1:-1]).any(axis=(1, 2)))[0].tolist()
+    materials = surface.material.tolist()
+    left_edge = {
+        (surface.quads[k, 0].tobytes(), surface.quads[k, 1].tobytes(), materials[k]): k for k in wide
+    }
+    beside = {
+        k: left_edge.get((surface.quads[k, 3].tobytes(), surface.quads[k, 2].tobytes(), materials[k]), -1)
+        for k in wide
+    }
+    starts = sorted(set(beside) - set(beside.values()))
+    ends = []
+    for start in starts:
+        end = start
+        while beside[end] >= 0:
+            end = beside[end]
+        ends.append(end)
+    kept = np.array(starts, np.int64)
+    quads = surface.quads[kept]
+    quads[:, 2:] = surface.quads[np.array(ends, np.int64)][:, 2:]
+    return quads, kept
+
+
+def project(view: View, grid: QuadGrid, distance: float, first_row: int) -> Projected:
+    """Return the quads before the lens, clipped at the near plane, sorted from far to near.
+
+    Args:
+        view: The camera in the world.
+        grid: The quads.
+        distance: How far they are looked for, m.
+        first_row: Image row that the polygons' rows are counted from.
+    """
+    index = grid.ahead(view, distance)
+    shift = np.array((0, first_row << SUBPIXEL), np.int32)
+    world = grid.quads[index].astype(np.float64)
     points = view.to_camera(world)
     keep = points[..., 2].max(axis=1) > NEAR
     index, points, world = index[keep], points[keep], world[keep]
     nearest_last = np.argsort(-points[..., 2].mean(axis=1), kind="stable")
     index, points, world = index[nearest_last], points[nearest_last], world[nearest_last]
     whole = points[..., 2].min(axis=1) > NEAR
-    pixels = _fixed(view.to_image(np.where(whole[:, None, None], points, 1.0)))
-    polygons = [
-        pixels[k] if whole[k] else _fixed(view.to_image(_clip_near(points[k]))) for k in range(len(index))
-    ]
+    flat = view.to_image(np.where(whole[:, None, None], points, 1.0))
+    polygons = list(_fixed(flat) - shift)
+    for k in np.nonzero(~whole)[0].tolist():
+        polygons[k] = _fixed(view.to_image(_clip_near(points[k]))) - shift
     normal = np.cross(points[:, 1] - points[:, 0], points[:, 3] - points[:, 0])
     return Projected(
         index,
         polygons,
         points[..., 2].mean(axis=1),
+        np.where(whole, _thickness(flat), np.inf),
         np.einsum("ij,ij->i", normal, points[:, 0]) < 0.0,
         (world.mean(axis=1) - view.foot) @ (view.position - view.foot) / view.camera.z,
     )
+
+
+def _thickness(pixels: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return area by longest side of quadrilaterals (N, 4, 2)."""
+    across, along = pixels[:, 2] - pixels[:, 0], pixels[:, 3] - pixels[:, 1]
+    area = 0.5 * np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
+    sides = np.linalg.norm(pixels - np.roll(pixels, -1, axis=1), axis=2)
+    return area / np.maximum(sides.max(axis=1), 1e-6)
 
 
 def project_polygon(view: View, corners: NDArray[np.float64]) -> Polygon | None:

@@ -12,8 +12,8 @@ more than a high one), not a photometric simulation. The one curve that decides 
 The first factor is the water film that fills the paint's texture, the second the spray in the air before and on the road, the third
 the sky's reflection in a wet road against a low sun, which makes the asphalt as bright as the paint. CARLA's presets give:
 
-    ClearNoon 0.98   WetNoon 0.88   SoftRainNoon 0.76   MidRainyNoon 0.64   HardRainNoon 0.44   HardRainNight 0.44
-    ClearSunset 0.98 WetSunset 0.88 SoftRainSunset 0.71 MidRainSunset 0.48  HardRainSunset 0.06
+    ClearNoon 1.00   WetNoon 0.88   SoftRainNoon 0.76   MidRainyNoon 0.64   HardRainNoon 0.44   HardRainNight 0.44
+    ClearSunset 1.00 WetSunset 0.88 SoftRainSunset 0.71 MidRainSunset 0.48  HardRainSunset 0.06
 """
 
 from __future__ import annotations

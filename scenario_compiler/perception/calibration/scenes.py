@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenario_compiler.perception.camera import Pose
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface
+from scenario_compiler.roads.positions import Pose
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ class Reference:
     def pose(self, s: float, t: float = 0.0, turn: float = 0.0) -> Pose:
         """Return the pose at s and t, turned left by `turn`, rad."""
         x, y = self.at(s, t).tolist()
-        return Pose(x, y, 0.0, float(np.interp(s, self.s, self.heading)) + turn)
+        return Pose(x, y, 0.0, float(np.interp(s, self.s, self.heading)) + turn, 0.0, 0.0)
 
     def offset(self, x: float, y: float) -> tuple[float, float]:
         """Return (s, t) of the nearest sample's normal projection."""

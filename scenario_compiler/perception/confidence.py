@@ -1,0 +1,142 @@
+"""How far a detected boundary can be trusted: a calibrated probability, and apart from it the health of the sensor.
+
+`p_geom` is the probability that the boundary lies within 0.25 m of the true one from 6 to 18 m ahead and that its paint
+is there (quality over 0.15 on more than 60 % of that stretch). It is a logistic function of `features`, fitted on rendered
+roads; weights, table and errors are in `lane_confidence.json` beside this module (`Calibration`), made by
+`python -m scenario_compiler.perception.calibration`.
+
+`health` falls with the noise that is measured in the image: 1 / (1 + exp((sigma_hat - 30) / 4)). The 30 and 4 grey levels are
+policy, not measurement: the geometry stays right under far more noise, but a sensor like that is broken. sigma_hat is
+Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a median in place of the mean, so that edges,
+paint and rain do not count.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.perception.birds_eye import X_STEP, Ridges
+from scenario_compiler.perception.lane_fit import Fit
+
+HEALTH_MIDDLE, HEALTH_SPREAD = 30.0, 4.0
+"""Noise at which health is one half, and how gently it falls, grey levels."""
+
+FEATURES = (
+    "one",
+    "prominence",
+    "painted",
+    "residual",
+    "contrast",
+    "support",
+    "row_scale",
+    "width_off",
+    "along",
+    "along_squared",
+    "stretch",
+    "contrast_along",
+    "green",
+)
+"""Names of the features, in the order of the weights."""
+
+_LAPLACIANS = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The weights of the logistic function, one a feature, and what they were found to be worth.
+
+    Attributes:
+        weights: One for each of `FEATURES`.
+        error: Largest difference of mean probability and observed frequency over the table's reliability bins.
+        by_quality: (paint quality, mean p_geom over both sides) on clear days.
+        by_sigma: (noise in grey levels, mean p) with new paint on clear days, health included.
+        neither_without_paint: Share of frames without any paint in which both sides are below 0.3.
+    """
+
+    weights: tuple[float, ...]
+    error: float
+    by_quality: tuple[tuple[float, float], ...]
+    by_sigma: tuple[tuple[float, float], ...]
+    neither_without_paint: float
+
+
+@lru_cache(maxsize=1)
+def load_calibration() -> Calibration:
+    """Return the calibration that ships with the package."""
+    text = resources.files("scenario_compiler.perception").joinpath("lane_confidence.json").read_text("utf-8")
+    data = json.loads(text)
+    if tuple(data["features"]) != FEATURES:
+        raise RuntimeError("lane_confidence.json was made for other features; run the calibration again")
+    return Calibration(
+        weights=tuple(float(w) for w in data["weights"]),
+        error=float(data["reliability"]["largest_error"]),
+        by_quality=tuple((float(q), float(p)) for q, p in data["by_quality"]),
+        by_sigma=tuple((float(s), float(p)) for s, p in data["by_sigma"]),
+        neither_without_paint=float(data["neither_without_paint"]),
+    )
+
+
+def features(fit: Fit, ridges: Ridges, width_off: float) -> NDArray[np.float64]:
+    """Return the features of one side, (len(FEATURES),).
+
+    Args:
+        fit: The side's boundary.
+        ridges: The image it was found in.
+        width_off: Distance of the lane's width from the expected one, m.
+    """
+    near = slice(0, round(15.0 / X_STEP))
+    window = np.ones(4) / 4.0
+    run = np.convolve(np.minimum(fit.on_curve, 5.0)[near], window, mode="valid")
+    bright = np.convolve(fit.contrast[near], window, mode="valid")
+    best = np.sort(run)[-16:].mean()
+    longest = _longest_run(fit.on_curve[near] > 1.2) * X_STEP
+    return np.array(
+        [
+            1.0,
+            math.log(max(fit.prominence, 0.1)),
+            fit.painted,
+            5.0 * fit.residual,
+            math.log1p(float(np.sort(fit.contrast[near])[-20:].mean()) / 10.0),
+            0.1 * fit.support,
+            math.log(float(ridges.scale.mean())),
+            min(max(abs(width_off) - 0.4, 0.0), 0.8),
+            float(best),
+            float(best * best) / 5.0,
+            math.log1p(longest),
+            math.log1p(float(np.sort(bright)[-16:].mean()) / 10.0),
+            min(max(fit.green, 0.0), 30.0) / 10.0,
+        ]
+    )
+
+
+def probability(row: NDArray[np.float64], weights: tuple[float, ...]) -> float:
+    """Return the logistic function of the features `row` under `weights`."""
+    total = float(row @ np.asarray(weights))
+    return 1.0 / (1.0 + math.exp(-min(max(total, -30.0), 30.0)))
+
+
+def noise_of(image: NDArray[np.uint8]) -> float:
+    """Return sigma_hat, the noise of a BGR image in grey levels (see the module's docstring)."""
+    response = cv2.filter2D(np.ascontiguousarray(image[:, :, 1]), cv2.CV_32F, _LAPLACIANS)
+    return float(np.median(np.abs(response[1:-1:2, 1:-1:2]))) / (6.0 * 0.67448975)
+
+
+def health_of(sigma_hat: float) -> float:
+    """Return the health of a sensor with noise `sigma_hat`, grey levels: 1 well, 0 broken."""
+    return 1.0 / (1.0 + math.exp(min((sigma_hat - HEALTH_MIDDLE) / HEALTH_SPREAD, 60.0)))
+
+
+def _longest_run(flags: NDArray[np.bool_]) -> int:
+    longest = current = 0
+    for flag in flags.tolist():
+        current = current + 1 if flag else 0
+        longest = max(longest, current)
+    return longest

@@ -1,0 +1,195 @@
+"""Finds the two boundaries of the lane ahead in a map of ridges: every parabola of a grid is voted for, the best pair wins.
+
+The pair is chosen together, under a prior on the lane's width and on the two being parallel: chosen alone, a side locks
+onto the next lane's line where that is the stronger one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.perception.birds_eye import X_FROM, Y_FROM, Y_STEP, BirdsEye, Ridges
+
+Floats = NDArray[np.float64]
+
+OFFSETS = np.arange(0.7, 3.21, 0.1)
+SLOPES = np.linspace(-0.14, 0.14, 15)
+CURVATURES = np.linspace(-0.018, 0.018, 19)
+"""The grid of parabolas y = +-offset + slope d + curvature d**2 / 2, d = x - 5 m: m, rad, 1/m (radii down to 56 m)."""
+
+ENOUGH = 3.0
+"""Strength above which a row votes no more, so that a few bright rows do not outvote many."""
+
+STANDS_OUT = 1.5
+"""Strength from which a row is taken for painted."""
+
+LEFT, RIGHT = 0, 1
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """One side's boundary.
+
+    Attributes:
+        curve: (3,) offset, slope and curvature of the refined parabola at d = x - 5 m = 0.
+        support: Vote of the grid's parabola.
+        prominence: How far the vote stands out of all votes of its side, in robust deviations.
+        residual: Root mean square distance of the painted rows from the parabola, m.
+        painted: Share of the rows nearer than 20 m that show a ridge within 0.25 m of the parabola.
+        on_curve: (rows,) strength on the refined parabola itself.
+        contrast: (rows,) grey levels on the refined parabola itself.
+        green: How green the greener side of the parabola is where there is paint, grey levels.
+        nearest: Smallest x with paint, m; the map's first row without any.
+        farthest: Largest x with paint, m.
+    """
+
+    curve: Floats
+    support: float
+    prominence: float
+    residual: float
+    painted: float
+    on_curve: Floats
+    contrast: Floats
+    green: float
+    nearest: float
+    farthest: float
+
+
+class LaneFitter:
+    """Votes, pairs and refines on the map of one `BirdsEye`."""
+
+    def __init__(self, birds_eye: BirdsEye) -> None:
+        """Lay out the grid of parabolas; about 7000 a side are in the field of view."""
+        self.x = birds_eye.x.astype(np.float64)
+        self.d = self.x - X_FROM
+        self.rows = np.arange(len(self.x))
+        self.columns = len(birds_eye.y)
+        offsets, slopes, curvatures = np.meshgrid(OFFSETS, SLOPES, CURVATURES, indexing="ij")
+        grid = np.stack([offsets.ravel(), slopes.ravel(), curvatures.ravel()], axis=1)
+        self.curves: list[Floats] = []
+        self._cells: list[NDArray[np.int32]] = []
+        self._weights: list[NDArray[np.float32]] = []
+        self._norms: list[NDArray[np.float32]] = []
+        self._bins: list[NDArray[np.int64]] = []
+        for sign in (1.0, -1.0):
+            self._add_side(grid * np.array([sign, 1.0, 1.0]), birds_eye)
+
+    def _add_side(self, curves: Floats, birds_eye: BirdsEye) -> None:
+        rows = self.rows[::2]
+        column = self._column(curves[:, :1], curves[:, 1:2], curves[:, 2:], self.d[rows])
+        inside = (column >= 0) & (column < self.columns)
+        column = np.clip(column, 0, self.columns - 1)
+        seen = inside & (birds_eye.seen[rows[None, :], column] > 0)
+        kept = seen.sum(axis=1) > 8
+        self.curves.append(curves[kept])
+        self._cells.append((rows * self.columns + column)[kept].astype(np.int32))
+        self._weights.append(seen[kept].astype(np.float32))
+        self._norms.append(np.sqrt(seen[kept].sum(axis=1)).astype(np.float32))
+        bins = np.round((np.abs(curves[kept, 0]) - OFFSETS[0]) * 10).astype(np.int64)
+        self._bins.append(bins)
+
+    def _column(
+        self, offset: Floats | float, slope: Floats | float, curvature: Floats | float, d: Floats
+    ) -> NDArray[np.int64]:
+        y = offset + slope * d + 0.5 * curvature * d * d
+        return np.round((Y_FROM - y) / Y_STEP - 0.5).astype(np.int64)
+
+    def votes(self, ridges: Ridges, side: int) -> NDArray[np.float32]:
+        """Return the vote for each parabola of a side."""
+        strength = np.minimum(ridges.strength, ENOUGH).ravel()
+        counted = strength[self._cells[side]] * self._weights[side]
+        return np.asarray(counted.sum(axis=1) / self._norms[side], np.float32)
+
+    def pair(
+        self,
+        votes: tuple[NDArray[np.float32], NDArray[np.float32]],
+        width: float,
+        width_sigma: float,
+        previous: tuple[Floats | None, Floats | None],
+    ) -> tuple[int, int]:
+        """Return the best left and right parabola.
+
+        Args:
+            votes: Votes of the two sides.
+            width: Expected distance between the boundaries, m.
+            width_sigma: Its standard deviation, m.
+            previous: The boundaries of the frame before as offset, slope and curvature at d = 0, where there are any.
+        """
+        (left, left_score), (right, right_score) = (
+            self._best_of_bins(votes[side], side, previous[side]) for side in (LEFT, RIGHT)
+        )
+        a, b = self.curves[LEFT][left], self.curves[RIGHT][right]
+        off = (a[:, None, 0] - b[None, :, 0] - width) / width_sigma
+        joint = left_score[:, None] + right_score[None, :] - 2.0 * np.minimum(off * off, 4.0)
+        joint -= 25.0 * np.abs(a[:, None, 1] - b[None, :, 1]) + 150.0 * np.abs(a[:, None, 2] - b[None, :, 2])
+        i, j = np.unravel_index(int(np.argmax(joint)), joint.shape)
+        return int(left[i]), int(right[j])
+
+    def _best_of_bins(
+        self, votes: NDArray[np.float32], side: int, previous: Floats | None
+    ) -> tuple[NDArray[np.int64], Floats]:
+        """Return the best parabola of each offset, and its score."""
+        score = votes.astype(np.float64)
+        if previous is not None:
+            away = np.abs(self.curves[side] - previous) @ np.array([1.2, 6.0, 30.0])
+            score -= 2.5 * np.minimum(away, 2.0)
+        order = np.argsort(-score, kind="stable")
+        _, first = np.unique(self._bins[side][order], return_index=True)
+        best = order[first]
+        return best, score[best]
+
+    def refine(self, ridges: Ridges, votes: NDArray[np.float32], side: int, chosen: int) -> Fit:
+        """Return the boundary fitted to the ridges near the chosen parabola."""
+        guess = self.curves[side][chosen]
+        column = self._column(*guess.tolist(), self.d)
+        around = column[:, None] + np.arange(-5, 6)
+        inside = (around >= 0) & (around < self.columns)
+        cells = np.clip(around, 0, self.columns - 1)
+        strength = np.where(inside, ridges.strength[self.rows[:, None], cells], 0.0)
+        best = strength.argmax(axis=1)
+        peak = strength[self.rows, best].astype(np.float64)
+        painted = peak > STANDS_OUT
+        y = Y_FROM - (around[self.rows, best] + 0.5) * Y_STEP
+        curve, residual = self._least_squares(guess, y, np.where(painted, np.minimum(peak, 4.0), 0.0))
+        on_curve, contrast, green = self._along(ridges, curve)
+        middle = float(np.median(votes))
+        spread = float(np.median(np.abs(votes - middle))) + 0.15
+        shown, near = self.x[painted], self.x < 20.0
+        return Fit(
+            curve=curve,
+            support=float(votes[chosen]),
+            prominence=(float(votes[chosen]) - middle) / spread,
+            residual=residual,
+            painted=float(painted[near].mean()),
+            on_curve=on_curve,
+            contrast=contrast,
+            green=float((green * on_curve)[near].sum() / (on_curve[near].sum() + 1.0)),
+            nearest=float(shown[0]) if len(shown) else float(self.x[0]),
+            farthest=float(shown[-1]) if len(shown) else float(self.x[0]),
+        )
+
+    def _least_squares(self, guess: Floats, y: Floats, weight: Floats) -> tuple[Floats, float]:
+        """Fit a parabola to the rows' ridges, held by weak priors at the guess; return it and the residual, m."""
+        if np.count_nonzero(weight) < 8:
+            return guess, 0.2
+        design = np.stack([np.ones_like(self.d), self.d, 0.5 * self.d * self.d], axis=1)
+        root = np.concatenate([np.sqrt(weight), [0.8, 5.0, 60.0]])
+        system = np.vstack([design, np.eye(3)]) * root[:, None]
+        curve = np.linalg.lstsq(system, np.concatenate([y, guess]) * root, rcond=None)[0]
+        miss = (y - design @ curve) ** 2
+        return curve, float(np.sqrt((miss * weight).sum() / weight.sum()))
+
+    def _along(self, ridges: Ridges, curve: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return strength and contrast on the parabola, the best of three neighbouring columns, and greenness."""
+        column = self._column(*curve.tolist(), self.d)
+        around = np.clip(column[:, None] + np.arange(-1, 2), 0, self.columns - 1)
+        inside = (column >= 0) & (column < self.columns)
+        pick = (self.rows[:, None], around)
+        return (
+            np.where(inside, ridges.strength[pick].max(axis=1), 0.0).astype(np.float64),
+            np.where(inside, ridges.contrast[pick].max(axis=1), 0.0).astype(np.float64),
+            ridges.green[self.rows, around[:, 1]].astype(np.float64),
+        )
