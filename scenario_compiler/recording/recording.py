@@ -129,9 +129,7 @@ class Recording:
         Floats, Column("entity", "m", "Distance left of the lane's centre in the road's s direction.", trajectory=True)
     ]
     throttle: Annotated[Floats, Column("entity", "1", "Throttle, 0 to 1.")]
-    steer: Annotated[
-        Floats, Column("entity", "1", "Steering, -1 to 1 of the greatest wheel angle, positive to the left.")
-    ]
+    steer: Annotated[Floats, Column("entity", "rad", "Angle of the front wheels, positive to the left.")]
     brake: Annotated[Floats, Column("entity", "1", "Brake, 0 to 1.")]
 
     takeover_state: Annotated[Integers, Column("run", "", "State of the takeover.", kind="state", nothing=0)]

@@ -1,0 +1,307 @@
+"""Measures of a run: each one a function over arrays, with its definition, unit and source in `MEASURES`.
+
+A measure takes `Traces` with any leading axes for runs and returns one number a run, NaN where it is not defined. The
+definition that a number was made by goes into every file that holds the number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenario_compiler.engine.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
+from scenario_compiler.recording.boxes import along_path, box_distance, path_curvature
+from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.recording import Booleans, Floats
+from scenario_compiler.recording.traces import Traces
+
+SETTLING = 10.0
+"""Length of the window after the response that lane keeping is measured in, s."""
+
+JUMP = 1.0
+"""Change of the lane offset from one row to the next that means another lane, m."""
+
+BRAKING = 0.1
+"""Brake position that counts as an input."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A measure.
+
+    Attributes:
+        name: Key in outcome.json.
+        unit: SI unit.
+        definition: How it is computed.
+        undefined: When it has no value.
+        compute: The function, from Traces (...) to an array (...).
+        source: Where the definition comes from; empty for our own.
+    """
+
+    name: str
+    unit: str
+    definition: str
+    undefined: str
+    compute: Callable[[Traces], Floats]
+    source: str = ""
+
+
+def takeover_time(traces: Traces) -> Floats:
+    """Time from the request to the driver's response."""
+    return _after_request(traces, traces.times["response"])
+
+
+def first_brake_time(traces: Traces) -> Floats:
+    """Time from the request to the driver's first braking."""
+    braking = traces.between(traces.times["response"]) & (traces.brake[..., 0] > BRAKING)
+    return _after_request(traces, np.fmin.reduce(np.where(braking, traces.t, np.nan), axis=-1, initial=np.nan))
+
+
+def _after_request(traces: Traces, time: Floats) -> Floats:
+    waited = time - traces.times["request"]
+    return np.where(waited >= 0, waited, np.nan)
+
+
+def limit_distance(traces: Traces) -> Floats:
+    """Distance at the request to the place that the request is about."""
+    cause, blocked, ends = (
+        _at_request(traces, column)
+        for column in (traces.cause.astype(np.float64), traces.blocked_distance, traces.lane_end_distance)
+    )
+    return np.where(cause == CAUSE_PATH_BLOCKED, blocked, np.where(cause == CAUSE_LANE_ENDS, ends, np.nan))
+
+
+def time_budget(traces: Traces) -> Floats:
+    """Time at the request until the limit is reached at unchanged speed."""
+    speed = _at_request(traces, traces.v[..., 0])
+    return np.where(speed > 0, limit_distance(traces) / np.where(speed > 0, speed, 1.0), np.nan)
+
+
+def _at_request(traces: Traces, values: Floats) -> Floats:
+    """Return a run's column (..., n) in the first row from the request on that has a cause, NaN without one."""
+    there = traces.between(traces.times["request"]) & (traces.cause != CAUSE_NONE)
+    row = np.argmax(there, axis=-1)[..., None]
+    return np.where(there.any(axis=-1), np.take_along_axis(values, row, axis=-1)[..., 0], np.nan)
+
+
+def takeover_buffer(traces: Traces) -> Floats:
+    """What is left of the time budget when the driver responds."""
+    return time_budget(traces) - takeover_time(traces)
+
+
+def time_to_collision(traces: Traces) -> Floats:
+    """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is ahead or closing in."""
+    along, across, speed = along_path(traces)
+    half = 0.5 * traces.width[0]
+    front = traces.center[0] + 0.5 * traces.length[0]
+    gap = along[..., 1:, :].min(axis=-1) - front
+    low, high = across[..., 1:, :].min(axis=-1), across[..., 1:, :].max(axis=-1)
+    closing = traces.v[..., :1] - speed[..., 1:]
+    counts = traces.present[..., 1:] & (low < half) & (high > -half) & (gap >= 0) & (closing > 0)
+    ttc = np.where(counts, gap / np.where(counts, closing, 1.0), np.nan)
+    touching = (box_distance(traces) == 0).any(axis=-1)
+    return np.where(touching, 0.0, np.fmin.reduce(ttc, axis=-1, initial=np.nan))
+
+
+def minimum_time_to_collision(traces: Traces) -> Floats:
+    """Least time to collision of the run."""
+    return np.asarray(np.fmin.reduce(time_to_collision(traces), axis=-1, initial=np.nan))
+
+
+def minimum_distance(traces: Traces) -> Floats:
+    """Least distance to another entity."""
+    return np.asarray(np.fmin.reduce(box_distance(traces), axis=(-1, -2), initial=np.nan))
+
+
+def maximum_longitudinal_acceleration(traces: Traces) -> Floats:
+    """Greatest acceleration or deceleration after the request."""
+    return _greatest(np.abs(traces.a[..., 0]), _after(traces))
+
+
+def maximum_lateral_acceleration(traces: Traces) -> Floats:
+    """Greatest lateral acceleration after the request."""
+    lateral = np.abs(traces.v[..., 0] ** 2 * path_curvature(traces))
+    return _greatest(lateral, _after(traces))
+
+
+def _after(traces: Traces) -> Booleans:
+    return traces.between(traces.times["request"]) & traces.until_collision
+
+
+def _greatest(values: Floats, where: Booleans) -> Floats:
+    return np.asarray(np.fmax.reduce(np.where(where, values, np.nan), axis=-1, initial=np.nan))
+
+
+def lane_position_deviation(traces: Traces) -> Floats:
+    """Standard deviation of the lateral position in the first seconds after the response."""
+    response = traces.times["response"]
+    window = traces.between(response, response + SETTLING)
+    off = _left_of_centre(traces)
+    jumps = np.abs(np.diff(off, axis=-1)) > JUMP
+    changes = (jumps & window[..., 1:] & window[..., :-1]).any(axis=-1)
+    lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= response + SETTLING - 1e-6
+    count = window.sum(axis=-1)
+    mean = np.where(window, off, 0.0).sum(axis=-1) / np.maximum(count, 1)
+    square = np.where(window, (off - mean[..., None]) ** 2, 0.0).sum(axis=-1)
+    deviation = np.sqrt(square / np.maximum(count - 1, 1))
+    return np.where(lasts & ~changes & (count > 1), deviation, np.nan)
+
+
+def _left_of_centre(traces: Traces) -> Floats:
+    """Return the ego vehicle's offset to the left in its direction of travel, (..., n)."""
+    same_road = np.diff(traces.road[..., 0], axis=-1) == 0
+    step = np.sign(np.where(same_road, np.diff(traces.s[..., 0], axis=-1), 0.0))
+    none = np.zeros_like(traces.t[..., :1])
+    ahead, behind = np.concatenate([step, none], axis=-1), np.concatenate([none, step], axis=-1)
+    direction = np.where(ahead != 0, ahead, behind)
+    moving = np.where(direction != 0, np.arange(direction.shape[-1]), 0)
+    held = np.take_along_axis(direction, np.maximum.accumulate(moving, axis=-1), axis=-1)
+    return traces.off[..., 0] * np.where(held < 0, -1.0, 1.0)
+
+
+def maximum_lateral_offset(traces: Traces) -> Floats:
+    """Greatest distance from the lane's centre after the request."""
+    on_lane = traces.lane[..., 0] != 0
+    return _greatest(np.abs(traces.off[..., 0]), traces.between(traces.times["request"]) & on_lane)
+
+
+def minimum_confidence(traces: Traces) -> Floats:
+    """Least lane confidence, of the better side."""
+    better = np.fmax(traces.confidence_left, traces.confidence_right)
+    return np.asarray(np.fmin.reduce(better, axis=-1, initial=np.nan))
+
+
+def final_speed(traces: Traces) -> Floats:
+    """Speed in the last row."""
+    row = np.maximum((~np.isnan(traces.t)).sum(axis=-1) - 1, 0)[..., None]
+    return np.asarray(np.take_along_axis(traces.v[..., 0], row, axis=-1)[..., 0])
+
+
+def collision_speed(traces: Traces) -> Floats:
+    """Speed of the ego vehicle in the last row before the first collision."""
+    before = traces.t < traces.times["collision"][..., None] - 1e-6
+    row = np.maximum(before.sum(axis=-1) - 1, 0)[..., None]
+    speed = np.take_along_axis(traces.v[..., 0], row, axis=-1)[..., 0]
+    return np.where(np.isnan(traces.times["collision"]), np.nan, speed)
+
+
+def _time_of(kind: EventKind, what: str) -> Measure:
+    def first_time(traces: Traces) -> Floats:
+        return traces.times[kind]
+
+    return Measure(f"{kind}_time", "s", f"Time of the first {what}.", f"no {what}", first_time)
+
+
+MEASURES: tuple[Measure, ...] = (
+    Measure(
+        "takeover_time",
+        "s",
+        "Time from the request to the driver's response: the first input by which the driver takes over control.",
+        "no request, or no response to it",
+        takeover_time,
+    ),
+    Measure(
+        "first_brake_time",
+        "s",
+        "Time from the request to the first row from the response on in which the brake is pressed by more than "
+        f"{BRAKING:.0%}.",
+        "no response, or no braking after it",
+        first_brake_time,
+    ),
+    Measure(
+        "time_budget",
+        "s",
+        "Distance to the limit at the request over the speed then: the time until the limit is reached at unchanged "
+        "speed.",
+        "no request, or one that is not about a place ahead",
+        time_budget,
+        "lead time, Eriksson and Stanton 2017",
+    ),
+    Measure(
+        "takeover_buffer",
+        "s",
+        "Time budget less takeover time; negative when the driver answered after the limit would have been reached.",
+        "no time budget or no takeover time",
+        takeover_buffer,
+        "arXiv 2507.22262",
+    ),
+    Measure(
+        "limit_distance",
+        "m",
+        "Distance at the request from the front bumper to where the path is blocked or the lane ends, along the lane.",
+        "no request, or one that is not about a place ahead",
+        limit_distance,
+    ),
+    Measure(
+        "minimum_time_to_collision",
+        "s",
+        "Least over the run of gap over closing speed to any entity whose box lies across the path ahead: as wide as "
+        "the vehicle, with the curvature it drives at that moment; 0 while boxes overlap.",
+        "nothing in the path is ever closed in on",
+        minimum_time_to_collision,
+    ),
+    Measure(
+        "minimum_distance",
+        "m",
+        "Least distance in the plane between the vehicle's box and another entity's over the run; 0 when they overlap.",
+        "no other entity",
+        minimum_distance,
+    ),
+    Measure(
+        "maximum_longitudinal_acceleration",
+        "m/s2",
+        "Greatest absolute acceleration along the heading from the request to the end or the first collision.",
+        "no request",
+        maximum_longitudinal_acceleration,
+        "J. Adv. Transp. 2020/6173150, table 2",
+    ),
+    Measure(
+        "maximum_lateral_acceleration",
+        "m/s2",
+        "Greatest absolute product of squared speed and driven curvature at the rear axle from the request to the end "
+        "or the first collision.",
+        "no request",
+        maximum_lateral_acceleration,
+        "J. Adv. Transp. 2020/6173150, table 2",
+    ),
+    Measure(
+        "lane_position_deviation",
+        "m",
+        f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
+        f"no response, a lane change, or a run that ends within {SETTLING:g} s of it",
+        lane_position_deviation,
+        "standard deviation of lateral position (SDLP)",
+    ),
+    Measure(
+        "maximum_lateral_offset",
+        "m",
+        "Greatest absolute distance of the reference point from the centre of the lane it is in, from the request on.",
+        "no request",
+        maximum_lateral_offset,
+    ),
+    Measure(
+        "minimum_confidence",
+        "1",
+        "Least lane confidence of the run, each time of the better side.",
+        "no lane confidence was recorded",
+        minimum_confidence,
+    ),
+    Measure("final_speed", "m/s", "Speed in the last row of the run.", "no row", final_speed),
+    Measure(
+        "collision_speed",
+        "m/s",
+        "Speed in the last row before the first collision.",
+        "no collision",
+        collision_speed,
+    ),
+    _time_of("warning", "warning"),
+    _time_of("request", "request"),
+    _time_of("escalation", "escalation"),
+    _time_of("response", "response"),
+    _time_of("minimum_risk", "minimum-risk manoeuvre"),
+    _time_of("standstill", "standstill"),
+    _time_of("collision", "collision"),
+)
+"""All measures, in the order in which they are shown."""

@@ -1,0 +1,161 @@
+"""The outcome of a run: the judged criteria, the takeover's timeline and the measures, as outcome.json."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
+from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.names import STATE_AFTER, StateName, StopReason
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.traces import Traces, traces_of
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Interval(_Part):
+    """A stretch of time in one state of the takeover."""
+
+    state: StateName = Field(description="The state.")
+    begin: float = Field(description="When it began, s.")
+    end: float = Field(description="When it ended, s.")
+
+
+class MeasureValue(_Part):
+    """A measure of the run."""
+
+    value: float | None = Field(description="The number, null where the measure is not defined.")
+    unit: str = Field(description="SI unit.")
+    definition: str = Field(description="How it is computed.")
+    source: str = Field(default="", description="Where the definition comes from; empty for our own.")
+    undefined: str = Field(default="", description="Why there is no number.")
+
+
+class Outcome(_Part):
+    """What came of a run."""
+
+    format: Literal["scenario-compiler/outcome/1"] = Field(
+        default="scenario-compiler/outcome/1", description="Version of this format."
+    )
+    name: str = Field(description="Name of the scenario.")
+    plan_digest: str = Field(description="Digest of the plan.")
+    seed: int = Field(description="Seed of the run.")
+    variant: int = Field(default=0, description="Index of the variant in a sweep.")
+    result: Literal["pass", "fail", "error"] = Field(
+        description="pass when all criteria hold; error when the run broke off."
+    )
+    resolution: Literal["no_request", "driver", "minimum_risk", "unanswered"] = Field(
+        description="How the first request ended: none was made, the driver answered first, the minimum-risk manoeuvre "
+        "began first, or neither."
+    )
+    cause: str = Field(default="", description="Cause of the first request; empty without one.")
+    collision_with: str | None = Field(default=None, description="Id of the first entity that was hit.")
+    stop_reason: StopReason = Field(description="Why the run ended.")
+    error: int = Field(default=0, description="The engine's fault code; 0 for none.")
+    duration: float = Field(description="Time of the last row, s.")
+    criteria: tuple[CriterionResult, ...] = Field(description="How the run fares by each criterion of the plan.")
+    timeline: tuple[Interval, ...] = Field(description="The takeover's states, one after the other.")
+    measures: dict[str, MeasureValue] = Field(description="The measures by name, each with the definition used.")
+    trajectory_hash: str = Field(description="SHA-256 of the trajectories: equal runs have equal hashes.")
+    versions: dict[str, str] = Field(description="Versions of what the result depends on.")
+
+
+def judge(plan: Plan, recording: Recording) -> Outcome:
+    """Judge a run by its plan's criteria and measure it."""
+    traces = traces_of(plan, recording)
+    criteria = tuple(judge_criterion(criterion, recording, traces) for criterion in plan.criteria)
+    header = recording.header
+    passed = all(one.passed for one in criteria)
+    broken = recording.stop_reason == "error" or recording.error != 0
+    request = next((event for event in recording.events if event.kind == "request"), None)
+    crash = next((event for event in recording.events if event.kind == "collision"), None)
+    return Outcome(
+        name=header.plan_name,
+        plan_digest=header.plan_digest,
+        seed=header.seed,
+        variant=header.variant,
+        result="error" if broken else "pass" if passed else "fail",
+        resolution=_resolution(recording),
+        cause=request.cause if request else "",
+        collision_with=crash.entity if crash else None,
+        stop_reason=recording.stop_reason,
+        error=recording.error,
+        duration=float(recording.t[-1]) if len(recording.t) else 0.0,
+        criteria=criteria,
+        timeline=timeline(recording),
+        measures=measure_run(traces),
+        trajectory_hash=recording.trajectory_hash,
+        versions=dict(sorted(header.versions.items())),
+    )
+
+
+def measure_run(traces: Traces) -> dict[str, MeasureValue]:
+    """Return all measures of one run."""
+    if not len(traces.t):
+        return {}
+    values = {measure.name: float(measure.compute(traces)) for measure in MEASURES}
+    return {
+        m.name: MeasureValue(
+            value=values[m.name] if np.isfinite(values[m.name]) else None,
+            unit=m.unit,
+            definition=m.definition,
+            source=m.source,
+            undefined="" if np.isfinite(values[m.name]) else m.undefined,
+        )
+        for m in MEASURES
+    }
+
+
+def timeline(recording: Recording) -> tuple[Interval, ...]:
+    """Return the takeover's states from the first row to the last, as the events begin them."""
+    if not len(recording.t):
+        return ()
+    begin, end = float(recording.t[0]), float(recording.t[-1])
+    states: list[tuple[float, StateName]] = [(begin, "automated")]
+    for event in recording.events:
+        state = STATE_AFTER.get(event.kind)
+        if state is None or state == states[-1][1]:
+            continue
+        if event.t <= states[-1][0]:
+            states.pop()
+        states.append((min(event.t, end), state))
+    ends = [at for at, _ in states[1:]] + [end]
+    return tuple(Interval(state=state, begin=at, end=until) for (at, state), until in zip(states, ends, strict=True))
+
+
+def _resolution(recording: Recording) -> Literal["no_request", "driver", "minimum_risk", "unanswered"]:
+    kinds = [event.kind for event in recording.events]
+    if "request" not in kinds:
+        return "no_request"
+    for kind in kinds[kinds.index("request") :]:
+        if kind == "response":
+            return "driver"
+        if kind == "minimum_risk":
+            return "minimum_risk"
+    return "unanswered"
+
+
+class OutcomeError(ValueError):
+    """The file is no outcome that can be read."""
+
+
+def write_outcome(outcome: Outcome, path: Path) -> None:
+    """Write outcome.json: keys sorted, undefined numbers as null."""
+    text = json.dumps(outcome.model_dump(mode="json"), indent=2, sort_keys=True, allow_nan=False, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def read_outcome(path: Path) -> Outcome:
+    """Read an outcome back; OutcomeError when the file holds none."""
+    try:
+        return Outcome.model_validate_json(path.read_bytes())
+    except ValidationError as problem:
+        raise OutcomeError(f"{path} is no outcome: {problem}") from problem

@@ -1,0 +1,195 @@
+"""Measures on runs whose answers are known."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from scenario_compiler.recording.boxes import box_distance, path_curvature
+from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
+from tests.recording.made import STEP, Row, approach, plan_of, record
+
+IDS = ("ego", "parked")
+COMPUTE = {measure.name: measure.compute for measure in MEASURES}
+
+
+def traces(recording: Recording) -> Traces:
+    return traces_of(plan_of(*recording.header.entities), recording)
+
+
+def value(name: str, recording: Recording) -> float:
+    return float(COMPUTE[name](traces(recording)))
+
+
+@pytest.fixture(scope="module")
+def answered() -> Recording:
+    events = [(0.5, "warning", "path_blocked"), (1.0, "request", "path_blocked"), (3.0, "response", "")]
+    return record(IDS, 51, approach(), events)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("takeover_time", 2.0),
+        ("first_brake_time", 2.1),
+        ("limit_distance", 49.0),
+        ("time_budget", 4.9),
+        ("takeover_buffer", 2.9),
+        ("minimum_time_to_collision", 1.0),
+        ("minimum_distance", 10.0),
+        ("maximum_longitudinal_acceleration", 0.0),
+        ("maximum_lateral_acceleration", 0.0),
+        ("maximum_lateral_offset", 0.0),
+        ("minimum_confidence", 0.9),
+        ("final_speed", 10.0),
+        ("warning_time", 0.5),
+        ("request_time", 1.0),
+        ("response_time", 3.0),
+        ("escalation_time", math.nan),
+        ("collision_speed", math.nan),
+        ("collision_time", math.nan),
+        ("lane_position_deviation", math.nan),
+    ],
+)
+def test_an_answered_request_before_a_parked_car(answered: Recording, name: str, expected: float) -> None:
+    assert value(name, answered) == pytest.approx(expected, abs=1e-9, nan_ok=True)
+
+
+def test_without_a_request_there_is_no_time_nor_distance() -> None:
+    run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
+    undefined = {name for name, compute in COMPUTE.items() if math.isnan(float(compute(traces(run))))}
+    assert undefined == set(COMPUTE) - {"final_speed"}
+
+
+def test_a_collision_has_a_time_and_the_speed_before_it() -> None:
+    run = record(IDS, 71, approach(), [(6.0, "collision", "parked")])
+    assert value("collision_time", run) == 6.0
+    assert value("collision_speed", run) == 10.0
+    assert value("minimum_distance", run) == 0.0
+    assert value("minimum_time_to_collision", run) == 0.0
+
+
+def test_a_car_beside_the_path_gives_no_time_to_collision_but_a_distance() -> None:
+    def row(t: float) -> Row:
+        return {"x": (10 * t, 64.0), "y": (0.0, 3.5), "h": (0.0, 0.0), "v": (10.0, 0.0)}
+
+    run = record(IDS, 80, row)
+    assert math.isnan(value("minimum_time_to_collision", run))
+    assert value("minimum_distance", run) == pytest.approx(1.5)
+
+
+def test_time_to_collision_follows_the_curve_that_is_driven() -> None:
+    radius, speed = 50.0, 10.0
+
+    def on_circle(angle: float) -> tuple[float, float]:
+        return radius * math.sin(angle), radius * (1 - math.cos(angle))
+
+    def row(t: float) -> Row:
+        (x, y), (ox, oy) = on_circle(speed * t / radius), on_circle(1.2)
+        return {"x": (x, ox), "y": (y, oy), "h": (speed * t / radius, 1.2), "v": (speed, 4.0)}
+
+    run = record(IDS, 5, row)
+    rows = traces(run)
+    assert path_curvature(rows) == pytest.approx(1 / radius)
+    ahead = 1.2 * radius - 0.4 * speed
+    assert value("minimum_time_to_collision", run) == pytest.approx((ahead - 4.0) / 6.0, abs=0.02)
+
+
+def test_lateral_acceleration_is_speed_squared_over_radius() -> None:
+    run = record(("ego",), 20, lambda t: {"h": (6.2 + 0.2 * t,), "v": (10.0,), "x": (t,)}, [(0.5, "request", "")])
+    assert value("maximum_lateral_acceleration", run) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_deviation_of_the_lateral_position(direction: float) -> None:
+    def row(t: float) -> Row:
+        k = round(t / STEP)
+        return {
+            "x": (t,),
+            "v": (10.0,),
+            "s": (500 + direction * 10 * t,),
+            "off": (0.2 if k % 2 else -0.2,),
+            "road": (0,),
+        }
+
+    run = record(("ego",), 130, row, [(1.0, "response", "")])
+    n = 101
+    expected = float(np.std([0.2 if k % 2 else -0.2 for k in range(10, 10 + n)], ddof=1))
+    assert value("lane_position_deviation", run) == pytest.approx(expected)
+
+
+def test_deviation_is_not_measured_over_a_lane_change_nor_over_less_than_its_window() -> None:
+    def row(t: float) -> Row:
+        return {"x": (t,), "v": (10.0,), "s": (10 * t,), "off": (1.7 if 4 < t < 5 else 0.0,), "road": (0,)}
+
+    assert math.isnan(value("lane_position_deviation", record(("ego",), 130, row, [(1.0, "response", "")])))
+    assert math.isnan(value("lane_position_deviation", record(("ego",), 60, row, [(1.0, "response", "")])))
+
+
+def test_a_road_that_runs_the_other_way_turns_no_offset_into_a_lane_change() -> None:
+    def row(t: float) -> Row:
+        first = t < 4
+        return {
+            "x": (t,),
+            "v": (10.0,),
+            "s": (10 * t if first else 200 - 10 * t,),
+            "off": (0.8 if first else -0.8,),
+            "road": (0 if first else 1,),
+        }
+
+    run = record(("ego",), 130, row, [(1.0, "response", "")])
+    assert value("lane_position_deviation", run) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "h", "distance"),
+    [
+        (10.0, 0.0, 0.0, 6.0),
+        (0.0, 5.0, 0.0, 3.0),
+        (7.0, 6.0, 0.0, 5.0),
+        (2.0, 0.5, 1.0, 0.0),
+        (2.0, 3.0, math.pi / 2, 1.0),
+    ],
+)
+def test_distance_between_boxes(x: float, y: float, h: float, distance: float) -> None:
+    run = record(IDS, 1, lambda _: {"x": (0.0, x), "y": (0.0, y), "h": (0.0, h)})
+    assert box_distance(traces(run))[0, 0] == pytest.approx(distance)
+
+
+def test_measures_of_many_runs_at_once_equal_those_of_each() -> None:
+    events = [(1.0, "request", "path_blocked"), (3.0, "response", "")]
+    runs = [record(IDS, 51, approach(), events), record(IDS, 71, approach(12.0), [(5.0, "collision", "parked")])]  # type: ignore[arg-type]
+    single = [traces(run) for run in runs]
+    many = _stacked(single)
+    for measure in MEASURES:
+        together = measure.compute(many)
+        assert together.shape == (2,), measure.name
+        alone = [float(measure.compute(one)) for one in single]
+        assert together == pytest.approx(np.array(alone), nan_ok=True), measure.name
+
+
+def _stacked(parts: list[Traces]) -> Traces:
+    rows = max(len(part.t) for part in parts)
+    columns = {}
+    for field in dataclasses.fields(Traces):
+        if field.name in ("length", "width", "center", "times"):
+            continue
+        arrays = [getattr(part, field.name) for part in parts]
+        padded = []
+        for array in arrays:
+            more = np.full((rows - len(array), *array.shape[1:]), np.nan if array.dtype == float else 0, array.dtype)
+            padded.append(np.concatenate([array, more]))
+        columns[field.name] = np.stack(padded)
+    times = {kind: np.stack([part.times[kind] for part in parts]) for kind in TIMED_EVENTS}
+    return dataclasses.replace(parts[0], **columns, times=times)
+
+
+def test_every_measure_says_how_it_is_made_and_when_it_is_not_defined() -> None:
+    names = [measure.name for measure in MEASURES]
+    assert len(set(names)) == len(names)
+    assert all(m.definition.endswith(".") and m.undefined and m.unit for m in MEASURES)
