@@ -153,7 +153,7 @@ def judged(found: Iterable[Diagnostic], options: argparse.Namespace) -> list[Dia
         if diagnostic.code.id in options.allow and diagnostic.severity is not Severity.ERROR:
             continue
         lifted = diagnostic.severity is Severity.WARNING and (
-            "all" in options.error or getattr(options, "strict", False) and options.command is validate_command
+            "all" in options.error or (options.command is validate_command and options.strict)
         )
         if lifted or diagnostic.code.id in options.error:
             diagnostic = replace(diagnostic, severity=Severity.ERROR)
@@ -232,7 +232,9 @@ def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Netw
     from scenario_compiler.plan.store import read_plan
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
-        raise WrongUse("a plan is compiled already: give --set, --perception, --controller, --dt and --duration to compile")
+        raise WrongUse(
+            "a plan is compiled already: give --set, --perception, --controller, --dt and --duration to compile"
+        )
     plan = read_plan(options.target, sink)
     network = None if plan is None else open_plan_map(plan, sink, options.maps)
     return None if plan is None or network is None else (plan, network)

@@ -111,7 +111,13 @@ def compile_expanded(
     network = open_map(scenario.map, document.folder, scenario.place_of("map"), sink, maps)
     if network is None:
         return None
-    plan = lower(scenario, network, sink, values=parameter_values(scenario.parameters), perception=overrides.perception or "camera")
+    plan = lower(
+        scenario,
+        network,
+        sink,
+        values=parameter_values(scenario.parameters),
+        perception=overrides.perception or "camera",
+    )
     if plan is None:
         return None
     check_controller(plan, sink)
@@ -145,7 +151,7 @@ def open_plan_map(plan: Plan, sink: Diagnostics, maps: Sequence[Path] = ()) -> N
 
 
 CHANGED_MAP = Code(
-    "SC205",
+    "SC231",
     "changed-map",
     "The map has changed since the plan was compiled, so the plan's positions may no longer lie where they did. Compile "
     "the scenario again.",

@@ -8,6 +8,7 @@ kept in the odometry's frame and followed to its end, and then on at its last cu
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
@@ -71,9 +72,7 @@ class LaneDetectionController(ControllerModel):
             seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
             path = _blend(path, seen, max(lanes.left.p_geom, lanes.right.p_geom))
             self._path = _to_world(path, vehicle)
-        reach = min(
-            max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max
-        )
+        reach = min(max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max)
         x, y = _target(path, reach)
         angle = math.atan2(2.0 * vehicle.wheelbase * y, x * x + y * y)
         missing = self.params.speed_gain * (vehicle.desired_speed - speed)
@@ -122,12 +121,10 @@ class LaneDetectionController(ControllerModel):
         return draw_lanes(image, self._lanes, self._camera)
 
     def _detect(self, sensor_data: SensorData) -> LaneResult:
-        from scenario_compiler.perception.camera import Camera
         from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 
         if self._detector is None:
-            c = sensor_data.camera
-            self._camera = Camera(c.width, c.height, c.fov, c.x, c.z, c.pitch)
+            self._camera = sensor_data.camera.camera()
             self._detector = ClassicalLaneDetector(self._camera)
             self._prior = LaneState()
         self._lanes = self._detector.detect(sensor_data.image, self._prior)
@@ -182,7 +179,7 @@ def _blend(old: list[Point], seen: list[Point], trust: float) -> list[Point]:
 
 
 def _y_at(path: list[Point], x: float) -> float | None:
-    for (x0, y0), (x1, y1) in zip(path, path[1:], strict=False):
+    for (x0, y0), (x1, y1) in pairwise(path):
         if x0 <= x <= x1 and x1 > x0:
             return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
     return None
@@ -190,7 +187,7 @@ def _y_at(path: list[Point], x: float) -> float | None:
 
 def _target(path: list[Point], reach: float) -> Point:
     """Return the point of a path at a distance from the rear axle; beyond its end it goes on at its last curvature."""
-    for (x0, y0), (x1, y1) in zip(path, path[1:], strict=False):
+    for (x0, y0), (x1, y1) in pairwise(path):
         if x1 > 0.0 and math.hypot(x1, y1) >= reach:
             near = math.hypot(x0, y0)
             share = 1.0 if near >= reach else (reach - near) / (math.hypot(x1, y1) - near)
@@ -210,5 +207,5 @@ def _end_curvature(path: list[Point]) -> float:
     """Return the mean curvature of a path, 1/m."""
     first = math.atan2(path[1][1] - path[0][1], path[1][0] - path[0][0])
     last = math.atan2(path[-1][1] - path[-2][1], path[-1][0] - path[-2][0])
-    length = sum(math.dist(a, b) for a, b in zip(path, path[1:], strict=False))
+    length = sum(math.dist(a, b) for a, b in pairwise(path))
     return math.remainder(last - first, 2 * math.pi) / length if length > 0.0 else 0.0

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from scenario_compiler.perception.camera import Camera
     from scenario_compiler.perception.lane_detector import LaneResult
 
 
@@ -34,6 +35,12 @@ class CameraMounting:
     x: float
     z: float
     pitch: float
+
+    def camera(self) -> Camera:
+        """Return it as perception's camera."""
+        from scenario_compiler.perception.camera import Camera
+
+        return Camera(self.width, self.height, self.fov, self.x, self.z, self.pitch)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,8 @@ from scenario_compiler.frames import heading_from_carla, point_from_carla, refer
 from scenario_compiler.plan.model import StartPose
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.roads import LanePosition as FoundLane
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_direction, lane_type
 from scenario_compiler.roads.spawn_points import read_spawn_points
 from scenario_compiler.vocabulary.positions import (
     BoundPosition,
@@ -25,42 +27,42 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.word import Number, Word
 
 UNKNOWN_ROAD = Code(
-    "SC301",
+    "SC371",
     "unknown-road",
     "A position names a road that the map does not have. Road ids are those of the OpenDRIVE file; `scenario-compiler "
-    "map plot FILE` draws them on the map.",
+    "map plot FILE` draws them.",
 )
 UNKNOWN_LANE = Code(
-    "SC302",
+    "SC372",
     "unknown-lane",
     "A position names a lane that the road does not have at this s. Lanes are numbered from the reference line: -1, -2, "
     "... to the right, 1, 2, ... to the left, and a road may have different lanes in different sections.",
 )
 BEYOND_ROAD = Code(
-    "SC303",
+    "SC373",
     "beyond-road",
     "A position lies before the begin or behind the end of its road. s is measured along the road's reference line from "
     "0 to the road's length.",
 )
 OFF_ROAD = Code(
-    "SC304",
+    "SC374",
     "off-road",
     "A position in the world lies on no lane of the map, so nothing can drive there. Check the frame: CARLA's y axis "
     'points the other way than OpenDRIVE\'s (`frame="carla"`), and maps of different releases differ.',
 )
 LANE_ENDS_EARLY = Code(
-    "SC305",
+    "SC375",
     "lane-ends-early",
     "A position ahead of an entity lies beyond the end of the lane that the entity drives on. Shorten the distance, or "
     "start the entity on a road that goes on.",
 )
 UNKNOWN_SPAWN_POINT = Code(
-    "SC306",
+    "SC376",
     "unknown-spawn-point",
     "A position names a spawn point that the map's map.toml does not list.",
 )
 NO_VALUE = Code(
-    "SC307",
+    "SC377",
     "no-value",
     "An expression has no value for the parameters' values: a division by zero, the root of a negative number, or a "
     "result that is not finite.",
@@ -198,25 +200,23 @@ class Binder:
 
     def _preference(self, lane: FoundLane, heading: float) -> tuple[bool, bool, float]:
         """Order lanes that contain a point: drivable first, then by direction, then by distance to the centre."""
-        drivable = self.network.is_drivable(lane.road, lane.lane, lane.s)
+        drivable = drivable_at(self.network, lane.road, lane.lane, lane.s)
         turned = abs(wrap(heading - self.travel_heading(lane)))
         return (not drivable, turned > math.pi / 4, abs(lane.offset))
 
     def _facing(self, lane: FoundLane, heading: float, position: Position) -> LanePosition:
         turn = wrap(heading - self.travel_heading(lane))
-        return LanePosition(
-            road=lane.road, lane=lane.lane, s=lane.s, offset=lane.offset, turn=turn
-        ).written_at(position.origin)
+        return LanePosition(road=lane.road, lane=lane.lane, s=lane.s, offset=lane.offset, turn=turn).written_at(
+            position.origin
+        )
 
     def travel_heading(self, lane: FoundLane) -> float:
         """Return the heading of a lane's direction of travel at a position, rad."""
         pose = self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset)
-        direction = self.network.direction(lane.road, lane.lane)
+        direction = travel_direction(self.network, lane.road, lane.lane)
         return pose.heading if direction > 0 else pose.heading + math.pi
 
-    def resolve(
-        self, position: BoundPosition, starts: Mapping[str, FoundLane]
-    ) -> tuple[FoundLane, StartPose] | None:
+    def resolve(self, position: BoundPosition, starts: Mapping[str, FoundLane]) -> tuple[FoundLane, StartPose] | None:
         """Return where a bound position lies at the parameters' values; `starts` are the entities' lanes so far."""
         if isinstance(position, LanePosition):
             lane = FoundLane(
@@ -258,8 +258,18 @@ class Binder:
                 position.place_of("distance"),
             )
             return None
-        offset = self.value(position.offset, position) * self.network.direction(ahead.road, ahead.lane)
+        offset = self.value(position.offset, position) * travel_direction(self.network, ahead.road, ahead.lane)
         return FoundLane(ahead.road, ahead.lane, ahead.s, offset)
+
+
+def travel_direction(network: Network, road: str, lane: int) -> int:
+    """Return 1 where a lane's traffic goes along s, -1 where it goes against it."""
+    return lane_direction(network.tables, network.road_index(road), lane)
+
+
+def drivable_at(network: Network, road: str, lane: int, s: float) -> bool:
+    """Return whether a lane is for driving at s."""
+    return bool(is_drivable(lane_type(network.tables, network.road_index(road), lane, s)))
 
 
 def wrap(angle: float) -> float:
@@ -270,4 +280,3 @@ def wrap(angle: float) -> float:
 
 def _start_pose(pose: Pose, heading: float) -> StartPose:
     return StartPose(x=pose.x, y=pose.y, z=pose.z, heading=heading % (2 * math.pi))
-

@@ -33,7 +33,5 @@ def complete_takeover(written: Takeover) -> Takeover:
 
 
 def _complete(cause: Cause) -> Cause:
-    missing = {
-        name: value for name, value in CAUSE_DEFAULTS[cause.kind].items() if getattr(cause, name) is None
-    }
+    missing = {name: value for name, value in CAUSE_DEFAULTS[cause.kind].items() if getattr(cause, name) is None}
     return cause.model_copy(update=missing)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.binding import Binder
 from scenario_compiler.plan.checks import CHECKS
@@ -32,28 +32,17 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
-from scenario_compiler.vocabulary.traversal import parameters_in, references, replaced, walk
+from scenario_compiler.vocabulary.traversal import parameters_in, replaced
 from scenario_compiler.vocabulary.word import Word
 
-UNKNOWN_ENTITY = Code(
-    "SC201",
-    "unknown-entity",
-    "A condition, an action or a position names an entity that the scenario does not have. Ids of entities that come "
-    "from a template begin with the id of its <use>.",
-)
-DUPLICATE_ENTITY = Code(
-    "SC202",
-    "duplicate-entity",
-    "Two entities of a scenario have the same id. The ego vehicle's id is `ego` unless it is given another.",
-)
 POSITION_CYCLE = Code(
-    "SC203",
+    "SC230",
     "position-cycle",
     "The starts of entities depend on each other in a circle: each is `ahead_of` the next. One of them needs a position "
     "of its own.",
 )
 NO_ROUTE = Code(
-    "SC309",
+    "SC379",
     "no-route",
     "No way over the map's lanes leads from the start to the destination: the run would never end there. Check the "
     "direction of travel of both lanes.",
@@ -145,25 +134,6 @@ def lower(
     return plan.model_copy(update={"digest": digest_of(plan)})
 
 
-def check_names(draft: Draft) -> None:
-    """Report ids that are used twice."""
-    seen: set[str] = set()
-    for entity in (draft.scenario.ego, *draft.scenario.actors):
-        if entity.id in seen:
-            draft.sink.add(DUPLICATE_ENTITY, f"there are two entities '{entity.id}'", entity.place_of("id"))
-        seen.add(entity.id)
-
-
-def check_references(draft: Draft) -> None:
-    """Report every name of an entity that no entity has."""
-    known = [entity.id for entity in (draft.scenario.ego, *draft.scenario.actors)]
-    for word in walk(draft.scenario):
-        for attribute, name in references(word, "entity"):
-            if name not in known:
-                hint = did_you_mean(name, known)
-                draft.sink.add(UNKNOWN_ENTITY, f"there is no entity '{name}'", word.place_of(attribute), hint=hint)
-
-
 def bind_entities(draft: Draft) -> None:
     """Bind every entity's start to a lane, in document order: an entity may stand relative to an earlier one."""
     vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
@@ -220,9 +190,7 @@ def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition, vehicle: V
             follow=entity.follow,
         )
     desired = entity.speed if entity.desired_speed is None else entity.desired_speed
-    return Entity(
-        id=entity.id, kind="ego", vehicle=vehicle, start=start, speed=entity.speed, desired_speed=desired
-    )
+    return Entity(id=entity.id, kind="ego", vehicle=vehicle, start=start, speed=entity.speed, desired_speed=desired)
 
 
 def plan_route(draft: Draft) -> None:
@@ -244,9 +212,7 @@ def plan_route(draft: Draft) -> None:
         message = f"no route leads from road '{start.road}', lane {start.lane} to road '{goal.road}', lane {goal.lane}"
         draft.sink.add(NO_ROUTE, message, written.origin)
         return
-    draft.route = tuple(
-        RouteLeg(road=leg.road, lane=leg.lane, s_from=leg.s_from, s_to=leg.s_to) for leg in route.legs
-    )
+    draft.route = tuple(RouteLeg(road=leg.road, lane=leg.lane, s_from=leg.s_from, s_to=leg.s_to) for leg in route.legs)
 
 
 def bind_storyboard(draft: Draft) -> None:
@@ -304,8 +270,6 @@ def note_origins(draft: Draft) -> None:
 
 
 PASSES: tuple[Callable[[Draft], None], ...] = (
-    check_names,
-    check_references,
     bind_entities,
     plan_route,
     bind_storyboard,

@@ -22,8 +22,6 @@ from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import Number
 
-FORMAT = "scenario-compiler/plan/1"
-
 
 class PlanPart(BaseModel):
     """A part of a plan."""
@@ -80,16 +78,16 @@ class PlanOrigin(PlanPart):
 class Plan(PlanPart):
     """A scenario that can be executed."""
 
-    format: Literal["scenario-compiler/plan/1"] = Field(default=FORMAT, description="Version of this format.")
+    format: Literal["scenario-compiler/plan/1"] = Field(
+        default="scenario-compiler/plan/1", description="Version of this format."
+    )
     name: str = Field(description="Name of the scenario.")
     summary: str = Field(default="", description="What happens.")
     map: MapReference = Field(description="The map.")
     step: float = Field(description="Length of a time step, s.")
     control_every: int = Field(description="Number of time steps between two control steps.")
     duration: float = Field(description="When the run ends at the latest, s.")
-    parameters: tuple[Parameter, ...] = Field(
-        default=(), description="Parameters that numbers still depend on."
-    )
+    parameters: tuple[Parameter, ...] = Field(default=(), description="Parameters that numbers still depend on.")
     weather: Weather = Field(description="The weather.")
     entities: tuple[Entity, ...] = Field(description="All entities in document order, the ego vehicle first.")
     camera: Camera = Field(description="The ego vehicle's camera.")
@@ -102,9 +100,7 @@ class Plan(PlanPart):
     takeover: Takeover = Field(description="The takeover policy, with every number filled in.")
     criteria: tuple[Criterion, ...] = Field(default=(), description="What the run is judged by.")
     classification: Classification | None = Field(default=None, description="Its place in a taxonomy.")
-    derived: dict[str, StartPose] = Field(
-        default={}, description="Start poses by entity id; outside the digest."
-    )
+    derived: dict[str, StartPose] = Field(default={}, description="Start poses by entity id; outside the digest.")
     origins: dict[str, PlanOrigin] = Field(default={}, description="Provenance by part; outside the digest.")
     digest: str = Field(default="", description="SHA-256 of the canonical form.")
 

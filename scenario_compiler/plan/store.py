@@ -12,7 +12,7 @@ from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 from scenario_compiler.plan.model import Plan
 
 BAD_PLAN = Code(
-    "SC104",
+    "SC130",
     "unreadable-plan",
     "The file is not a plan of this version: it is not JSON, lacks a field or has one that plans do not have. Compile "
     "the scenario again.",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 from scenario_compiler.expressions import Expression
-from scenario_compiler.vocabulary.word import AttributeSpelling, Word, spelling_of
+from scenario_compiler.vocabulary.word import Word
 
 AnyWord = TypeVar("AnyWord", bound=Word)
 
@@ -17,17 +17,6 @@ def walk(word: Word) -> Iterator[Word]:
     for name in type(word).model_fields:
         for inner in _words_in(getattr(word, name)):
             yield from walk(inner)
-
-
-def references(word: Word, target: str) -> Iterator[tuple[str, str]]:
-    """Yield (attribute as in XML, name) for each reference of a word's own attributes to a `target`, such as entity."""
-    for name, field in type(word).model_fields.items():
-        spelling = spelling_of(field)
-        if isinstance(spelling, AttributeSpelling) and spelling.names == target:
-            value = getattr(word, name)
-            for text in value if isinstance(value, tuple) else (value,):
-                if text:
-                    yield spelling.name or name, text
 
 
 def parameters_in(word: Word) -> set[str]:

@@ -1,16 +1,15 @@
 """Worlds that a plan is executed in, and the table of their names.
 
-In: a plan, its map and the engine's snapshots. Out: camera images and, where a world has physics of its own, the ego
-vehicle's motion. Imports controllers' types, perception, the plan, roads and the hall.
+In: a plan, its map and the engine's snapshots. Out: camera images. Imports controllers' types, perception, the plan, roads and the hall.
 """
 
 from __future__ import annotations
 
-from scenario_compiler.worlds.model import EgoMotion, Snapshot, World
+from scenario_compiler.worlds.model import Snapshot, World
 
 WORLDS: dict[str, str] = {
     "kinematic": "scenario_compiler.worlds.kinematic:KinematicWorld",
 }
 """Name of a world to its class; the modules are imported only when a world is opened."""
 
-__all__ = ["WORLDS", "EgoMotion", "Snapshot", "World"]
+__all__ = ["WORLDS", "Snapshot", "World"]

@@ -12,7 +12,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import MarkStretch, Network
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import number_value
-from scenario_compiler.worlds.model import EgoMotion, Snapshot
+from scenario_compiler.worlds.model import Snapshot
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from scenario_compiler.perception.camera import Pose as CameraPose
     from scenario_compiler.perception.road_camera import RoadCamera
     from scenario_compiler.perception.solids import Box
-
-PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_FOV = 960, 480, math.radians(62.0)
-"""Size (pixels) and horizontal field of view of the driver's view."""
 
 PAINTS = ((38, 38, 160), (150, 92, 40), (60, 60, 60), (205, 205, 205), (40, 120, 60), (30, 140, 190))
 """Colours of vehicles (blue, green, red); an entity's is chosen by its id."""
@@ -67,21 +64,17 @@ class KinematicWorld:
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
         """Draw what the driver sees."""
-        from scenario_compiler.perception.camera import Camera
+        from scenario_compiler.perception.overlay import DRIVER
         from scenario_compiler.perception.road_camera import RoadCamera
 
         if self._viewer is None:
-            eye = Camera(PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_FOV, 0.2, 1.35, math.radians(-4.0))
-            self._viewer = RoadCamera(
-                self._road_camera().scene, eye, self._seed, self.plan.ego.vehicle.center
-            )
-        return self._viewer.frame(
-            _pose(snapshot), self._boxes(snapshot), self.plan.weather, 0.0, snapshot.frame
-        )
+            scene = self._road_camera().scene
+            self._viewer = RoadCamera(scene, DRIVER, self._seed, self.plan.ego.vehicle.center)
+        return self._viewer.frame(_pose(snapshot), self._boxes(snapshot), self.plan.weather, 0.0, snapshot.frame)
 
-    def step(self, snapshot: Snapshot, throttle: float, steer: float, brake: float) -> EgoMotion | None:
+    def step(self, snapshot: Snapshot) -> None:
         """Leave the motion to the engine."""
-        del snapshot, throttle, steer, brake
+        del snapshot
 
     def close(self) -> None:
         """Drop the camera's scene."""
@@ -91,12 +84,9 @@ class KinematicWorld:
         from scenario_compiler.perception.road_camera import RoadCamera
 
         if self._camera is None:
-            c = self._mounting
-            from scenario_compiler.perception.camera import Camera
-
-            camera = Camera(c.width, c.height, c.fov, c.x, c.z, c.pitch)
             painted = self.network.with_mark_quality(mark_stretches(self.plan))
-            self._camera = RoadCamera(painted, camera, self._seed, self.plan.ego.vehicle.center)
+            center = self.plan.ego.vehicle.center
+            self._camera = RoadCamera(painted, self._mounting.camera(), self._seed, center)
         return self._camera
 
     def _boxes(self, snapshot: Snapshot) -> list[Box]:
@@ -107,9 +97,7 @@ class KinematicWorld:
             vehicle = entity.vehicle
             x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
             paint = PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)]
-            boxes.append(
-                Box(x, y, pose.z, pose.heading, vehicle.length, vehicle.width, vehicle.height, paint)
-            )
+            boxes.append(Box(x, y, pose.z, pose.heading, vehicle.length, vehicle.width, vehicle.height, paint))
         return boxes
 
 

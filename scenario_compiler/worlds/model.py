@@ -1,7 +1,6 @@
 """The interface of a world: where the ego vehicle moves and its camera sees.
 
-The engine moves every other entity and tells the world; a world that moves the ego vehicle itself (CARLA's physics)
-returns its pose from `step`, any other leaves it to the engine's bicycle model.
+The engine moves the entities and tells the world where they are.
 """
 
 from __future__ import annotations
@@ -36,14 +35,6 @@ class Snapshot:
     sigma: float
 
 
-@dataclass(frozen=True, slots=True)
-class EgoMotion:
-    """Where a world with physics of its own has moved the ego vehicle: reference point and speed."""
-
-    pose: Pose
-    speed: float
-
-
 class World(Protocol):
     """A world that a plan is executed in."""
 
@@ -62,8 +53,8 @@ class World(Protocol):
         """Return a driver's view for people to look at, (height, width, 3) uint8, BGR."""
         ...
 
-    def step(self, snapshot: Snapshot, throttle: float, steer: float, brake: float) -> EgoMotion | None:
-        """Move on to `snapshot`; return the ego vehicle's motion where this world moves it, else None."""
+    def step(self, snapshot: Snapshot) -> None:
+        """Move every entity on to where the engine has moved it."""
         ...
 
     def close(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from itertools import combinations, pairwise
 
 from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.frames import center_from_reference
@@ -12,7 +12,7 @@ from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
 
 OVERLAP = Code(
-    "SC311",
+    "SC381",
     "entities-overlap",
     "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them.",
 )
@@ -39,7 +39,7 @@ def corners(entity: Entity, pose: StartPose) -> list[tuple[float, float]]:
 def boxes_overlap(one: list[tuple[float, float]], other: list[tuple[float, float]]) -> bool:
     """Return whether two rectangles overlap, by the separating axis theorem."""
     for box in (one, other):
-        for (ax, ay), (bx, by) in zip(box, box[1:], strict=False):
+        for (ax, ay), (bx, by) in pairwise(box):
             nx, ny = by - ay, ax - bx
             first = [nx * x + ny * y for x, y in one]
             second = [nx * x + ny * y for x, y in other]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.plan.binding import drivable_at
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.positions import LanePosition
 
 NOT_DRIVABLE = Code(
-    "SC310",
+    "SC380",
     "start-not-drivable",
     "The ego vehicle starts on a lane that is not for driving, such as a shoulder or a sidewalk. It can, but its "
     "automation will find no lane to follow.",
@@ -22,6 +23,6 @@ def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
     start = plan.ego.start
     if not isinstance(start, LanePosition) or not isinstance(start.s, float):
         return
-    if not network.is_drivable(start.road, start.lane, start.s):
+    if not drivable_at(network, start.road, start.lane, start.s):
         message = f"'{plan.ego.id}' starts on lane {start.lane} of road '{start.road}', which is not for driving"
         sink.add(NOT_DRIVABLE, message, place_of(plan, f"entities/{plan.ego.id}"))

@@ -1,0 +1,203 @@
+"""The one loop: engine and world step by step, with the controller between steps."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import platform
+from collections.abc import Callable
+from importlib.metadata import version
+
+from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
+from scenario_compiler.engine.opcodes import STOP_NONE
+from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.state import make_draws, new_state
+from scenario_compiler.engine.step import reset, step
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.names import CAUSES, EVENT_KINDS, STOP_REASONS
+from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
+from scenario_compiler.roads import Network, Pose
+from scenario_compiler.runtime.messages import messages
+from scenario_compiler.runtime.pictures import PICTURED, picture_of
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.worlds import WORLDS, Snapshot, World
+
+ENTITY_COLUMNS = ("x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "throttle", "steer", "brake")
+RUN_COLUMNS = {
+    "takeover_state": "takeover_state",
+    "cause": "cause",
+    "confidence_left": "conf_left",
+    "confidence_right": "conf_right",
+    "sensor_health": "health",
+    "sigma": "sigma",
+    "blocked_distance": "blocked_distance",
+    "lane_end_distance": "lane_end_distance",
+}
+"""Recorded column to the engine's."""
+
+LANE_COLUMNS = tuple(f"{side}_{name}" for side in ("left", "right") for name in ("y0", "slope", "curvature"))
+
+
+def open_world(name: str, plan: Plan, network: Network) -> World:
+    """Open a world by its name in WORLDS; KeyError when there is none of that name."""
+    module, _, attribute = WORLDS[name].partition(":")
+    world: World = getattr(importlib.import_module(module), attribute)(plan, network)
+    return world
+
+
+def run(
+    plan: Plan,
+    world: World,
+    seed: int = 1,
+    *,
+    variant: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> Recording:
+    """Execute a plan in a world.
+
+    Args:
+        plan: The plan.
+        world: A world opened for the plan; it can be used for several runs.
+        seed: Seed of all that is drawn.
+        variant: Index of the variant, which the draws depend on too.
+        progress: Called with the time, s, after every step.
+    """
+    execution = _Execution(plan, world, seed, variant)
+    while execution.going:
+        execution.advance()
+        if progress is not None:
+            progress(execution.state.clock[0])
+    return execution.finish()
+
+
+CAUSED = frozenset({"warning", "request", "escalation", "minimum_risk"})
+"""Kinds of events that have a cause."""
+
+
+class _Execution:
+    """One run under way."""
+
+    def __init__(self, plan: Plan, world: World, seed: int, variant: int) -> None:
+        self.plan = plan
+        self.world = world
+        self.tables = world.network.tables
+        self.program = build_program(plan, world.network)
+        self.state = new_state(self.program)
+        self.state.draw[:] = make_draws(seed, variant)
+        self.controller: ControllerModel | None = None
+        if plan.perception == "camera":
+            self.controller = create_controller(plan.controller)
+            self.controller.reset(seed)
+        self.control: Control | None = None
+        self.seen: SensorData | None = None
+        self.lanes = {name: [math.nan] for name in LANE_COLUMNS}
+        self.logged = 0
+        self.pictured: set[str] = set()
+        reset(self.tables, self.program, self.state)
+        world.reset(self.snapshot(), seed)
+        self.builder = RecordingBuilder(self._header(seed, variant), world.network.road_ids, self._columns())
+        self.builder.append(self.state.clock[0])
+        self._note_events()
+
+    @property
+    def going(self) -> bool:
+        """Whether the run goes on."""
+        return self.state.stop[0] == STOP_NONE
+
+    def advance(self) -> None:
+        """Let the controller act where a control step is due, then step the engine and the world."""
+        if self.state.frame[0] % self.plan.control_every == 0 and self.controller is not None:
+            self._let_control(self.controller)
+        before = self.state.clock[0]
+        step(self.tables, self.program, self.state)
+        if self.state.clock[0] > before:
+            self.world.step(self.snapshot())
+            self.builder.append(self.state.clock[0])
+        self._note_events()
+
+    def snapshot(self) -> Snapshot:
+        """Return the entities' states now."""
+        st = self.state
+        poses = map(Pose, st.x, st.y, st.z, st.h, st.pitch, st.roll)
+        return Snapshot(st.clock[0], st.frame[0], tuple(poses), tuple(st.v), st.sigma[0])
+
+    def finish(self) -> Recording:
+        """Return the recording."""
+        reason = STOP_REASONS[self.state.stop[0]]
+        self.builder.event(self.state.clock[0], "stop", message=reason)
+        return self.builder.finish(reason, self.state.flag[0])
+
+    def _let_control(self, controller: ControllerModel) -> None:
+        st, ego = self.state, self.plan.ego.vehicle
+        self.seen = self.world.observe(self.snapshot())
+        vehicle = VehicleState(
+            x=st.x[0],
+            y=st.y[0],
+            heading=st.h[0],
+            wheelbase=ego.wheelbase,
+            center=ego.center,
+            max_steer=math.radians(ego.max_steer),
+            desired_speed=st.target_speed[0],
+            period=self.plan.step * self.plan.control_every,
+        )
+        self.control = control = controller.control(self.seen, st.v[0], vehicle)
+        st.auto_throttle[0], st.auto_steer[0], st.auto_brake[0] = control.throttle, control.steer, control.brake
+        st.conf_left[0], st.conf_right[0] = control.confidence_left, control.confidence_right
+        st.health[0] = control.sensor_health
+        st.auto_request[0] = int(controller.initiate_takeover())
+        for column in LANE_COLUMNS:
+            side, _, name = column.partition("_")
+            boundary = getattr(control.lanes, side, None)
+            self.lanes[column][0] = getattr(boundary, name, math.nan)
+
+    def _note_events(self) -> None:
+        """Take down what the engine logged since the last time, and what the driver is told of it."""
+        st = self.state
+        kept = min(st.log_count[0], len(st.log_kind))
+        for at in range(self.logged, kept):
+            kind = EVENT_KINDS[st.log_kind[at]]
+            cause = CAUSES[st.cause[0]] if kind in CAUSED else ""
+            self.builder.event(st.log_time[at], kind, entity=self._entity(kind, st.log_value[at]), cause=cause)
+            for modality, text in messages(self.plan.takeover, kind, cause):
+                self.builder.event(st.log_time[at], "message", cause=modality, message=text)
+            self._picture(kind, cause)
+        self.logged = kept
+
+    def _entity(self, kind: str, value: float) -> str:
+        """Return whom an event concerns: at a collision what was hit, else the ego vehicle."""
+        return self.plan.entities[int(value) if kind == "collision" else 0].id
+
+    def _header(self, seed: int, variant: int) -> Header:
+        return Header(
+            plan_digest=self.plan.digest,
+            plan_name=self.plan.name,
+            seed=seed,
+            variant=variant,
+            parameters=parameter_values(self.plan.parameters),
+            step=self.plan.step,
+            entities=tuple(entity.id for entity in self.plan.entities),
+            perception=self.plan.perception,
+            world=self.world.name,
+            versions={
+                "scenario-compiler": version("scenario-compiler"),
+                "python": platform.python_version(),
+                "numpy": version("numpy"),
+                "opencv": version("opencv-python-headless"),
+            },
+        )
+
+    def _columns(self) -> dict[str, list[float] | list[int]]:
+        """Return the live columns of the engine's state that are recorded."""
+        st = self.state
+        columns: dict[str, list[float] | list[int]] = {name: getattr(st, name) for name in ENTITY_COLUMNS}
+        columns |= {name: getattr(st, column) for name, column in RUN_COLUMNS.items()}
+        return columns | self.lanes
+
+    def _picture(self, kind: str, cause: str) -> None:
+        """Keep the first picture of each kind of event that reports show."""
+        if self.seen is None or kind not in PICTURED or kind in self.pictured:
+            return
+        self.pictured.add(kind)
+        view = self.world.picture(self.snapshot())
+        png = picture_of(self.plan, view, self.seen, self.control, self.state.v[0], kind, cause)
+        self.builder.frame(self.state.clock[0], kind, png)

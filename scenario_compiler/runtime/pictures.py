@@ -1,0 +1,59 @@
+"""The first-person pictures that a recording keeps."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from scenario_compiler.controllers import CameraMounting, Control, SensorData
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.runtime.messages import message_text
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+PICTURED = ("warning", "request", "escalation", "response", "minimum_risk", "standstill", "collision")
+"""Kinds of events whose first occurrence is pictured."""
+
+STATES = {"response": "manual", "collision": "collision"}
+
+
+def picture_of(
+    plan: Plan,
+    view: NDArray[np.uint8],
+    seen: SensorData,
+    control: Control | None,
+    speed: float,
+    kind: str,
+    cause: str,
+) -> bytes:
+    """Return the driver's view with the camera's image, the detected lanes, the path and the messages, as a PNG file.
+
+    Args:
+        plan: The plan of the run.
+        view: The driver's view, BGR.
+        seen: The camera's latest image.
+        control: The controller's latest answer.
+        speed: Speed of the ego vehicle, m/s.
+        kind: Kind of the event.
+        cause: Cause of the request, empty without one.
+    """
+    from scenario_compiler.perception.overlay import Caption, compose, encode_png
+
+    caption = Caption(
+        time=seen.t,
+        speed=speed,
+        state=STATES.get(kind, kind),
+        warnings=[message_text(kind, cause, ("what", "why"))] if kind == "warning" else [],
+        alarms=[message_text(kind, cause, ("what", "why"))] if kind not in ("warning", "response") else [],
+    )
+    path = None if control is None else camera_path(control, seen.camera, plan.ego.vehicle.center)
+    lanes = None if control is None else control.lanes
+    return encode_png(compose(view, seen.image, lanes, path, caption, sensor=seen.camera.camera()))
+
+
+def camera_path(control: Control, camera: CameraMounting, center: float) -> list[tuple[float, float]] | None:
+    """Return the predicted path from the camera's foot point; None when there is none."""
+    ahead = center + camera.x
+    return [(x - ahead, y) for x, y in control.trajectory if math.isfinite(x + y)] or None
