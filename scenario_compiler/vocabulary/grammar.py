@@ -10,7 +10,7 @@ import types
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
@@ -122,7 +122,7 @@ def _attribute_rule(field: str, info: FieldInfo, spelling: AttributeSpelling) ->
     )
 
 
-def _attribute_kind(annotation: Any) -> tuple[AttributeKind, tuple[str, ...]]:
+def _attribute_kind(annotation: object) -> tuple[AttributeKind, tuple[str, ...]]:
     members = _members(annotation)
     if Expression in members:
         return "number", ()
@@ -145,13 +145,13 @@ def _child_rule(field: str, info: FieldInfo, spelling: ChildSpelling) -> ChildRu
     )
 
 
-def _members(annotation: Any) -> list[Any]:
+def _members(annotation: object) -> list[Any]:
     """Return the types that an annotation allows, without None, tuples and Annotated."""
     origin = get_origin(annotation)
     if origin in (Union, types.UnionType):
         return [member for part in get_args(annotation) for member in _members(part)]
     if origin is tuple:
         return _members(get_args(annotation)[0])
-    if hasattr(annotation, "__metadata__"):
+    if origin is Annotated:
         return _members(get_args(annotation)[0])
     return [] if annotation is type(None) else [annotation]

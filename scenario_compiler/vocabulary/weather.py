@@ -80,4 +80,4 @@ def weather_preset(name_or_index: str) -> Weather | None:
     if name_or_index not in WEATHER_PRESETS:
         return None
     numbers = dict(zip(_NUMBERS, WEATHER_PRESETS[name_or_index], strict=True))
-    return Weather(preset=name_or_index, **numbers)
+    return Weather.model_validate({"preset": name_or_index, **numbers})

@@ -13,11 +13,10 @@ from typing import Annotated, Any, TypeAlias
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PrivateAttr
 from pydantic.fields import FieldInfo
+from typing_extensions import Self
 
 from scenario_compiler.diagnostics import FilePlace, Place
 from scenario_compiler.document import Origin
-from typing_extensions import Self
-
 from scenario_compiler.expressions import Expression, Value, parse_expression
 
 

@@ -1,0 +1,108 @@
+"""Front ends and expansion: from an XML document to `Scenario`, with no template, catalog or structural parameter left.
+
+In: a document. Out: scenarios and diagnostics. Imports the vocabulary and the hall; knows no road and no engine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.document import Document
+from scenario_compiler.resources import library_folder
+from scenario_compiler.source import codes, names
+from scenario_compiler.source.aisa import AisaConfig, expand_aisa, read_aisa
+from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
+from scenario_compiler.source.conflict import Library, LibraryElement, read_library
+from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.expansion import around, check_template, expand_scenario
+from scenario_compiler.source.reading import Reading
+from scenario_compiler.vocabulary.scenario import Scenario
+
+
+class ScenarioNameNeededError(Exception):
+    """A file holds several scenarios and none is named; `names` lists them."""
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        """Keep the names, in the file's order."""
+        super().__init__(f"name one of the file's scenarios: {', '.join(names)}")
+        self.names = names
+
+
+Source: TypeAlias = Library | AisaConfig
+"""What a file can be."""
+
+
+def parse(document: Document, sink: Diagnostics) -> Source | None:
+    """Return what a file holds, by its first element; None, reported, when it is no scenario file."""
+    root = str(document.root.tag)
+    if root == LibraryElement.tag():
+        return read_library(document, sink)
+    if root == CatalogElement.tag():
+        return Library(document, catalogs=read_catalog(Reading(document, sink, Environment())))
+    if root == "config":
+        return read_aisa(document, sink)
+    place = document.origin(document.root)
+    if root == "OpenSCENARIO":
+        sink.add(names.OPENSCENARIO, "OpenSCENARIO files are not read yet", place)
+        return None
+    known = [LibraryElement.tag(), CatalogElement.tag(), "config"]
+    sink.add(
+        codes.UNKNOWN_ROOT,
+        f"<{root}> is not the first element of a scenario file",
+        place,
+        hint=did_you_mean(root, known),
+    )
+    return None
+
+
+def expand(
+    source: Source,
+    name: str | None,
+    arguments: Mapping[str, str],
+    sink: Diagnostics,
+    catalogs: Catalogs | None = None,
+) -> Scenario | None:
+    """Return one scenario of a file, with nothing left to expand; None when too much of it is at fault.
+
+    A scenario may be returned although the sink has errors, so that later stages can look for more.
+
+    Args:
+        source: The file.
+        name: Name of the scenario; None for a file's only one.
+        arguments: Values of the scenario's parameters, as text in XML units.
+        sink: Where faults go.
+        catalogs: Vehicles and drivers; the library's when None.
+
+    Raises:
+        ScenarioNameNeededError: The file holds several scenarios and none is named.
+    """
+    known = tuple(source.scenarios)
+    if name is None and len(known) > 1:
+        raise ScenarioNameNeededError(known)
+    chosen = known[0] if name is None and known else name
+    if chosen is None or chosen not in source.scenarios:
+        message = f"there is no scenario '{chosen}'" if chosen else "the file holds no scenario"
+        place = source.document.origin(source.document.root)
+        sink.add(names.UNKNOWN_SCENARIO, message, place, hint=did_you_mean(chosen or "", known))
+        return None
+    folder = library_folder()
+    catalogs = catalogs or load_catalogs(folder / "catalogs", sink)
+    if isinstance(source, AisaConfig):
+        return expand_aisa(source, chosen, arguments, sink, catalogs)
+    return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, folder, catalogs))
+
+
+def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
+    """Report every fault of every template and scenario of a file; return the scenarios at their defaults.
+
+    A template is expanded once on its own: at its defaults, and what depends on a parameter without one is left open.
+    """
+    folder = library_folder()
+    if isinstance(source, Library):
+        surroundings = around(source, folder, load_catalogs(folder / "catalogs", sink))
+        for template in source.own_templates:
+            check_template(source.templates[template], sink, surroundings)
+    scenarios = (expand(source, name, {}, sink) for name in source.scenarios)
+    return [scenario for scenario in scenarios if scenario is not None]

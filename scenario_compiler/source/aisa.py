@@ -1,0 +1,292 @@
+"""The AISA toolkit's file, as it is: a `<config>` of named scenarios, and what the toolkit's code adds to each name.
+
+The toolkit keeps the obstacles of its scenarios in its code, by the scenario's name; they are a table here. It reads
+<object> elements and the numbers of background traffic and never uses them; neither do we, and say so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
+from scenario_compiler.document import Document
+from scenario_compiler.expressions import Expression, Value, format_value, parse_expression
+from scenario_compiler.source import names
+from scenario_compiler.source.catalogs import Catalogs
+from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.events import storyboard_of
+from scenario_compiler.source.expansion import catalog_driver, catalog_vehicles
+from scenario_compiler.source.parameters import COMMAND_LINE, report_unknown_arguments, typed
+from scenario_compiler.source.reading import Reading, read_word
+from scenario_compiler.vocabulary.actions import LaneChangeAction
+from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
+from scenario_compiler.vocabulary.entities import Actor, Dynamic, Ego, Static
+from scenario_compiler.vocabulary.positions import WorldPosition
+from scenario_compiler.vocabulary.scenario import Classification, Parameter, Scenario
+from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.storyboard import Do, When
+from scenario_compiler.vocabulary.takeover import Cause, Driver, Takeover
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, weather_preset
+from scenario_compiler.vocabulary.word import Number, Word, attribute
+
+MODEL = "vehicle.audi.tt"
+"""What the toolkit drives, and what its obstacles are taken to be."""
+
+DESIRED_SPEED = 5.0
+"""Speed that the toolkit's controller aims for, m/s."""
+
+STEP, CONTROL_EVERY = 1.0 / 30.0, 2
+"""The toolkit's time step, s, and the number of steps between two control steps."""
+
+DURATION = 60.0
+"""Length of a run, s; the toolkit runs until its window is closed."""
+
+DRIFT_SPEED, DRIFT_WIDTH = 0.3, 3.5
+"""Speed of the moving obstacle, m/s (0.01 m a frame at 30 frames a second), and the width of a lane of Town05, m."""
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What the toolkit's code, and the paper on it, say of a scenario's name.
+
+    Attributes:
+        obstacles: CARLA x, y in m and yaw in degrees of each car.
+        gold: Number, urgency and response in Gold et al. 2018, as the paper's table 1 quotes them.
+        summary: What happens.
+        moving: The obstacle drifts across the road.
+    """
+
+    summary: str
+    gold: tuple[int, str, str] | None = None
+    obstacles: tuple[tuple[float, float, float], ...] = ()
+    moving: bool = False
+
+
+_MARKINGS, _OBSTACLE = (10, "3", "1"), (9, "3", "1-3")
+KNOWN: dict[str, _Known] = {
+    "lanesdefault": _Known("Lane keeping on a town road"),
+    "customvanishing": _Known("Lane markings vanish on a road of their own", _MARKINGS),
+    "customramp": _Known(
+        "The lane beside the entrance ramp is full",
+        (5, "3", "3"),
+        tuple((2370.0 + 1000.0 * i, -256.0, 90.0) for i in range(8)),
+    ),
+    "obstaclestatic": _Known("A car stands across the lane ahead", _OBSTACLE, ((151.4, -38.4, 0.0),)),
+    "obstacledynamic": _Known("A car drifts across the lane ahead", _OBSTACLE, ((155.4, -38.4, 0.0),), moving=True),
+    "narrowingroad": _Known("A parked car narrows the lane ahead", (7, "3", "2"), ((149.4, -38.4, 90.0),)),
+    "vanishinglanes_weather": _Known("Rain hides the lane markings", _MARKINGS),
+    "vanishinglanes_map": _Known("Lane markings are missing on a town road", _MARKINGS),
+    "sensornoise": _Known("Noise in the camera image", (2, "3", "1-2")),
+}
+"""What is known of a scenario by its name."""
+
+
+class Waypoint(Word):
+    """A pose of the ego vehicle in CARLA's frame."""
+
+    word: Literal["waypoint"] = "waypoint"
+
+    name: str = attribute("`start` or `dest`.")
+    x: float = attribute("x, m.", quantity="length")
+    y: float = attribute("y, m, positive to the right of x.", quantity="length")
+    z: float = attribute("z, m; the road's own height is taken.", default=0.0, quantity="length")
+    yaw: Number = attribute("Heading, degrees, clockwise.", default=0.0, quantity="angle")
+    pitch: float = attribute("Pitch, degrees; the road's own is taken.", default=0.0)
+    roll: float = attribute("Roll, degrees; the road's own is taken.", default=0.0)
+
+    def position(self) -> WorldPosition:
+        """Return the pose as a position."""
+        return WorldPosition(frame="carla", x=self.x, y=self.y, yaw=self.yaw).written_at(self.origin)
+
+
+@dataclass(frozen=True)
+class AisaConfig:
+    """A file of the AISA toolkit: its scenario elements by name."""
+
+    document: Document
+    scenarios: Mapping[str, etree._Element]
+
+
+def read_aisa(document: Document, sink: Diagnostics) -> AisaConfig:
+    """Return the scenarios of a `<config>` file; report names that stand twice."""
+    scenarios: dict[str, etree._Element] = {}
+    for element in document.root.iterfind("scenarios/scenario"):
+        name = str(element.get("name", ""))
+        if name in scenarios:
+            place = document.origin(element, "name")
+            sink.add(names.DUPLICATE_NAME, f"a scenario named '{name}' stands in this file already", place)
+        scenarios.setdefault(name, element)
+    return AisaConfig(document, scenarios)
+
+
+_PARAMETERS: tuple[Parameter, ...] = (
+    Parameter(name="town", type="text", summary="Name of the map."),
+    Parameter(name="WeatherId", type="text", default="1", summary="Index or name of the weather preset."),
+    Parameter(
+        name="sensor_noise",
+        type="grey_levels",
+        default="0",
+        min=0.0,
+        max=255.0,
+        summary="Standard deviation of the camera's noise.",
+    ),
+    Parameter(name="npc_vehicles", type="integer", default="0", min=0.0, summary="Not executed."),
+    Parameter(name="npc_pedestrians", type="integer", default="0", min=0.0, summary="Not executed."),
+)
+"""The attributes of a scenario, each of which can be set."""
+
+
+def expand_aisa(
+    config: AisaConfig, name: str, arguments: Mapping[str, str], sink: Diagnostics, catalogs: Catalogs
+) -> Scenario | None:
+    """Return a scenario of the toolkit's file with what the toolkit's code adds to it; None when it cannot be read."""
+    element = config.scenarios[name]
+    reading = Reading(config.document, sink, Environment())
+    origin = reading.origin(element)
+    values = _attributes(element, arguments, reading)
+    waypoints = _waypoints(element, reading)
+    _note_unused(element, values, reading)
+    weather_id = str(values.get("WeatherId", "1"))
+    weather = weather_preset(weather_id)
+    if weather is None:
+        place = _place_of("WeatherId", element, arguments, reading)
+        hint = did_you_mean(weather_id, WEATHER_PRESETS)
+        sink.add(names.UNKNOWN_WEATHER, f"there is no weather '{weather_id}'", place, hint=hint)
+    elif weather.preset == "Default":
+        sink.add(
+            names.MAPS_OWN_WEATHER,
+            f"WeatherId {weather_id} is the preset Default, the map's own weather, which is read as a clear noon",
+            _place_of("WeatherId", element, arguments, reading),
+            hint="WeatherId 10 is HardRainSunset" if name == "vanishinglanes_weather" else "",
+        )
+    if "start" not in waypoints:
+        sink.add(
+            names.NO_START,
+            f"the scenario '{name}' has no waypoint named 'start'",
+            origin,
+            hint='add <waypoint name="start" x=... y=... z=... yaw=... pitch="0" roll="0"/> to its <waypoints>',
+        )
+    if "town" not in values or weather is None or "start" not in waypoints:
+        return None
+    known = KNOWN.get(name, _Known(""))
+    ego = _ego(waypoints).written_at(origin)
+    actors = _obstacles(known, origin)
+    happenings = [(one.id, when) for one in actors if isinstance(one, Dynamic) for when in one.whens]
+    bare = tuple(one.model_copy(update={"whens": ()}) if isinstance(one, Dynamic) else one for one in actors)
+    noise = next(one for one in _PARAMETERS if one.name == "sensor_noise")
+    return Scenario(
+        name=name,
+        summary=known.summary,
+        source="AISA toolkit",
+        map=str(values["town"]),
+        duration=DURATION,
+        step=STEP,
+        control_every=CONTROL_EVERY,
+        weather=weather,
+        parameters=(
+            noise.model_copy(update={"default": format_value(values.get("sensor_noise", 0.0))}).written_at(origin),
+        ),
+        classification=_classification(known),
+        ego=ego,
+        actors=bare,
+        vehicles=catalog_vehicles([ego, *bare], catalogs, sink),
+        storyboard=storyboard_of([ego.id, *(one.id for one in actors)], happenings),
+        takeover=_takeover(catalogs, origin, sink),
+    ).written_at(origin)
+
+
+def _attributes(element: etree._Element, arguments: Mapping[str, str], reading: Reading) -> dict[str, Value]:
+    """Return the values of the scenario's attributes, those given on the command line before the file's."""
+    report_unknown_arguments(arguments, [one.name for one in _PARAMETERS], reading.sink)
+    values: dict[str, Value] = {}
+    for parameter in _PARAMETERS:
+        text = arguments.get(parameter.name, element.get(parameter.name, parameter.default))
+        if text is None:
+            reading.sink.add(
+                names.MISSING_PARAMETER, f"the scenario names no {parameter.name}", reading.origin(element)
+            )
+            continue
+        place = _place_of(parameter.name, element, arguments, reading)
+        value = typed(str(text), parameter, place, reading.sink)
+        if value is not None:
+            values[parameter.name] = value
+    return values
+
+
+def _place_of(name: str, element: etree._Element, arguments: Mapping[str, str], reading: Reading) -> Place:
+    return COMMAND_LINE if name in arguments else reading.origin(element, name)
+
+
+def _waypoints(element: etree._Element, reading: Reading) -> dict[str, Waypoint]:
+    read = (read_word(one, Waypoint, reading) for one in element.iterfind("waypoints/waypoint"))
+    return {one.name: one for one in read if one is not None}
+
+
+def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: Reading) -> None:
+    """Say what the toolkit reads and never uses."""
+    for one in element.iterfind("object"):
+        message = f"the toolkit never places its <object> '{one.get('name', '')}'"
+        reading.sink.add(names.NOT_EXECUTED, message, reading.origin(one))
+    for name in ("npc_vehicles", "npc_pedestrians"):
+        if values.get(name):
+            reading.sink.add(names.NOT_EXECUTED, f"the toolkit never uses {name}", reading.origin(element, name))
+
+
+def _ego(waypoints: Mapping[str, Waypoint]) -> Ego:
+    noise: Expression = parse_expression("$sensor_noise")
+    return Ego(
+        model=MODEL,
+        speed=0.0,
+        desired_speed=DESIRED_SPEED,
+        start=waypoints["start"].position(),
+        destination=waypoints["dest"].position() if "dest" in waypoints else None,
+        camera=Camera(sensor_noise=noise),
+    )
+
+
+def _obstacles(known: _Known, origin: Place) -> list[Actor]:
+    """Return the cars that the toolkit's code puts on the road for a scenario."""
+    actors: list[Actor] = []
+    for number, (x, y, yaw) in enumerate(known.obstacles, start=1):
+        where = WorldPosition(frame="carla", x=x, y=y, yaw=math.radians(yaw)).written_at(origin)
+        name = f"obstacle{number}"
+        if known.moving:
+            actors.append(Dynamic(id=name, model=MODEL, start=where, whens=(_drift(),)).written_at(origin))
+        else:
+            actors.append(Static(id=name, model=MODEL, at=where).written_at(origin))
+    return actors
+
+
+def _drift() -> When:
+    """Return the moving obstacle's way: across the middle of the road to the lane of the ego vehicle, and no farther.
+
+    The toolkit moves the car by -0.01 m in x a frame without end. It stands in the oncoming lane, from where the ego's
+    lane lies to the left.
+    """
+    change = LaneChangeAction(by=1, over_time=DRIFT_WIDTH / DRIFT_SPEED, shape="linear")
+    return When(conditions=(SimulationTimeCondition(after=0.0),), do=Do(actions=(change,)))
+
+
+def _takeover(catalogs: Catalogs, origin: Place, sink: Diagnostics) -> Takeover:
+    driver = Driver().written_at(origin)
+    kinds: tuple[Literal["lane_confidence", "path_blocked", "sensor_health"], ...] = (
+        "lane_confidence",
+        "path_blocked",
+        "sensor_health",
+    )
+    return Takeover(
+        causes=tuple(Cause(kind=kind).written_at(origin) for kind in kinds),
+        driver=catalog_driver(driver, catalogs, sink),
+    ).written_at(origin)
+
+
+def _classification(known: _Known) -> Classification | None:
+    if known.gold is None:
+        return None
+    number, urgency, response = known.gold
+    return Classification(scheme="gold2018", number=number, urgency=urgency, response=response)

@@ -1,0 +1,86 @@
+"""Catalogs: files of vehicles and drivers that scenarios name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics
+from scenario_compiler.document import read_document
+from scenario_compiler.source import names
+from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
+from scenario_compiler.vocabulary.entities import Vehicle
+from scenario_compiler.vocabulary.takeover import DriverModel
+from scenario_compiler.vocabulary.word import Word, attribute, child
+
+
+class CatalogElement(Word):
+    """A file of vehicles and drivers."""
+
+    word: Literal["catalog"] = "catalog"
+
+    version: Literal["1"] = attribute("Version of the language.")
+    summary: str = attribute("What the catalog holds.", default="")
+    entries: tuple[Vehicle | DriverModel, ...] = child("Its vehicles and drivers.", default=())
+
+
+@dataclass(frozen=True)
+class Catalogs:
+    """Vehicles and drivers by name."""
+
+    vehicles: Mapping[str, Vehicle] = field(default_factory=dict)
+    drivers: Mapping[str, DriverModel] = field(default_factory=dict)
+
+    def extended(self, other: Catalogs) -> Catalogs:
+        """Return these with the other's entries added; the other's win where both have a name."""
+        return Catalogs({**self.vehicles, **other.vehicles}, {**self.drivers, **other.drivers})
+
+
+def read_catalog(reading: Reading) -> Catalogs:
+    """Return what a `<catalog>` file holds; report entries that have a name twice."""
+    root = reading.document.root
+    read_attributes(root, CatalogElement, reading)
+    vehicles: dict[str, Vehicle] = {}
+    drivers: dict[str, DriverModel] = {}
+    elements = [
+        (rule.words[str(element.tag)], element)
+        for rule, elements in place_children(root, CatalogElement, reading)
+        for element in elements
+    ]
+    for word, element in elements:
+        entry = read_word(element, word, reading)
+        if not isinstance(entry, Vehicle | DriverModel):
+            continue
+        if entry.name in (vehicles if isinstance(entry, Vehicle) else drivers):
+            reading.sink.add(
+                names.DUPLICATE_NAME,
+                f"the catalog has '{entry.name}' already",
+                entry.place_of("name"),
+            )
+        elif isinstance(entry, Vehicle):
+            vehicles[entry.name] = entry
+        else:
+            drivers[entry.name] = entry
+    return Catalogs(vehicles, drivers)
+
+
+def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:
+    """Return the catalogs of a folder's XML files, read once a process; report what is wrong in them."""
+    catalogs, faults = _load(folder)
+    sink.found.extend(faults)
+    return catalogs
+
+
+@cache
+def _load(folder: Path) -> tuple[Catalogs, tuple[Diagnostic, ...]]:
+    sink = Diagnostics()
+    catalogs = Catalogs()
+    for path in sorted(folder.glob("*.xml")):
+        document = read_document(path, sink)
+        if document is not None:
+            catalogs = catalogs.extended(read_catalog(Reading(document, sink, Environment())))
+    return catalogs, tuple(sink.found)

@@ -1,0 +1,226 @@
+"""The conflict language's own file: the words around the vocabulary's, and reading a file into them.
+
+A file is read shallowly: names, parameters and includes. What a scenario or a template holds is read when it is
+expanded, because an attribute's text has a meaning only once its parameters have values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, Place
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.source import names
+from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
+from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
+from scenario_compiler.vocabulary.conditions import Condition
+from scenario_compiler.vocabulary.criteria import Criterion
+from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static
+from scenario_compiler.vocabulary.markings import Markings
+from scenario_compiler.vocabulary.scenario import Classification, Parameter, Scenario
+from scenario_compiler.vocabulary.storyboard import Do, When
+from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.word import (
+    IDENTIFIER,
+    Word,
+    attribute,
+    child,
+    other_attributes,
+    same_as,
+)
+
+
+class Include(Word):
+    """Bring in the templates of another file, or the vehicles and drivers of a catalog."""
+
+    word: Literal["include"] = "include"
+
+    file: str = attribute("Path of the file, from this file's folder.")
+
+
+class Use(Word):
+    """Put what a template holds in this place. The other attributes are the template's parameters."""
+
+    word: Literal["use"] = "use"
+
+    template: str = attribute("Name of the template.", names="template")
+    id: str = attribute(
+        "Name of this use: prefix of the ids of what it brings. The template's name and a number when left out.",
+        default="",
+        pattern=f"({IDENTIFIER})?",
+    )
+    arguments: dict[str, str] = other_attributes("Values of the template's parameters.")
+
+
+class EntityWhen(Word):
+    """Something an entity does once, as soon as all conditions are true."""
+
+    word: Literal["when"] = "when"
+
+    entity: str = attribute("Id of the entity that does it; the ego vehicle when left out.", default="", names="entity")
+    conditions: tuple[Condition, ...] = same_as(When, "conditions")
+    do: Do = same_as(When, "do")
+
+
+Item = Static | Dynamic | Markings | EntityWhen | Use
+
+
+class TemplateElement(Word):
+    """A part of a scenario with a name and parameters, to be used in many. Ids inside it are its own."""
+
+    word: Literal["template"] = "template"
+
+    name: str = attribute("Name that <use template=...> gives.", pattern=IDENTIFIER)
+    summary: str = attribute("One sentence: what it puts on the road.", default="")
+    source: str = attribute("Where the situation comes from.", default="")
+    parameters: tuple[Parameter, ...] = child("Its parameters.", default=())
+    items: tuple[Item, ...] = child("What it puts on the road, and what happens there.", default=())
+
+
+class ScenarioElement(Word):
+    """A whole conflict: a map, an ego vehicle, what is on the road, the takeover policy and the criteria."""
+
+    word: Literal["scenario"] = "scenario"
+
+    name: str = same_as(Scenario, "name")
+    summary: str = same_as(Scenario, "summary")
+    source: str = same_as(Scenario, "source")
+    map: str = same_as(Scenario, "map")
+    weather: str = attribute(
+        "Name of a CARLA weather preset, or its index in alphabetical order.",
+        default="ClearNoon",
+        names="weather",
+    )
+    duration: float | None = same_as(Scenario, "duration")
+    step: float = same_as(Scenario, "step")
+    control_every: int = same_as(Scenario, "control_every")
+    parameters: tuple[Parameter, ...] = same_as(Scenario, "parameters")
+    classification: Classification | None = same_as(Scenario, "classification")
+    ego: Ego = same_as(Scenario, "ego")
+    items: tuple[Item, ...] = child("What is on the road, and what happens there.", default=())
+    takeover: Takeover = same_as(Scenario, "takeover")
+    criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=(), wrapper="criteria")
+
+
+class LibraryElement(Word):
+    """A file of conflicts and templates."""
+
+    word: Literal["scenarios"] = "scenarios"
+
+    version: Literal["1"] = attribute("Version of the language.")
+    includes: tuple[Include, ...] = child("Other files whose templates or catalogs are used.", default=())
+    templates: tuple[TemplateElement, ...] = child("Templates.", default=())
+    scenarios: tuple[ScenarioElement, ...] = child("Scenarios.", default=())
+
+
+@dataclass(frozen=True)
+class Part:
+    """A scenario or template as its file holds it.
+
+    Attributes:
+        document: The file.
+        element: The element.
+        within: The include that brought the file in.
+    """
+
+    document: Document
+    element: etree._Element
+    within: Place | None = None
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return str(self.element.get("name", ""))
+
+    def reading(self, sink: Diagnostics, environment: Environment, within: Place | None = None) -> Reading:
+        """Return how to read it with these meanings of names."""
+        return Reading(self.document, sink, environment, within or self.within)
+
+
+@dataclass(frozen=True)
+class Library:
+    """A file of the conflict language: scenarios and templates by name, those of its includes too."""
+
+    document: Document
+    scenarios: Mapping[str, Part] = field(default_factory=dict)
+    templates: Mapping[str, Part] = field(default_factory=dict)
+    own_templates: tuple[str, ...] = ()
+    catalogs: Catalogs = field(default_factory=Catalogs)
+
+
+def read_library(document: Document, sink: Diagnostics) -> Library:
+    """Return what a `<scenarios>` file holds, with what it includes."""
+    reading = Reading(document, sink, Environment())
+    read_attributes(document.root, LibraryElement, reading)
+    includes: list[etree._Element] = []
+    parts: dict[str, dict[str, Part]] = {"template": {}, "scenario": {}}
+    for rule, elements in place_children(document.root, LibraryElement, reading):
+        for element in elements:
+            if rule.field == "includes":
+                includes.append(element)
+            else:
+                _add_part(parts[str(element.tag)], Part(document, element), reading)
+    own = tuple(parts["template"])
+    catalogs = Catalogs()
+    seen = {Path(document.path).resolve()}
+    for element in includes:
+        catalogs = _bring_in(element, reading, parts["template"], catalogs, seen)
+    return Library(document, parts["scenario"], parts["template"], own, catalogs)
+
+
+def _add_part(parts: dict[str, Part], part: Part, reading: Reading) -> None:
+    if part.name in parts:
+        reading.sink.add(
+            names.DUPLICATE_NAME,
+            f"a {part.element.tag} named '{part.name}' stands in this file already",
+            reading.origin(part.element, "name" if "name" in part.element.attrib else None),
+        )
+    parts.setdefault(part.name, part)
+
+
+def _bring_in(
+    element: etree._Element,
+    reading: Reading,
+    templates: dict[str, Part],
+    catalogs: Catalogs,
+    seen: set[Path],
+) -> Catalogs:
+    """Add the templates of an included file and of its includes; return the catalogs with its entries."""
+    include = read_word(element, Include, reading)
+    if include is None:
+        return catalogs
+    place = reading.origin(element, "file")
+    path = _find(include.file, reading.document.folder)
+    if path.resolve() in seen:
+        return catalogs
+    seen.add(path.resolve())
+    inner = Diagnostics()
+    document = read_document(path, inner)
+    if document is None:
+        for one in inner:
+            reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}': {one.message}", place, hint=one.hint)
+        return catalogs
+    inside = Reading(document, reading.sink, Environment(), place)
+    if document.root.tag == CatalogElement.tag():
+        return catalogs.extended(read_catalog(inside))
+    if document.root.tag != LibraryElement.tag():
+        reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}' holds neither templates nor a catalog", place)
+        return catalogs
+    for child_element in document.root.iterchildren("template"):
+        templates.setdefault(str(child_element.get("name", "")), Part(document, child_element, place))
+    for child_element in document.root.iterchildren("include"):
+        catalogs = _bring_in(child_element, inside, templates, catalogs, seen)
+    return catalogs
+
+
+def _find(name: str, folder: Path) -> Path:
+    """Return the path of an included file: whole from the folder, else by its bare name there."""
+    whole = folder / name
+    bare = folder / Path(name).name
+    return bare if not whole.is_file() and bare.is_file() else whole

@@ -1,0 +1,94 @@
+"""What names mean while a part of a file is read, and how `$name` and `${expression}` become values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
+
+_PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_.]*)\Z")
+_EXPRESSION = re.compile(r"\$\{([^{}]*)\}\Z")
+
+Binding: TypeAlias = Expression | Value
+
+
+class UnknownNameError(ExpressionError):
+    """An expression uses a name that means nothing here."""
+
+    def __init__(self, name: str, offset: int, known: Mapping[str, Binding]) -> None:
+        """Keep the name, its offset and a hint."""
+        super().__init__(f"there is no parameter '{name}' here", offset)
+        self.name = name
+        self.hint = did_you_mean(name, known) or "declare it with <parameter name=... type=... default=.../>"
+
+
+class UndeterminedError(Exception):
+    """The value depends on a parameter that has none, which is no fault: a template is read without a use."""
+
+
+@dataclass
+class Environment:
+    """The parameters that a part of a file may use.
+
+    Attributes:
+        bindings: What each name stands for: a value, or an expression over the scenario's open parameters.
+        values: Values of the scenario's open parameters, in XML units.
+        undetermined: Names without a value, in a template that is read on its own.
+        structural: Open parameters that something other than a number turned out to depend on; filled while reading.
+    """
+
+    bindings: Mapping[str, Binding] = field(default_factory=dict)
+    values: Mapping[str, Value] = field(default_factory=dict)
+    undetermined: frozenset[str] = frozenset()
+    structural: set[str] = field(default_factory=set)
+
+    def symbolic(self, text: str) -> Expression | None:
+        """Return what `$name` or `${expression}` stands for, over the scenario's open parameters; None for a literal.
+
+        Raises:
+            ExpressionError: The expression is malformed or uses an unknown name; the offset is into `text`.
+            UndeterminedError: It depends on a parameter without a value.
+        """
+        inner, start = _inner(text)
+        if inner is None:
+            return None
+        try:
+            expression = parse_expression(inner)
+        except ExpressionError as error:
+            raise ExpressionError(str(error), error.offset + start) from None
+        for name in expression.names:
+            if name in self.undetermined:
+                raise UndeterminedError(name)
+            if name not in self.bindings:
+                raise UnknownNameError(name, start + _find(name, inner), self.bindings)
+        return expression.substitute(self.bindings)
+
+    def settled(self, expression: Expression) -> Value:
+        """Return the present value of an expression that decides structure, and remember what it depends on."""
+        self.structural.update(expression.names)
+        return expression.evaluate(self.values)
+
+
+def is_expression(text: str) -> bool:
+    """Return whether an attribute's text is a parameter or an expression, not a literal."""
+    return _inner(text)[0] is not None
+
+
+def _inner(text: str) -> tuple[str | None, int]:
+    """Return the expression inside an attribute's text and the offset at which it starts."""
+    stripped = text.strip(" \t\r\n")
+    lead = text.find(stripped)
+    for pattern in (_PARAMETER, _EXPRESSION):
+        match = pattern.match(stripped)
+        if match:
+            return match.group(1), lead + match.start(1)
+    return None, 0
+
+
+def _find(name: str, text: str) -> int:
+    match = re.search(rf"(?<![A-Za-z0-9_.]){re.escape(name)}(?![A-Za-z0-9_.])", text)
+    return match.start() if match else 0

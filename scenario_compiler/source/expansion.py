@@ -1,0 +1,241 @@
+"""A scenario of the conflict language to a `Scenario`: parameters bound, uses replaced, references resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.expressions import Value, format_value, parse_expression
+from scenario_compiler.source import names
+from scenario_compiler.source.catalogs import Catalogs
+from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
+from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.events import storyboard_of
+from scenario_compiler.source.parameters import STRUCTURAL_KINDS, bind_arguments, declared, default_value
+from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
+from scenario_compiler.source.templates import Expander, Scope, template_parameters
+from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.scenario import Parameter, Scenario
+from scenario_compiler.vocabulary.storyboard import When
+from scenario_compiler.vocabulary.takeover import Driver, DriverModel, Takeover
+from scenario_compiler.vocabulary.traversal import parameters_in, walk
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
+from scenario_compiler.vocabulary.word import Word
+
+
+@dataclass(frozen=True)
+class Around:
+    """What surrounds a scenario: the templates of its file, the library's templates, and the catalogs."""
+
+    templates: Mapping[str, Part]
+    library_templates: Path
+    catalogs: Catalogs
+
+
+def around(library: Library, folder: Path, catalogs: Catalogs) -> Around:
+    """Return what surrounds the scenarios of a file; `folder` is the library's."""
+    return Around(library.templates, folder / "templates", catalogs.extended(library.catalogs))
+
+
+def expand_scenario(
+    part: Part, arguments: Mapping[str, str], sink: Diagnostics, surroundings: Around
+) -> Scenario | None:
+    """Return the scenario; None when too much of it is missing or wrong.
+
+    Parameters that fill numbers alone stay open. One that decides anything else turns out to do so while reading; then
+    the scenario is read again with that parameter's value in its place everywhere.
+    """
+    head = part.reading(sink, Environment())
+    read = (read_word(one, Parameter, head) for one in part.element.iterchildren(Parameter.tag()))
+    parameters = declared((one for one in read if one is not None), sink)
+    values = bind_arguments(parameters, arguments, sink)
+    settled = {name for name in values if parameters[name].type in STRUCTURAL_KINDS}
+    while True:
+        attempt = Diagnostics()
+        environment = _environment(parameters, values, settled)
+        scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(parameters, values)
+        if environment.structural <= settled:
+            sink.found.extend(attempt.found)
+            return scenario
+        settled |= environment.structural
+
+
+def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
+    """Report every fault of a template on its own, used once without arguments."""
+    parameters = template_parameters(part, sink)
+    bindings = {name: value for name, one in parameters.items() if (value := default_value(one, sink)) is not None}
+    reading = part.reading(sink, Environment(bindings, {}, frozenset(set(parameters) - set(bindings))))
+    expander = Expander(surroundings.templates, surroundings.library_templates)
+    scope = Scope(part.name, Scope())
+    expander.add_template(part, reading, scope)
+    actors = [actor for actor, _ in expander.contents.actors]
+    catalog_vehicles(actors, surroundings.catalogs, sink)
+
+
+def _environment(parameters: Mapping[str, Parameter], values: Mapping[str, Value], settled: set[str]) -> Environment:
+    bindings = {name: value if name in settled else parse_expression(f"${name}") for name, value in values.items()}
+    missing = frozenset(set(parameters) - set(values))
+    return Environment(bindings, {name: values[name] for name in values if name not in settled}, missing)
+
+
+@dataclass
+class _Attempt:
+    """One reading of a scenario with one environment."""
+
+    part: Part
+    reading: Reading
+    around: Around
+
+    def __post_init__(self) -> None:
+        self.sink = self.reading.sink
+        self.scope = Scope()
+        self.expander = Expander(self.around.templates, self.around.library_templates)
+        self.words: dict[str, Any] = {}
+
+    def scenario(self, parameters: Mapping[str, Parameter], values: Mapping[str, Value]) -> Scenario | None:
+        """Return the scenario, or None when its head or its ego vehicle cannot be read, or it has no known vehicle."""
+        element = self.part.element
+        fields = read_attributes(element, ScenarioElement, self.reading)
+        weather = self._weather((fields or {}).pop("weather", "ClearNoon"))
+        self._read_children(element)
+        takeover = self._takeover()
+        ego = self.words.get("ego")
+        if fields is None or not isinstance(ego, Ego):
+            return None
+        ego = self.scope.resolved(ego, self.sink)
+        actors, happenings = self._contents(ego)
+        vehicles = catalog_vehicles([ego, *actors], self.around.catalogs, self.sink)
+        if not vehicles:
+            return None
+        scenario = Scenario(
+            **fields,
+            weather=weather,
+            classification=self.words.get("classification"),
+            ego=ego.model_copy(update={"whens": ()}),
+            actors=tuple(actors),
+            vehicles=vehicles,
+            markings=tuple(self.expander.contents.markings),
+            storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], happenings),
+            takeover=takeover,
+            criteria=self.words.get("criteria", ()),
+        ).written_at(self.reading.origin(element))
+        in_use = parameters_in(scenario)
+        still_open = tuple(
+            one.model_copy(update={"default": format_value(values[name])})
+            for name, one in parameters.items()
+            if name in in_use
+        )
+        return scenario.model_copy(update={"parameters": still_open})
+
+    def _read_children(self, element: etree._Element) -> None:
+        for rule, elements in place_children(element, ScenarioElement, self.reading):
+            if rule.field == "items":
+                self.expander.add_items(rule, elements, self.reading, self.scope)
+            elif rule.field != "parameters":
+                read = [read_word(one, rule.words[str(one.tag)], self.reading) for one in elements]
+                words = [one for one in read if one is not None]
+                if rule.many:
+                    self.words[rule.field] = tuple(words)
+                elif words:
+                    self.words[rule.field] = words[0]
+            if rule.field == "ego":
+                ego = self.words.get("ego")
+                self.scope.declare(ego.id if ego else "ego")
+
+    def _contents(self, ego: Ego) -> tuple[list[Static | Dynamic], list[tuple[str, When | EntityWhen]]]:
+        """Return the actors and what happens to whom, references in full.
+
+        What depends on an actor that could not be read is left out: that is the one fault, and it is reported.
+        """
+        contents, lost = self.expander.contents, set(self.expander.unread)
+        actors = [scope.resolved(_without_whens(actor), self.sink) for actor, scope in contents.actors]
+        while any(_names(actor) & lost for actor in actors):
+            lost.update(actor.id for actor in actors if _names(actor) & lost)
+            actors = [actor for actor in actors if not _names(actor) & lost]
+        happenings: list[tuple[str, When | EntityWhen]] = [(ego.id, when) for when in ego.whens]
+        for entity, when, scope in contents.happenings:
+            in_full = scope.resolved(when, self.sink)
+            full = (scope.resolve(entity) if entity else ego.id) or entity
+            if full in self.scope.ids and not ({full} | _names(in_full)) & lost:
+                happenings.append((full, in_full))
+        return actors, happenings
+
+    def _weather(self, text: str) -> Weather:
+        weather = weather_preset(text)
+        if weather is None:
+            self.sink.add(
+                names.UNKNOWN_WEATHER,
+                f"there is no weather '{text}'",
+                self.reading.origin(self.part.element, "weather"),
+                hint=did_you_mean(text, WEATHER_PRESETS) or f"presets by index: 0 to {len(WEATHER_PRESETS) - 1}",
+            )
+        return weather or Weather()
+
+    def _takeover(self) -> Takeover:
+        """Return the policy with the driver taken from the catalog."""
+        origin = self.reading.origin(self.part.element)
+        takeover: Takeover = self.words.get("takeover") or Takeover().written_at(origin)
+        driver = takeover.driver
+        return (
+            takeover
+            if isinstance(driver, DriverModel)
+            else takeover.model_copy(update={"driver": catalog_driver(driver, self.around.catalogs, self.sink)})
+        )
+
+
+def catalog_driver(driver: Driver, catalogs: Catalogs, sink: Diagnostics) -> Driver | DriverModel:
+    """Return the catalog's driver with the takeover time that the scenario fixes; report an unknown one."""
+    found = catalogs.drivers.get(driver.preset)
+    if found is None:
+        sink.add(
+            names.UNKNOWN_DRIVER,
+            f"there is no driver '{driver.preset}'",
+            driver.place_of("preset"),
+            hint=did_you_mean(driver.preset, catalogs.drivers),
+        )
+        return driver
+    return found.model_copy(update={"takeover_time": driver.takeover_time}).written_at(driver.origin)
+
+
+def catalog_vehicles(
+    entities: Iterable[Ego | Static | Dynamic], catalogs: Catalogs, sink: Diagnostics
+) -> tuple[Vehicle, ...]:
+    """Return the catalog's vehicles that the entities are, each once.
+
+    An unknown one is reported and replaced by the first vehicle of the catalog, for the stages that go on looking.
+    """
+    found: dict[str, Vehicle] = {}
+    for entity in entities:
+        vehicle = catalogs.vehicles.get(entity.model)
+        if vehicle is None:
+            sink.add(
+                names.UNKNOWN_VEHICLE,
+                f"there is no vehicle '{entity.model}'",
+                entity.place_of("model"),
+                hint=did_you_mean(entity.model, catalogs.vehicles),
+            )
+            vehicle = next(iter(catalogs.vehicles.values()), None)
+        if vehicle is not None:
+            found.setdefault(entity.model, vehicle.model_copy(update={"name": entity.model}))
+    return tuple(found.values())
+
+
+def _without_whens(actor: Static | Dynamic) -> Static | Dynamic:
+    """Return the actor alone: what it does stands in the storyboard."""
+    return actor.model_copy(update={"whens": ()}) if isinstance(actor, Dynamic) else actor
+
+
+def _names(word: Word) -> set[str]:
+    """Return the ids of the entities that a word, and what is below it, names."""
+    return {
+        getattr(inner, rule.field)
+        for inner in walk(word)
+        for rule in grammar_of(type(inner)).attributes.values()
+        if rule.spelling.names == "entity"
+    }

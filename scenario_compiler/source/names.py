@@ -1,0 +1,121 @@
+"""The codes of names that lead nowhere, or to two things (SC2xx), and of what is special to AISA's files."""
+
+from scenario_compiler.diagnostics import Code, Severity
+
+UNKNOWN_PARAMETER = Code(
+    "SC210",
+    "unknown-parameter",
+    "An expression uses a name that no <parameter> of the same scenario or template declares:\n\n"
+    '    <parameter name="distance" type="length" default="120"/>\n'
+    '    <ahead_of entity="ego" distance="$distanse"/>\n\n'
+    "Inside a template only the template's own parameters are known; pass a scenario's parameter on in the <use>.",
+)
+UNKNOWN_ARGUMENT = Code(
+    "SC211",
+    "unknown-argument",
+    "`--set name=value` names a parameter that the scenario does not declare, so it would change nothing. The message "
+    "lists or guesses what can be set; `<parameter name=... type=... default=.../>` in the scenario declares more.",
+)
+UNKNOWN_SCENARIO = Code(
+    "SC212",
+    "unknown-scenario",
+    "FILE#name asks for a scenario that the file does not hold. Correct the name; without one, a file's only scenario "
+    "is taken.",
+)
+UNKNOWN_TEMPLATE = Code(
+    "SC213",
+    "unknown-template",
+    "A <use> names a template that neither this file, nor the files that it includes, nor the library's templates "
+    "hold:\n\n"
+    '    <include file="our_templates.xml"/>\n'
+    '    <use template="blocked_lane" distance="150"/>\n\n'
+    "Correct the name, or include the file that holds the template.",
+)
+MISSING_PARAMETER = Code(
+    "SC214",
+    "missing-parameter",
+    "A parameter without a default gets no value. In a <use>, write it as an attribute; for a scenario, give it on the "
+    "command line with --set name=value, or give its <parameter> a default.",
+)
+TEMPLATE_CYCLE = Code(
+    "SC215",
+    "template-cycle",
+    "A template uses itself, directly or through others, so its expansion would never end. The chain of uses is shown. "
+    "Take one <use> out of the circle.",
+)
+DUPLICATE_NAME = Code(
+    "SC216",
+    "duplicate-name",
+    "Two things of one kind have the same name, so a reference to it would be a guess: scenarios or templates of a "
+    "file, parameters of one scenario or template, uses, entries of a catalog. Rename one of them.",
+)
+UNKNOWN_VEHICLE = Code(
+    "SC217",
+    "unknown-vehicle",
+    "`model` names a vehicle that no catalog holds; without its dimensions nothing can be checked or drawn. The "
+    "library's vehicles are in library/catalogs/vehicles.xml, under CARLA's blueprint ids. A file of your own adds "
+    "more:\n\n"
+    '    <catalog version="1"><vehicle name="vehicle.our.shuttle" length="4.7" .../></catalog>\n'
+    '    <include file="our_vehicles.xml"/>     in <scenarios>',
+)
+UNKNOWN_DRIVER = Code(
+    "SC218",
+    "unknown-driver",
+    "`preset` names a driver that no catalog holds. The library's drivers are in library/catalogs/drivers.xml; an "
+    "included <catalog> adds more, and <driver_model mu=... sigma=.../> in the <takeover> writes one in place.",
+)
+UNKNOWN_WEATHER = Code(
+    "SC219",
+    "unknown-weather",
+    "`weather` is neither the name of one of CARLA's 23 presets, such as ClearNoon or HardRainSunset, nor its index in "
+    "their alphabetical order, 0 to 22 (the AISA toolkit's WeatherId).",
+)
+UNUSABLE_INCLUDE = Code(
+    "SC220",
+    "unusable-include",
+    "An <include> names a file that cannot be read or that holds neither templates nor a catalog. A relative path is "
+    "tried from the folder of the file that includes, whole and then by its bare name.",
+)
+RESERVED_NAME = Code(
+    "SC221",
+    "reserved-name",
+    "A template's parameter has a name that <use> needs for itself: `template` or `id`. Give it another name.",
+)
+UNKNOWN_ENTITY = Code(
+    "SC222",
+    "unknown-entity",
+    "An attribute names an entity that the scenario does not have:\n\n"
+    '    <time_gap to="egoo" below="4"/>\n\n'
+    "Entities are the ego vehicle (`ego` unless it has another id) and every <static> and <dynamic>. An entity of a "
+    "template is known inside it by its own id, and outside by the name of the use, a point, and its own id: "
+    'blocked_lane1.blocker, or jam.first for <use id="jam" ...>.',
+)
+NO_START = Code(
+    "SC240",
+    "aisa-no-start",
+    "A scenario in the AISA toolkit's form has no waypoint named `start`, so nobody knows where the ego vehicle "
+    "begins. The toolkit's own `lanesdefault` is such a scenario. Add waypoints:\n\n"
+    '    <waypoint name="start" x="151.4" y="-91.5" z="0.3" yaw="90" pitch="0" roll="0"/>\n'
+    '    <waypoint name="dest" x="151.4" y="-11.5" z="0.3" yaw="90" pitch="0" roll="0"/>',
+)
+NOT_EXECUTED = Code(
+    "SC241",
+    "aisa-not-executed",
+    "The AISA toolkit reads <object> elements, npc_vehicles and npc_pedestrians and then never uses them. They are "
+    "left out here too, so that the scenario means what it means there.",
+    Severity.NOTE,
+)
+MAPS_OWN_WEATHER = Code(
+    "SC242",
+    "aisa-weather",
+    "The WeatherId leaves the weather to the map, which is read as a clear noon. WeatherId counts CARLA's presets in "
+    "alphabetical order, where 6 is Default and 10 is HardRainSunset; the paper on the toolkit names HardRainSunset "
+    "for vanishinglanes_weather, which ships with 6. `--set WeatherId=10` runs what the paper means.",
+    Severity.NOTE,
+)
+OPENSCENARIO = Code(
+    "SC901",
+    "openscenario",
+    "The file is an ASAM OpenSCENARIO file. They are not read yet; conflicts in the conflict language and the AISA "
+    "toolkit's files are.",
+)

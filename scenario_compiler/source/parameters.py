@@ -1,0 +1,179 @@
+"""Parameters: their declarations, and binding them to the values that a command line or a use of a template gives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Mapping
+
+from scenario_compiler.diagnostics import Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
+from scenario_compiler.source import codes, names
+from scenario_compiler.source.environment import Binding, Environment
+from scenario_compiler.source.reading import Reading, bound_value, outside
+from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER
+from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling, Word
+
+STRUCTURAL_KINDS = ("integer", "text", "boolean")
+"""Kinds whose parameters are always replaced by their values; the others may stay open in a plan."""
+
+COMMAND_LINE = FilePlace("--set")
+"""The place of an argument that is at fault."""
+
+
+def declared(parameters: Iterable[Parameter], sink: Diagnostics) -> dict[str, Parameter]:
+    """Return the parameters by name; report a name that is declared twice."""
+    known: dict[str, Parameter] = {}
+    for parameter in parameters:
+        if parameter.name in known:
+            sink.add(
+                names.DUPLICATE_NAME,
+                f"the parameter '{parameter.name}' is declared twice",
+                parameter.place_of("name"),
+            )
+        known.setdefault(parameter.name, parameter)
+    return known
+
+
+def bind_arguments(
+    parameters: Mapping[str, Parameter], arguments: Mapping[str, str], sink: Diagnostics
+) -> dict[str, Value]:
+    """Return the value of every parameter of a scenario: the argument's, else the default."""
+    report_unknown_arguments(arguments, parameters, sink)
+    values: dict[str, Value] = {}
+    for name, parameter in parameters.items():
+        if name in arguments:
+            value = typed(arguments[name], parameter, COMMAND_LINE, sink)
+        elif parameter.default is None:
+            sink.add(
+                names.MISSING_PARAMETER,
+                f"the parameter '{name}' has no default and is not given",
+                parameter.origin,
+                hint=f"--set {name}=...",
+            )
+            continue
+        else:
+            value = default_value(parameter, sink)
+        if value is not None:
+            values[name] = value
+    return values
+
+
+def report_unknown_arguments(arguments: Iterable[str], known: Collection[str], sink: Diagnostics) -> None:
+    """Report arguments that set nothing."""
+    for name in arguments:
+        if name not in known:
+            hint = did_you_mean(name, known) if known else "the scenario declares no parameters"
+            sink.add(names.UNKNOWN_ARGUMENT, f"there is no parameter '{name}' to set", COMMAND_LINE, hint=hint)
+
+
+def default_value(parameter: Parameter, sink: Diagnostics) -> Value | None:
+    """Return the value of a parameter's default; None without one, and when it is at fault."""
+    if parameter.default is None:
+        return None
+    return typed(parameter.default, parameter, parameter.place_of("default"), sink)
+
+
+def bind_use(parameters: Mapping[str, Parameter], given: Mapping[str, str], reading: Reading, use: Word) -> Environment:
+    """Return what the parameters of a template mean in one use of it.
+
+    Args:
+        parameters: The template's parameters.
+        given: The attributes of the use, as written.
+        reading: How the use is read: its environment gives `$name` in `given` its meaning.
+        use: The word that uses it.
+    """
+    sink = reading.sink
+    bindings: dict[str, Binding] = {}
+    undetermined: set[str] = set()
+    for name in given:
+        if name not in parameters:
+            sink.add(
+                codes.UNKNOWN_ATTRIBUTE,
+                f"the template has no parameter '{name}'",
+                use.place_of(name),
+                hint=did_you_mean(name, set(parameters) - set(given)),
+            )
+    for name, parameter in parameters.items():
+        value: Binding | None = None
+        if name in given:
+            place = use.place_of(name)
+            bound = bound_value(given[name], reading, place)
+            if bound is not None:
+                value = _typed_binding(bound, parameter, place, reading)
+        elif parameter.default is not None:
+            value = default_value(parameter, sink)
+        else:
+            sink.add(
+                names.MISSING_PARAMETER,
+                f"the template needs the parameter '{name}'",
+                use.origin,
+                hint=f"{name}: {parameter.summary or parameter.type}",
+            )
+        if value is None:
+            undetermined.add(name)
+        else:
+            bindings[name] = value
+    outer = reading.environment
+    return Environment(bindings, outer.values, frozenset(undetermined), outer.structural)
+
+
+def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: Reading) -> Binding | None:
+    if not isinstance(bound, Expression):
+        return typed(format_value(bound), parameter, place, reading.sink)
+    values = reading.environment.values
+    try:
+        present = reading.environment.settled(bound) if parameter.type in STRUCTURAL_KINDS else bound.number(values)
+    except ExpressionError as error:
+        reading.sink.add(codes.BAD_EXPRESSION, str(error), place)
+        return None
+    value = typed(format_value(present), parameter, place, reading.sink)
+    return bound if value is not None and parameter.type not in STRUCTURAL_KINDS else value
+
+
+def typed(text: str, parameter: Parameter, place: Place, sink: Diagnostics) -> Value | None:
+    """Return the value that a text gives a parameter, in XML units; report and return None when it does not fit."""
+    kind = parameter.type
+    if kind == "text":
+        return text
+    stripped = text.strip(" \t\r\n")
+    if kind == "boolean":
+        if stripped in ("true", "false"):
+            return stripped == "true"
+        return _misfit(text, parameter, "true or false", place, sink)
+    if kind == "integer":
+        if not re.fullmatch(INTEGER, stripped):
+            return _misfit(text, parameter, "a whole number", place, sink)
+    elif not re.fullmatch(NUMBER, stripped):
+        unit = QUANTITIES[kind].unit
+        return _misfit(text, parameter, f"a number in {unit}" if unit not in ("", "1") else "a number", place, sink)
+    number = float(stripped)
+    fault = outside(number, limits(parameter))
+    if fault:
+        sink.add(
+            codes.OUT_OF_LIMITS,
+            f"{parameter.name} is {format_value(number)}, but must be {fault}",
+            place,
+            hint=parameter.summary,
+        )
+        return None
+    return number
+
+
+def limits(parameter: Parameter) -> AttributeSpelling:
+    """Return the limits of a parameter, in XML units; a fraction lies between 0 and 1 without saying so."""
+    low = parameter.min if isinstance(parameter.min, float) else None
+    high = parameter.max if isinstance(parameter.max, float) else None
+    if parameter.type == "fraction":
+        low, high = (0.0 if low is None else low), (1.0 if high is None else high)
+    return AttributeSpelling(minimum=low, maximum=high)
+
+
+def _misfit(text: str, parameter: Parameter, expected: str, place: Place, sink: Diagnostics) -> Value | None:
+    sink.add(
+        codes.WRONG_VALUE,
+        f"'{text}' is not {expected}, which the parameter '{parameter.name}' holds",
+        place,
+        hint=parameter.summary,
+    )
+    return None
