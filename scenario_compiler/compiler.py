@@ -153,8 +153,8 @@ def open_plan_map(plan: Plan, sink: Diagnostics, maps: Sequence[Path] = ()) -> N
 CHANGED_MAP = Code(
     "SC231",
     "changed-map",
-    "The map has changed since the plan was compiled, so the plan's positions may no longer lie where they did. Compile "
-    "the scenario again.",
+    "The map has changed since the plan was compiled, so the plan's positions may no longer lie where they did. "
+    "Compile the scenario again.",
 )
 
 

@@ -116,6 +116,6 @@ def _candidates(name: str, search: MapSearch) -> list[Path]:
 def _is_exact_file(path: Path) -> bool:
     """Return whether the file exists with exactly this name, on case-insensitive systems too."""
     try:
-        return path.is_file() and path.name in os.listdir(path.parent)
+        return path.is_file() and any(path.name == one.name for one in path.parent.iterdir())
     except (OSError, ValueError):
         return False

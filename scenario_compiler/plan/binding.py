@@ -10,8 +10,8 @@ from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, Value
 from scenario_compiler.frames import heading_from_carla, point_from_carla, reference_from_center
 from scenario_compiler.plan.model import StartPose
-from scenario_compiler.roads import Network, Pose
 from scenario_compiler.roads import LanePosition as FoundLane
+from scenario_compiler.roads import Network, Pose
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type
 from scenario_compiler.roads.spawn_points import read_spawn_points
@@ -35,14 +35,14 @@ UNKNOWN_ROAD = Code(
 UNKNOWN_LANE = Code(
     "SC372",
     "unknown-lane",
-    "A position names a lane that the road does not have at this s. Lanes are numbered from the reference line: -1, -2, "
-    "... to the right, 1, 2, ... to the left, and a road may have different lanes in different sections.",
+    "A position names a lane that the road does not have at this s. Lanes are numbered from the reference line: -1, "
+    "-2, ... to the right, 1, 2, ... to the left, and a road may have different lanes in different sections.",
 )
 BEYOND_ROAD = Code(
     "SC373",
     "beyond-road",
-    "A position lies before the begin or behind the end of its road. s is measured along the road's reference line from "
-    "0 to the road's length.",
+    "A position lies before the begin or behind the end of its road. s is measured along the road's reference line "
+    "from 0 to the road's length.",
 )
 OFF_ROAD = Code(
     "SC374",

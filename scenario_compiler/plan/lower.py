@@ -38,8 +38,8 @@ from scenario_compiler.vocabulary.word import Word
 POSITION_CYCLE = Code(
     "SC230",
     "position-cycle",
-    "The starts of entities depend on each other in a circle: each is `ahead_of` the next. One of them needs a position "
-    "of its own.",
+    "The starts of entities depend on each other in a circle: each is `ahead_of` the next. One of them needs a "
+    "position of its own.",
 )
 NO_ROUTE = Code(
     "SC379",
@@ -127,11 +127,14 @@ def lower(
         derived=draft.poses,
         origins=draft.origins,
     )
+    return _checked(plan, network, sink)
+
+
+def _checked(plan: Plan, network: Network, sink: Diagnostics) -> Plan | None:
+    """Return the plan with its digest; None when a check finds a fault."""
     for check in CHECKS:
         check(plan, network, sink)
-    if sink.has_errors:
-        return None
-    return plan.model_copy(update={"digest": digest_of(plan)})
+    return None if sink.has_errors else plan.model_copy(update={"digest": digest_of(plan)})
 
 
 def bind_entities(draft: Draft) -> None:

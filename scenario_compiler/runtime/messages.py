@@ -32,7 +32,7 @@ NEXT: dict[str, str] = {
 
 
 def message_text(event: str, cause: str, content: tuple[Content, ...]) -> str:
-    """Return the sentence for an event with the contents that the policy asks for; empty when there is nothing to say."""
+    """Return the sentence for an event with the contents that the policy asks for; empty when there is none."""
     if event not in WHAT:
         return ""
     parts = []

@@ -1,6 +1,7 @@
 """Worlds that a plan is executed in, and the table of their names.
 
-In: a plan, its map and the engine's snapshots. Out: camera images. Imports controllers' types, perception, the plan, roads and the hall.
+In: a plan, its map and the engine's snapshots. Out: camera images. Imports controllers' types, perception, the plan,
+roads and the hall.
 """
 
 from __future__ import annotations

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from scenario_compiler.perception.camera import Pose as CameraPose
     from scenario_compiler.perception.road_camera import RoadCamera
     from scenario_compiler.perception.solids import Box
 
@@ -58,7 +57,7 @@ class KinematicWorld:
     def observe(self, snapshot: Snapshot) -> SensorData:
         """Draw what the camera sees."""
         image = self._road_camera().frame(
-            _pose(snapshot), self._boxes(snapshot), self.plan.weather, snapshot.sigma, snapshot.frame
+            snapshot.poses[0], self._boxes(snapshot), self.plan.weather, snapshot.sigma, snapshot.frame
         )
         return SensorData(snapshot.t, image, self._mounting)
 
@@ -70,7 +69,7 @@ class KinematicWorld:
         if self._viewer is None:
             scene = self._road_camera().scene
             self._viewer = RoadCamera(scene, DRIVER, self._seed, self.plan.ego.vehicle.center)
-        return self._viewer.frame(_pose(snapshot), self._boxes(snapshot), self.plan.weather, 0.0, snapshot.frame)
+        return self._viewer.frame(snapshot.poses[0], self._boxes(snapshot), self.plan.weather, 0.0, snapshot.frame)
 
     def step(self, snapshot: Snapshot) -> None:
         """Leave the motion to the engine."""
@@ -111,9 +110,3 @@ def mark_stretches(plan: Plan) -> list[MarkStretch]:
         s_from, s_to = number_value(stretch.s_from, values), number_value(stretch.s_to, values)
         stretches.append(MarkStretch(stretch.road, None, s_from, s_to, quality, end))
     return stretches
-
-
-def _pose(snapshot: Snapshot) -> CameraPose:
-    from scenario_compiler.perception.camera import Pose as CameraPose
-
-    return CameraPose(*snapshot.poses[0])
