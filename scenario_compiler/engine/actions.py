@@ -1,0 +1,145 @@
+"""How running actions act, each writing its entity at once, in document order: init actions first, then the story's.
+
+Semi-implicit: a speed action writes the speed of the end of the step, and the entity moves with it. A lane change moves its
+entity along the path with the speed of that moment, so what it moves to the side is missing ahead. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from math import atan, atan2
+
+from scenario_compiler.engine.motion import glide, place_scripted
+from scenario_compiler.engine.numbers import safe_sqrt
+from scenario_compiler.engine.opcodes import (
+    ACTION_LANE_CHANGE,
+    ACTION_SPEED,
+    DIMENSION_DISTANCE,
+    ELEMENT_ACTION,
+    MOTION_SCRIPTED,
+    RUNNING,
+    TOLERANCE,
+)
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.shapes import shape_slope, shape_value
+from scenario_compiler.engine.starts import set_speed
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.storyboard import action_done
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def step_speed(p: Program, st: State, k: int, dt: float) -> int:
+    """Set the speed after dt of a change; return 1 in the step that reaches the target."""
+    span = st.action_span[k]
+    progress = st.action_progress[k] + dt
+    st.action_progress[k] = progress
+    if span <= 0.0 or progress >= span - TOLERANCE:
+        if span > 0.0:
+            set_speed(p, st, p.action_entity[k], st.action_from[k] + st.action_change[k])
+        return 1
+    share = shape_value(st, p.action_shape[k], progress / span)
+    set_speed(p, st, p.action_entity[k], st.action_from[k] + st.action_change[k] * share)
+    return 0
+
+
+@compiled
+def shift_to(st: State, k: int, i: int, progress: float, offset: float) -> int:
+    """Write the progress and offset of a lane change; return 1 when it is done, with the heading along the lane."""
+    st.action_progress[k] = progress
+    st.kept_off[i] = offset
+    if progress >= st.action_span[k] - TOLERANCE:
+        st.kept_off[i] = st.action_from[k] + st.action_change[k]
+        st.turn[i] = 0.0
+        return 1
+    return 0
+
+
+@compiled
+def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
+    """Move an entity through a lane change whose progress is the distance ahead; return 1 when it is done."""
+    span = st.action_span[k]
+    progress = st.action_progress[k]
+    slope = st.action_change[k] * shape_slope(p.action_shape[k], progress / span) / span
+    ahead = st.v[i] * dt / safe_sqrt(1.0 + slope * slope)
+    glide(n, p, st, i, ahead)
+    st.turn[i] = st.facing[i] * atan(slope)
+    progress = min(progress + abs(ahead), span)
+    offset = st.action_from[k] + st.action_change[k] * shape_value(st, p.action_shape[k], progress / span)
+    return shift_to(st, k, i, progress, offset)
+
+
+@compiled
+def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
+    """Move an entity through a lane change whose progress is time; return 1 when it is done.
+
+    Where the change asks for more than the entity moves in the step, it goes sideways as far as it can.
+    """
+    span = st.action_span[k]
+    progress = st.action_progress[k]
+    change = st.action_change[k]
+    side = dt * abs(change) * shape_slope(p.action_shape[k], progress / span) / span
+    path = abs(st.v[i]) * dt
+    left = 1.0 if change > 0.0 else -1.0
+    if side > path:
+        st.turn[i] = st.facing[i] * left * atan2(1.0, 0.0)
+        rest = change + st.action_from[k] - st.kept_off[i]
+        offset = st.kept_off[i] + left * path
+        if abs(rest) <= path:
+            return shift_to(st, k, i, span, st.kept_off[i])
+        return shift_to(st, k, i, min(progress + dt * path / side, span - 2.0 * TOLERANCE), offset)
+    ahead = safe_sqrt(path * path - side * side)
+    glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
+    st.turn[i] = st.facing[i] * left * atan2(side, ahead) if side > 0.0 else 0.0
+    progress = min(progress + dt, span)
+    offset = st.action_from[k] + change * shape_value(st, p.action_shape[k], progress / span)
+    return shift_to(st, k, i, progress, offset)
+
+
+@compiled
+def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Step a lane change; return 1 when it is done. A standing entity waits; the ego has done so at once."""
+    i = p.action_entity[k]
+    if p.entity_motion[i] != MOTION_SCRIPTED:
+        return 1
+    if st.action_span[k] <= 0.0:
+        st.kept_off[i] = st.action_from[k] + st.action_change[k]
+        place_scripted(n, p, st, i)
+        return 1
+    if abs(st.v[i]) < TOLERANCE or dt <= 0.0:
+        return 0
+    if p.action_dimension[k] == DIMENSION_DISTANCE:
+        done = lane_change_by_distance(n, p, st, k, i, dt)
+    else:
+        done = lane_change_by_time(n, p, st, k, i, dt)
+    st.moved[i] = 1
+    place_scripted(n, p, st, i)
+    if st.ended[i] == 1:
+        return 1
+    return done
+
+
+@compiled
+def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None:
+    """Step one running action and complete it where it is done."""
+    op = p.action_op[k]
+    done = 1
+    if op == ACTION_SPEED:
+        done = step_speed(p, st, k, dt)
+    elif op == ACTION_LANE_CHANGE:
+        done = step_lane_change(n, p, st, k, dt)
+    if done == 1:
+        action_done(p, st, k, st.frame[0] + 1)
+
+
+@compiled
+def run_actions(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Step all running actions: the init's, then the story's in document order."""
+    for c in range(p.init_count[0]):
+        if st.action_state[p.init_action[c]] == RUNNING:
+            step_action(n, p, st, p.init_action[c], dt)
+    for e in range(p.element_count[0]):
+        if p.element_kind[e] == ELEMENT_ACTION and st.element_state[e] == RUNNING:
+            k = p.element_action[e]
+            if k >= 0:
+                step_action(n, p, st, k, dt)

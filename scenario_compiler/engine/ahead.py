@@ -1,0 +1,169 @@
+"""What lies ahead: the way along the lanes, and other entities' boxes measured along and across it.
+
+The way is a row of roads in scratch columns (`way_...`), written anew by each look. Left is as seen in the direction in which
+the way is walked.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from scenario_compiler.engine.numbers import angle_between
+from scenario_compiler.engine.opcodes import FAR, WAY_SIZE
+from scenario_compiler.engine.path import HALF_TURN, STEP_OVER, preferred_road
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
+from scenario_compiler.engine.state import State
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.lanes import lane_borders, lane_direction
+from scenario_compiler.roads.locate import project_on_road
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
+
+BESIDE = 25.0
+"""How far behind the walker's point, or off the road, an entity may be to count as on the way, m."""
+
+
+@compiled
+def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, horizon: float, turns: int) -> None:
+    """Write the way from a place in a lane, `along` its direction of travel (1) or against it (-1).
+
+    `turns` is the road to take at the first junction, or -1 for straight on.
+    """
+    count = 0
+    covered = 0.0
+    while count < WAY_SIZE and road >= 0:
+        sign = lane_direction(n, road, lane) * along
+        st.way_road[count] = road
+        st.way_lane[count] = lane
+        st.way_s[count] = s
+        st.way_sign[count] = sign
+        st.way_from[count] = covered
+        count = count + 1
+        rest = n.road_length[road] - s if sign > 0 else s
+        covered = covered + rest + STEP_OVER
+        if covered > horizon:
+            break
+        before = road
+        road, lane, s, left = advance(n, road, lane, s, along * (rest + STEP_OVER), turns)
+        if left > 0.0 or road == before:
+            break
+    st.way_count[0] = count
+
+
+@compiled
+def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
+    """Write the ego's way from its place on the path, by its route."""
+    road = st.path_road[0]
+    lane = st.path_lane[0]
+    s = st.path_s[0]
+    count = 0
+    covered = 0.0
+    while count < WAY_SIZE and road >= 0:
+        sign = lane_direction(n, road, lane)
+        st.way_road[count] = road
+        st.way_lane[count] = lane
+        st.way_s[count] = s
+        st.way_sign[count] = sign
+        st.way_from[count] = covered
+        count = count + 1
+        rest = n.road_length[road] - s if sign > 0 else s
+        covered = covered + rest + STEP_OVER
+        if covered > horizon:
+            break
+        before = road
+        road, lane, s, left = advance(n, road, lane, s, rest + STEP_OVER, preferred_road(p, st, road))
+        if left > 0.0 or road == before:
+            break
+    st.way_count[0] = count
+
+
+@compiled
+def place_on_way(n: RoadTables, st: State, j: int) -> tuple[int, float, float, float]:
+    """Return (row of the way or -1, s, t, distance along the way) of an entity's reference point.
+
+    An entity in a junction, on another of its overlapping roads, is projected onto the way's road there.
+    """
+    road = st.road[j]
+    if road < 0:
+        return -1, 0.0, 0.0, 0.0
+    for w in range(st.way_count[0]):
+        at = st.way_road[w]
+        s = st.s[j]
+        t = st.t[j]
+        on = 1
+        if at != road:
+            on = 0
+            if n.road_junction[at] >= 0 and n.road_junction[at] == n.road_junction[road]:
+                s, t = project_on_road(n, at, 0.5 * n.road_length[at], st.x[j], st.y[j])
+                if s >= 0.0 and s <= n.road_length[at] and abs(t) < BESIDE:
+                    on = 1
+        if on == 1:
+            covered = st.way_sign[w] * (s - st.way_s[w])
+            if covered >= 0.0 or (w == 0 and covered > -BESIDE):
+                return w, s, t, st.way_from[w] + covered
+    return -1, 0.0, 0.0, 0.0
+
+
+@compiled
+def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
+    """Measure an entity's box on the way; return 1 where it is on it."""
+    st.on_way[j] = 0
+    w, s, t, distance = place_on_way(n, st, j)
+    if w < 0:
+        return 0
+    road = st.way_road[w]
+    sign = st.way_sign[w]
+    lane = st.way_lane[w]
+    ahead = distance - st.way_from[w]
+    if ahead > 0.0:
+        along = sign * lane_direction(n, road, lane)
+        _, lane, _, left = advance(n, road, lane, st.way_s[w], along * ahead, -1)
+        if left > 0.0:
+            return 0
+    left_border, right_border = lane_borders(n, road, lane, s)
+    _, _, h, _ = road_reference(n, road, s)
+    relative = angle_between(st.h[j], h if sign > 0 else h + HALF_TURN)
+    c = cos(relative)
+    w_side = sin(relative)
+    base = p.entity_const[j]
+    half_length = 0.5 * p.const[base + E_LENGTH]
+    half_width = 0.5 * p.const[base + E_WIDTH]
+    deep = abs(c) * half_length + abs(w_side) * half_width
+    wide = abs(w_side) * half_length + abs(c) * half_width
+    middle = distance + p.const[base + E_CENTER] * c
+    aside = sign * (t - 0.5 * (left_border + right_border)) + p.const[base + E_CENTER] * w_side
+    st.near[j] = middle - deep
+    st.far[j] = middle + deep
+    st.low[j] = aside - wide
+    st.high[j] = aside + wide
+    st.along[j] = st.v[j] * c
+    st.across[j] = st.v[j] * w_side
+    st.border_left[j] = 0.5 * (left_border - right_border)
+    st.border_right[j] = -st.border_left[j]
+    st.on_way[j] = 1
+    return 1
+
+
+@compiled
+def longitudinal_distance(n: RoadTables, st: State, i: int, j: int) -> float:
+    """Return the distance along the road from one reference point to another, negative behind, FAR where no road leads there.
+
+    On one road it is the difference of s; over links the lanes are followed straight on, first ahead, then behind.
+    """
+    if st.road[i] < 0 or st.road[j] < 0:
+        return FAR
+    if st.road[i] == st.road[j]:
+        return st.facing[i] * (st.s[j] - st.s[i])
+    road = st.road[i]
+    along = st.facing[i] * lane_direction(n, road, st.lane[i])
+    walk(n, st, road, st.lane[i], st.s[i], along, 1000.0, -1)
+    w, _, _, distance = place_on_way(n, st, j)
+    if w >= 0:
+        return distance
+    walk(n, st, road, st.lane[i], st.s[i], -along, 1000.0, -1)
+    w, _, _, distance = place_on_way(n, st, j)
+    if w >= 0:
+        return -distance
+    return FAR

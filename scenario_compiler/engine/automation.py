@@ -1,0 +1,132 @@
+"""Who drives the ego at a control step, and what the automation does until someone answers."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.driver import SIGHT, VIEW, drive_by_hand
+from scenario_compiler.engine.following import idm_acceleration, leader_gap
+from scenario_compiler.engine.lane_confidence import ideal_confidence
+from scenario_compiler.engine.lane_keeping import command_acceleration, command_angle, pursuit_angle
+from scenario_compiler.engine.merging import consider_merge
+from scenario_compiler.engine.opcodes import (
+    CAUSE_LANE_ENDS,
+    FAR,
+    MANOEUVRE_EVADE,
+    PERCEPTION_IDEAL,
+    TAKEOVER_HAND_BACK,
+    TAKEOVER_MANUAL,
+    TAKEOVER_MINIMUM_RISK,
+    TAKEOVER_STANDSTILL,
+)
+from scenario_compiler.engine.path import take_present_lane
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.sensor import find_block, find_lane_end, look_ahead
+from scenario_compiler.engine.slots import (
+    K_CONFIDENCE_REQUEST,
+    K_FIELD_OF_VIEW,
+    K_MINIMUM_RISK_DECELERATION,
+    K_SENSOR_RANGE,
+)
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.takeover import budget_distance, step_takeover
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+AUTOMATION_ACCELERATION = 4.0
+"""Bound of the lateral acceleration that the automation steers for, m/s2."""
+
+
+@compiled
+def driven_by_hand(st: State) -> int:
+    """Return 1 while the driver drives."""
+    state = st.takeover_state[0]
+    return 1 if state == TAKEOVER_MANUAL or state == TAKEOVER_HAND_BACK else 0
+
+
+@compiled
+def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
+    """Look ahead with the forward sensor, or with the driver's eyes while the driver drives; return what blocks the path."""
+    if driven_by_hand(st) == 1:
+        look_ahead(n, p, st, i, SIGHT, VIEW)
+    else:
+        look_ahead(n, p, st, i, p.const[K_SENSOR_RANGE], p.const[K_FIELD_OF_VIEW])
+    return find_block(p, st, i)
+
+
+@compiled
+def trust_steering(p: Program, st: State) -> None:
+    """Remember the controller's steering while it sees at least one side of the lane."""
+    limit = p.const[K_CONFIDENCE_REQUEST]
+    if st.conf_left[0] >= limit or st.conf_right[0] >= limit:
+        st.trusted_steer[0] = st.auto_steer[0]
+
+
+@compiled
+def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Steer by the map in ideal perception and while merging, else by the controller."""
+    if p.perception[0] == PERCEPTION_IDEAL or st.merging[0] == 1:
+        command_angle(p, st, i, pursuit_angle(n, p, st, i, AUTOMATION_ACCELERATION))
+    elif st.takeover_state[0] == TAKEOVER_MINIMUM_RISK:
+        st.command_steer[0] = st.trusted_steer[0]
+    else:
+        st.command_steer[0] = st.auto_steer[0]
+
+
+@compiled
+def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Keep lane and distance by the map, or pass on the controller's commands."""
+    steer_automated(n, p, st, i)
+    if p.perception[0] == PERCEPTION_IDEAL:
+        gap, lead = leader_gap(p, st, i, 0.0, 1)
+        wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], gap, lead)
+        if st.lane_end_distance[0] < FAR and st.merging[0] == 0:
+            rest = st.lane_end_distance[0]
+            wanted = min(wanted, idm_acceleration(p, i, st.v[i], st.target_speed[0], rest, 0.0))
+        command_acceleration(p, st, i, wanted)
+    else:
+        st.command_throttle[0] = st.auto_throttle[0]
+        st.command_brake[0] = st.auto_brake[0]
+
+
+@compiled
+def drive_to_stop(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Drive the minimum-risk manoeuvre, or hold the ego where it stands."""
+    steer_automated(n, p, st, i)
+    command_acceleration(p, st, i, -p.const[K_MINIMUM_RISK_DECELERATION])
+
+
+@compiled
+def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Let who drives merge: the automation within the time budget where lane ends are its business, the driver in sight."""
+    state = st.takeover_state[0]
+    st.gap_free[0] = 1
+    if driven_by_hand(st) == 1:
+        if st.manoeuvre[0] != MANOEUVRE_EVADE:
+            consider_merge(n, p, st, i, SIGHT)
+    elif state != TAKEOVER_MINIMUM_RISK and state != TAKEOVER_STANDSTILL and p.cause_on[CAUSE_LANE_ENDS] == 1:
+        consider_merge(n, p, st, i, budget_distance(p, st, i))
+
+
+@compiled
+def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
+    if p.perception[0] == PERCEPTION_IDEAL:
+        ideal_confidence(n, p, st)
+    else:
+        trust_steering(p, st)
+        if driven_by_hand(st) == 0 and st.merging[0] == 0:
+            take_present_lane(n, st, i)
+    find_lane_end(n, p, st, i)
+    merge_if_due(n, p, st, i)
+    blocker = sense(n, p, st, i)
+    step_takeover(p, st, i)
+    state = st.takeover_state[0]
+    if st.crashed[0] == 1 or state == TAKEOVER_STANDSTILL:
+        st.command_steer[0] = 0.0
+        st.command_throttle[0] = 0.0
+        st.command_brake[0] = 1.0
+    elif driven_by_hand(st) == 1:
+        drive_by_hand(n, p, st, i, blocker)
+    elif state == TAKEOVER_MINIMUM_RISK:
+        drive_to_stop(n, p, st, i)
+    else:
+        drive_automated(n, p, st, i)

@@ -1,0 +1,161 @@
+"""Collisions: oriented boxes in the plane, with a sweep along x as broad phase, and the time to collision of the ego."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from scenario_compiler.engine.faults import log_event
+from scenario_compiler.engine.numbers import safe_sqrt
+from scenario_compiler.engine.opcodes import EVENT_COLLISION, NONE
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
+from scenario_compiler.engine.state import State
+from scenario_compiler.marker import compiled
+
+TTC_RANGE = 100.0
+"""Distance within which the time to collision is watched, m."""
+
+
+@compiled
+def update_boxes(p: Program, st: State) -> None:
+    """Place the centre of every entity's box and sort the entities by its left end (insertion: they are nearly sorted)."""
+    for i in range(p.entity_count[0]):
+        base = p.entity_const[i]
+        st.middle_x[i] = st.x[i] + p.const[base + E_CENTER] * cos(st.h[i])
+        st.middle_y[i] = st.y[i] + p.const[base + E_CENTER] * sin(st.h[i])
+    for k in range(1, p.entity_count[0]):
+        i = st.order[k]
+        left = st.middle_x[i] - st.reach[i]
+        at = k
+        while at > 0 and st.middle_x[st.order[at - 1]] - st.reach[st.order[at - 1]] > left:
+            st.order[at] = st.order[at - 1]
+            at = at - 1
+        st.order[at] = i
+
+
+@compiled
+def separated(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 where an axis of box i divides it from box j."""
+    dx = st.middle_x[j] - st.middle_x[i]
+    dy = st.middle_y[j] - st.middle_y[i]
+    c = cos(st.h[i])
+    s = sin(st.h[i])
+    turned = st.h[j] - st.h[i]
+    c_turned = abs(cos(turned))
+    s_turned = abs(sin(turned))
+    a = p.entity_const[i]
+    b = p.entity_const[j]
+    long = 0.5 * p.const[b + E_LENGTH]
+    wide = 0.5 * p.const[b + E_WIDTH]
+    if abs(dx * c + dy * s) > 0.5 * p.const[a + E_LENGTH] + long * c_turned + wide * s_turned:
+        return 1
+    if abs(dy * c - dx * s) > 0.5 * p.const[a + E_WIDTH] + long * s_turned + wide * c_turned:
+        return 1
+    return 0
+
+
+@compiled
+def overlap(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 where the boxes of two entities overlap (separating axis theorem)."""
+    dx = st.middle_x[j] - st.middle_x[i]
+    dy = st.middle_y[j] - st.middle_y[i]
+    reach = st.reach[i] + st.reach[j]
+    if dx * dx + dy * dy > reach * reach:
+        return 0
+    if separated(p, st, i, j) == 1 or separated(p, st, j, i) == 1:
+        return 0
+    return 1
+
+
+@compiled
+def note_collision(p: Program, st: State, i: int, j: int) -> None:
+    """Count a pair of overlapping boxes: the first of all, and each new contact of the ego."""
+    if st.collision_a[0] < 0:
+        st.collision_a[0] = min(i, j)
+        st.collision_b[0] = max(i, j)
+        st.collision_time[0] = st.clock[0]
+    ego = p.ego[0]
+    if i != ego and j != ego:
+        return
+    other = j if i == ego else i
+    if st.contact[other] == 0:
+        st.collision_count[0] += 1
+        log_event(st, EVENT_COLLISION, 1.0 * other)
+    st.contact[other] = 2
+    st.crashed[0] = 1
+
+
+@compiled
+def check_collisions(p: Program, st: State) -> None:
+    """Find all overlapping pairs."""
+    count = p.entity_count[0]
+    for a in range(count):
+        i = st.order[a]
+        right = st.middle_x[i] + st.reach[i]
+        b = a + 1
+        while b < count and st.middle_x[st.order[b]] - st.reach[st.order[b]] <= right:
+            if overlap(p, st, i, st.order[b]) == 1:
+                note_collision(p, st, i, st.order[b])
+            b = b + 1
+    for i in range(count):
+        st.contact[i] = 1 if st.contact[i] == 2 else 0
+
+
+@compiled
+def ego_ttc(p: Program, st: State, ego: int, j: int) -> float:
+    """Return the gap ahead of the ego over its closing speed where j lies in the ego's own corridor, else -1.
+
+    The corridor is as wide as the ego and straight on; speeds are taken along the ego's heading.
+    """
+    dx = st.middle_x[j] - st.middle_x[ego]
+    dy = st.middle_y[j] - st.middle_y[ego]
+    c = cos(st.h[ego])
+    s = sin(st.h[ego])
+    ahead = dx * c + dy * s
+    if ahead <= 0.0 or ahead > TTC_RANGE:
+        return -1.0
+    turned = st.h[j] - st.h[ego]
+    c_turned = cos(turned)
+    s_turned = abs(sin(turned))
+    a = p.entity_const[ego]
+    b = p.entity_const[j]
+    long = 0.5 * p.const[b + E_LENGTH]
+    wide = 0.5 * p.const[b + E_WIDTH]
+    side = 0.5 * p.const[a + E_WIDTH] + long * s_turned + wide * abs(c_turned)
+    if abs(dy * c - dx * s) >= side:
+        return -1.0
+    gap = ahead - 0.5 * p.const[a + E_LENGTH] - long * abs(c_turned) - wide * s_turned
+    closing = st.v[ego] - st.v[j] * c_turned
+    if closing < 0.01:
+        return -1.0
+    return max(gap, 0.0) / closing
+
+
+@compiled
+def watch_ttc(p: Program, st: State) -> None:
+    """Keep the least time to collision of the ego so far."""
+    ego = p.ego[0]
+    if ego < 0:
+        return
+    for j in range(p.entity_count[0]):
+        if j != ego:
+            time = ego_ttc(p, st, ego, j)
+            if time >= 0.0 and time < st.min_ttc[0]:
+                st.min_ttc[0] = time
+
+
+@compiled
+def prepare_boxes(p: Program, st: State) -> None:
+    """Write what does not change about the boxes and start without contacts."""
+    for i in range(p.entity_count[0]):
+        base = p.entity_const[i]
+        long = p.const[base + E_LENGTH]
+        wide = p.const[base + E_WIDTH]
+        st.reach[i] = 0.5 * safe_sqrt(long * long + wide * wide)
+        st.order[i] = i
+        st.contact[i] = 0
+    st.collision_a[0] = NONE
+    st.collision_b[0] = NONE
+    st.collision_time[0] = -1.0
+    st.collision_count[0] = 0
+    st.crashed[0] = 0

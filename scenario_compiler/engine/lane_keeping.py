@@ -1,0 +1,105 @@
+"""Lane keeping by the map: pure pursuit of the path with a planned offset, and pedals from an acceleration.
+
+Pure pursuit is Coulter's (1992, CMU-RI-TR-92-01): steer = atan(2 L sin(alpha) / d) towards a point d away on the path. A
+move to the side is planned over the distance driven: a cosine from one offset to another between two odometer readings.
+"""
+
+from __future__ import annotations
+
+from math import atan, cos, pi, sin
+
+from scenario_compiler.engine.numbers import angle_between, bearing, clip, length_of, safe_sqrt
+from scenario_compiler.engine.path import advance_routed
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.slots import E_MAX_ACCELERATION, E_MAX_DECELERATION, E_MAX_STEER, E_WHEELBASE
+from scenario_compiler.engine.state import State
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+
+PREVIEW_TIME = 0.8
+PREVIEW_LEAST = 5.0
+PREVIEW_MOST = 25.0
+"""Distance to the point that is steered for: this time ahead, within these bounds, s and m."""
+
+SHIFT_PEAK = 4.934802200544679
+"""pi^2 / 2: peak lateral acceleration of a cosine move of 1 m in 1 s, m/s2."""
+
+
+@compiled
+def planned_offset(st: State, odometer: float) -> float:
+    """Return the offset from the path lane's centre that is planned for an odometer reading."""
+    span = st.shift_end[0] - st.shift_begin[0]
+    gone = odometer - st.shift_begin[0]
+    if gone >= span or span <= 0.0:
+        return st.shift_to[0]
+    if gone <= 0.0:
+        return st.shift_from[0]
+    return st.shift_from[0] + (st.shift_to[0] - st.shift_from[0]) * 0.5 * (1.0 - cos(pi * gone / span))
+
+
+@compiled
+def shift_distance(v: float, change: float, acceleration: float) -> float:
+    """Return the distance in which a change of offset keeps the lateral acceleration, m; at least twice the change."""
+    time = safe_sqrt(SHIFT_PEAK * abs(change) / max(acceleration, 0.1))
+    return max(v * time, 2.0 * abs(change) + 0.1)
+
+
+@compiled
+def plan_shift(st: State, i: int, target: float, distance: float) -> None:
+    """Plan a move from the present offset to another one over a distance from here."""
+    st.shift_from[0] = st.path_off[0]
+    st.shift_to[0] = target
+    st.shift_begin[0] = st.odometer[i]
+    st.shift_end[0] = st.odometer[i] + distance
+
+
+@compiled
+def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> float:
+    """Return the angle of the front wheels that leads along the path and its planned offset.
+
+    `most` bounds the lateral acceleration, m/s2.
+    """
+    road = st.path_road[0]
+    if road < 0:
+        return 0.0
+    preview = clip(PREVIEW_TIME * st.v[i], PREVIEW_LEAST, PREVIEW_MOST)
+    road, lane, s, rest = advance_routed(n, p, st, road, st.path_lane[0], st.path_s[0], preview)
+    direction = lane_direction(n, road, lane)
+    x, y, _, h, _, _ = lane_pose(n, road, lane, s, direction * planned_offset(st, st.odometer[i] + preview))
+    if rest > 0.0:
+        x = x + direction * rest * cos(h)
+        y = y + direction * rest * sin(h)
+    away = length_of(x - st.x[i], y - st.y[i])
+    if away < 0.5:
+        return 0.0
+    alpha = angle_between(bearing(x - st.x[i], y - st.y[i]), st.h[i])
+    base = p.entity_const[i]
+    bend = 2.0 * sin(clip(alpha, -0.5 * pi, 0.5 * pi)) / away
+    sharpest = most / max(st.v[i] * st.v[i], 1.0)
+    angle = atan(p.const[base + E_WHEELBASE] * clip(bend, -sharpest, sharpest))
+    return clip(angle, -p.const[base + E_MAX_STEER], p.const[base + E_MAX_STEER])
+
+
+@compiled
+def command_angle(p: Program, st: State, i: int, angle: float) -> None:
+    """Ask for an angle of the front wheels."""
+    limit = p.const[p.entity_const[i] + E_MAX_STEER]
+    st.command_steer[0] = clip(angle / limit, -1.0, 1.0) if limit > 0.0 else 0.0
+
+
+@compiled
+def command_acceleration(p: Program, st: State, i: int, acceleration: float) -> None:
+    """Ask for an acceleration by throttle or brake."""
+    base = p.entity_const[i]
+    st.command_throttle[0] = 0.0
+    st.command_brake[0] = 0.0
+    st.pedal[0] = acceleration
+    if acceleration >= 0.0:
+        most = p.const[base + E_MAX_ACCELERATION]
+        if most > 0.0:
+            st.command_throttle[0] = min(acceleration / most, 1.0)
+    else:
+        most = p.const[base + E_MAX_DECELERATION]
+        if most > 0.0:
+            st.command_brake[0] = min(-acceleration / most, 1.0)

@@ -1,0 +1,175 @@
+"""How entities move: scripted along a lane, as a bicycle by throttle, steer and brake, or posed from outside.
+
+Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by
+v dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly there, its
+speed is written for one more row and is then 0. The bicycle is the kinematic one about the rear axle (Rajamani 2012,
+Vehicle Dynamics and Control, section 2.2, without side slip).
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, tan
+
+from scenario_compiler.engine.faults import fault
+from scenario_compiler.engine.following import follow_leader
+from scenario_compiler.engine.numbers import clip, heading_in_circle, is_number, length_of
+from scenario_compiler.engine.opcodes import (
+    FAULT_NOT_FINITE,
+    FAULT_UNKNOWN_MOTION,
+    MOTION_BICYCLE,
+    MOTION_POSED,
+    MOTION_SCRIPTED,
+    MOTION_STATIC,
+    TOLERANCE,
+)
+from scenario_compiler.engine.path import locate_ego
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.slots import (
+    E_MAX_ACCELERATION,
+    E_MAX_DECELERATION,
+    E_MAX_SPEED,
+    E_MAX_STEER,
+    E_WHEELBASE,
+)
+from scenario_compiler.engine.state import State
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import road_pose, road_reference
+from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
+
+STEER_RATE = 0.7
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick driver's."""
+
+
+@compiled
+def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None:
+    """Move a scripted entity along the lane it is led by, signed along its forward direction."""
+    road = st.road[i]
+    lane = st.kept_lane[i]
+    s = st.s[i]
+    _, _, _, curvature = road_reference(n, road, s)
+    stretch = 1.0 - curvature * st.t[i]
+    if stretch < 0.1:
+        stretch = 0.1
+    sense = st.facing[i] * lane_direction(n, road, lane)
+    to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, -1)
+    if rest > 0.0:
+        st.ended[i] = 1
+    if to_road != road or to_lane != lane:
+        st.facing[i] = sense * lane_direction(n, to_road, to_lane)
+        st.road[i] = to_road
+        st.kept_lane[i] = to_lane
+    st.s[i] = to_s
+
+
+@compiled
+def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Evaluate the pose of a scripted entity and the lane that its point is in."""
+    road = st.road[i]
+    s = st.s[i]
+    lane = st.kept_lane[i]
+    off = st.kept_off[i]
+    centre, _ = lane_centre(n, road, lane, s)
+    t = centre + off
+    x, y, z, h, pitch, roll = lane_pose(n, road, lane, s, off)
+    st.x[i] = x
+    st.y[i] = y
+    st.z[i] = z
+    if st.facing[i] < 0:
+        h = h + pi
+        pitch = -pitch
+        roll = -roll
+    st.h[i] = heading_in_circle(h + st.turn[i])
+    st.pitch[i] = pitch
+    st.roll[i] = roll
+    st.t[i] = t
+    if off != 0.0:
+        inside = lane_at(n, road, s, t)
+        if inside != 0 and inside != lane:
+            lane = inside
+            centre, _ = lane_centre(n, road, lane, s)
+            off = t - centre
+            if st.lateral[i] < 0:
+                st.kept_lane[i] = lane
+                st.kept_off[i] = off
+    st.lane[i] = lane
+    st.off[i] = off
+
+
+@compiled
+def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
+    """Move a scripted entity by its speed, unless an action has done so or it stands at the end of its road."""
+    if st.ended[i] == 1:
+        st.v[i] = 0.0
+        return
+    if p.entity_follows[i] == 1 and st.longitudinal[i] < 0:
+        follow_leader(n, p, st, i, dt)
+    if st.moved[i] == 0 and abs(st.v[i]) > TOLERANCE:
+        glide(n, p, st, i, st.v[i] * dt)
+        place_scripted(n, p, st, i)
+
+
+@compiled
+def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
+    """Move the ego by its commands; braking stops it exactly and never drives it backwards."""
+    base = p.entity_const[i]
+    st.throttle[i] = clip(st.command_throttle[0], 0.0, 1.0)
+    st.brake[i] = clip(st.command_brake[0], 0.0, 1.0)
+    gain = st.throttle[i] * p.const[base + E_MAX_ACCELERATION]
+    loss = st.brake[i] * p.const[base + E_MAX_DECELERATION]
+    speed = clip(st.v[i] + (gain - loss) * dt, 0.0, p.const[base + E_MAX_SPEED])
+    wanted = clip(st.command_steer[0], -1.0, 1.0) * p.const[base + E_MAX_STEER]
+    st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -STEER_RATE * dt, STEER_RATE * dt)
+    swing = speed * tan(st.steer[i]) / p.const[base + E_WHEELBASE] * dt
+    middle = st.h[i] + 0.5 * swing
+    st.x[i] += speed * dt * cos(middle)
+    st.y[i] += speed * dt * sin(middle)
+    st.h[i] = heading_in_circle(st.h[i] + swing)
+    st.v[i] = speed
+
+
+@compiled
+def settle(n: RoadTables, st: State, i: int) -> None:
+    """Put the ego on the surface of the road below it."""
+    road = st.road[i]
+    if road < 0:
+        return
+    _, _, z, h, pitch, roll = road_pose(n, road, st.s[i], st.t[i])
+    forward = cos(st.h[i] - h)
+    side = sin(st.h[i] - h)
+    st.z[i] = z
+    st.pitch[i] = pitch * forward - roll * side
+    st.roll[i] = roll * forward + pitch * side
+
+
+@compiled
+def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Move every entity that the engine moves; a posed one has been moved from outside."""
+    for i in range(p.entity_count[0]):
+        kind = p.entity_motion[i]
+        if kind == MOTION_SCRIPTED:
+            move_scripted(n, p, st, i, dt)
+        elif kind == MOTION_BICYCLE:
+            move_bicycle(p, st, i, dt)
+        elif kind != MOTION_STATIC and kind != MOTION_POSED:
+            fault(st, FAULT_UNKNOWN_MOTION, i)
+
+
+@compiled
+def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """After all have moved: places on the road, distance covered, acceleration, and numbers that are none."""
+    for i in range(p.entity_count[0]):
+        kind = p.entity_motion[i]
+        if is_number(st.x[i] + st.y[i] + st.h[i] + st.v[i] + st.steer[i]) == 0:
+            fault(st, FAULT_NOT_FINITE, i)
+            return
+        if kind == MOTION_BICYCLE or kind == MOTION_POSED:
+            locate_ego(n, p, st, i)
+            if kind == MOTION_BICYCLE:
+                settle(n, st, i)
+        st.odometer[i] += length_of(st.x[i] - st.last_x[i], st.y[i] - st.last_y[i])
+        st.a[i] = (st.v[i] - st.last_v[i]) / dt if dt > 0.0 else 0.0
+        st.last_x[i] = st.x[i]
+        st.last_y[i] = st.y[i]
+        st.last_v[i] = st.v[i]

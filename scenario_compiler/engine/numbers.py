@@ -1,0 +1,77 @@
+"""Guarded arithmetic: the same value interpreted and compiled, and never an exception."""
+
+from __future__ import annotations
+
+from math import atan2, pi, sqrt
+
+from scenario_compiler.marker import compiled
+
+CIRCLE = 2.0 * pi
+LARGEST = 1.0e15
+"""Bound of every number that is still meaningful: a NaN or a greater one is a fault."""
+
+
+@compiled
+def is_number(value: float) -> int:
+    """Return 1 for a finite number of sensible size, else 0; a NaN compares false."""
+    if value > -LARGEST and value < LARGEST:
+        return 1
+    return 0
+
+
+@compiled
+def clip(value: float, low: float, high: float) -> float:
+    """Return the value, no less than `low` and no more than `high`."""
+    if value < low:
+        return low
+    if value > high:
+        return high
+    return value
+
+
+@compiled
+def ratio(a: float, b: float, otherwise: float) -> float:
+    """Return a / b, or `otherwise` where b is as good as zero."""
+    if b > 1.0e-9 or b < -1.0e-9:
+        return a / b
+    return otherwise
+
+
+@compiled
+def safe_sqrt(value: float) -> float:
+    """Return the square root, 0 of anything not positive."""
+    if value > 0.0:
+        return sqrt(value)
+    return 0.0
+
+
+@compiled
+def length_of(x: float, y: float) -> float:
+    """Return the length of a vector in the plane."""
+    return sqrt(x * x + y * y)
+
+
+@compiled
+def heading_in_circle(h: float) -> float:
+    """Return an angle in [0, 2 pi)."""
+    around = h % CIRCLE
+    if around >= CIRCLE:
+        return 0.0
+    return around
+
+
+@compiled
+def angle_between(a: float, b: float) -> float:
+    """Return a - b in (-pi, pi]."""
+    around = (a - b) % CIRCLE
+    if around > pi:
+        return around - CIRCLE
+    return around
+
+
+@compiled
+def bearing(x: float, y: float) -> float:
+    """Return the direction of a vector, 0 for the zero vector."""
+    if x == 0.0 and y == 0.0:
+        return 0.0
+    return atan2(y, x)

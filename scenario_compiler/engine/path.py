@@ -1,0 +1,183 @@
+"""The ego's path: the lane that it is to follow, and where the ego is along and beside it.
+
+The path goes from lane to lane over links, at a junction to the next road of the plan's route or else straight on. It holds
+the ego to one connecting road of a junction where several overlap.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.numbers import angle_between
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.state import State
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_exists, lane_type
+from scenario_compiler.roads.locate import project_on_road, track
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
+
+HALF_TURN = 3.141592653589793
+STEP_OVER = 0.001
+"""How far beyond a road's end the next road is asked for, m."""
+
+
+@compiled
+def preferred_road(p: Program, st: State, road: int) -> int:
+    """Return the road that the route takes after `road`, -1 off the route."""
+    for k in range(st.route_at[0], p.route_count[0] - 1):
+        if p.route_road[k] == road:
+            return p.route_road[k + 1]
+    return -1
+
+
+@compiled
+def advance_route(p: Program, st: State, road: int) -> None:
+    """Move the ego's place in the route on to `road`, where the route still comes to it."""
+    for k in range(st.route_at[0], p.route_count[0]):
+        if p.route_road[k] == road:
+            st.route_at[0] = k
+            return
+
+
+@compiled
+def advance_routed(
+    n: RoadTables, p: Program, st: State, road: int, lane: int, s: float, ds: float
+) -> tuple[int, int, float, float]:
+    """Return (road, lane, s, left over) after ds >= 0 in the direction of travel, along the ego's route."""
+    left = ds
+    for _ in range(64):
+        room = n.road_length[road] - s
+        if lane_direction(n, road, lane) < 0:
+            room = s
+        step = min(left, room)
+        road, lane, s, rest = advance(n, road, lane, s, step, -1)
+        left = left - step
+        if left <= 0.0 or rest > 0.0:
+            return road, lane, s, left + rest
+        before = road
+        road, lane, s, rest = advance(n, road, lane, s, STEP_OVER, preferred_road(p, st, road))
+        if rest > 0.0 or road == before:
+            return road, lane, s, left
+        left = max(left - STEP_OVER, 0.0)
+    return road, lane, s, left
+
+
+@compiled
+def set_path(st: State, road: int, lane: int, s: float) -> None:
+    """Put the path on a lane."""
+    st.path_road[0] = road
+    st.path_lane[0] = lane
+    st.path_s[0] = s
+
+
+@compiled
+def follow_path(n: RoadTables, p: Program, st: State, i: int) -> float:
+    """Move the path's place on to the ego's projection, over the road's end if need be; return t there."""
+    road = st.path_road[0]
+    lane = st.path_lane[0]
+    s, t = project_on_road(n, road, st.path_s[0], st.x[i], st.y[i])
+    direction = lane_direction(n, road, lane)
+    limit = n.road_length[road]
+    beyond = s - limit if direction > 0 else -s
+    inside = min(max(s, 0.0), limit)
+    ahead = direction * (inside - st.path_s[0])
+    road, lane, at, rest = advance(n, road, lane, st.path_s[0], ahead, -1)
+    if rest > 0.0 or road != st.path_road[0]:
+        road = st.path_road[0]
+        lane = lane_at(n, road, inside, t)
+        if lane == 0:
+            lane = st.path_lane[0]
+    set_path(st, road, lane, inside)
+    if beyond > 0.0:
+        road, lane, at, rest = advance(n, road, lane, inside, beyond + STEP_OVER, preferred_road(p, st, road))
+        if rest <= 0.0:
+            s, t = project_on_road(n, road, at, st.x[i], st.y[i])
+            set_path(st, road, lane, min(max(s, 0.0), n.road_length[road]))
+            advance_route(p, st, road)
+    return t
+
+
+@compiled
+def leave_road(st: State, i: int) -> None:
+    """Note that an entity is off every road."""
+    st.road[i] = -1
+    st.lane[i] = 0
+    st.s[i] = 0.0
+    st.off[i] = 0.0
+    st.t[i] = 0.0
+
+
+@compiled
+def note_lane(n: RoadTables, st: State, i: int, road: int, s: float, t: float, lane: int) -> None:
+    """Write an entity's place on the road."""
+    centre, _ = lane_centre(n, road, lane, s)
+    st.road[i] = road
+    st.lane[i] = lane
+    st.s[i] = s
+    st.t[i] = t
+    st.off[i] = t - centre
+
+
+@compiled
+def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Find the ego's road, lane, s and offset from its point, first on its path, then anywhere."""
+    found = 0
+    road = st.path_road[0]
+    s = 0.0
+    t = 0.0
+    lane = 0
+    if road >= 0:
+        t = follow_path(n, p, st, i)
+        road = st.path_road[0]
+        s = st.path_s[0]
+        lane = lane_at(n, road, s, t)
+        beside, _ = project_on_road(n, road, s, st.x[i], st.y[i])
+        found = 1 if lane != 0 and beside > -1.0 and beside < n.road_length[road] + 1.0 else 0
+    if found == 0:
+        found, road, s, t = track(n, st.x[i], st.y[i], st.path_road[0], st.path_s[0])
+        if found == 1:
+            lane = lane_at(n, road, s, t)
+            if lane == 0:
+                found = 0
+        if found == 1 and is_drivable(lane_type(n, road, lane, s)) == 1:
+            set_path(st, road, lane, s)
+    if found == 0:
+        leave_road(st, i)
+    else:
+        note_lane(n, st, i, road, s, t, lane)
+    st.path_found[0] = found
+    measure_path(n, st, i)
+
+
+@compiled
+def measure_path(n: RoadTables, st: State, i: int) -> None:
+    """Measure the ego's offset and heading relative to its path, positive to the left of the direction of travel."""
+    road = st.path_road[0]
+    if road < 0:
+        st.path_off[0] = 0.0
+        st.path_heading[0] = 0.0
+        return
+    lane = st.path_lane[0]
+    s = st.path_s[0]
+    direction = lane_direction(n, road, lane)
+    rx, ry, h, _ = road_reference(n, road, s)
+    centre, slope = lane_centre(n, road, lane, s)
+    _, t = project_on_road(n, road, s, st.x[i], st.y[i])
+    st.path_off[0] = direction * (t - centre)
+    along = h + slope if direction > 0 else h + slope + HALF_TURN
+    st.path_heading[0] = angle_between(st.h[i], along)
+    st.facing[i] = direction if abs(st.path_heading[0]) < 0.5 * HALF_TURN else -direction
+
+
+@compiled
+def take_present_lane(n: RoadTables, st: State, i: int) -> None:
+    """Let the path follow the lane that the ego is in, where one may drive there in the ego's direction."""
+    road = st.road[i]
+    if road < 0 or road != st.path_road[0] or st.lane[i] == st.path_lane[0]:
+        return
+    lane = st.lane[i]
+    same = lane_direction(n, road, lane) == lane_direction(n, road, st.path_lane[0])
+    if same and lane_exists(n, road, lane, st.s[i]) == 1:
+        if is_drivable(lane_type(n, road, lane, st.s[i])) == 1:
+            set_path(st, road, lane, st.s[i])

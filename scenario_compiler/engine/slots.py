@@ -1,0 +1,82 @@
+"""Where a number stands in `Program.const`: fixed slots of the run, then offsets into the block of each entity, position,
+stretch, condition and action.
+
+Every number of a plan goes through this one column, so that a variant of a plan is one row.
+"""
+
+from __future__ import annotations
+
+K_STEP = 0
+K_DURATION = 1
+K_NOISE = 2
+K_DESTINATION_S = 3
+K_DESTINATION_OFFSET = 4
+K_BUDGET = 5
+K_ESCALATE_AFTER = 6
+K_MINIMUM_RISK_AFTER = 7
+K_MINIMUM_RISK_DECELERATION = 8
+K_HAND_BACK_AFTER = 9
+K_CONFIDENCE_WARNING = 10
+K_CONFIDENCE_REQUEST = 11
+K_CONFIDENCE_COUNT = 12
+K_CONFIDENCE_OF = 13
+K_HEALTH_WARNING = 14
+K_HEALTH_REQUEST = 15
+K_HEALTH_COUNT = 16
+K_HEALTH_OF = 17
+K_BLOCKED_MARGIN = 18
+K_BLOCKED_COUNT = 19
+K_BLOCKED_OF = 20
+K_SENSOR_RANGE = 21
+K_FIELD_OF_VIEW = 22
+K_LANE_END_COUNT = 23
+K_LANE_END_OF = 24
+K_GAP_FRONT = 25
+K_GAP_REAR = 26
+K_DRIVER_TIME = 27
+K_DRIVER_MU = 28
+K_DRIVER_SIGMA = 29
+K_DRIVER_LAPSE = 30
+K_ENTITIES = 31
+"""First slot after those of the run."""
+
+# An entity's block.
+E_LENGTH = 0
+E_WIDTH = 1
+E_HEIGHT = 2
+E_WHEELBASE = 3
+E_CENTER = 4
+E_MAX_STEER = 5
+E_MAX_ACCELERATION = 6
+E_MAX_DECELERATION = 7
+E_MAX_SPEED = 8
+E_SPEED = 9
+E_DESIRED_SPEED = 10
+E_TIME_GAP = 11
+E_MINIMUM_GAP = 12
+E_ACCELERATION = 13
+E_DECELERATION = 14
+E_SIZE = 15
+
+# A position's block: s or the distance ahead, the lateral offset and the heading relative to the lane's direction.
+P_S = 0
+P_OFFSET = 1
+P_TURN = 2
+P_SIZE = 3
+
+# A stretch of marks.
+M_FROM = 0
+M_TO = 1
+M_QUALITY = 2
+M_QUALITY_TO = 3
+M_SIZE = 4
+
+# A condition: the value compared with, the delay, and the radius of a position.
+C_VALUE = 0
+C_DELAY = 1
+C_SIZE = 2
+
+# An action: the target and the value of its dynamics.
+A_TARGET = 0
+A_DYNAMICS = 1
+A_SIZE = 2

@@ -1,0 +1,266 @@
+"""State: everything that changes during a run, as flat columns of a fixed size.
+
+`reset` fills every column but the inputs and draws, so one state serves all variants of a sweep.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from scenario_compiler.engine.opcodes import DELAY_RECORDS, DRAWS_PER_RUN, LOG_SIZE, WAY_SIZE
+from scenario_compiler.engine.program import Program
+
+
+@dataclass(slots=True)
+class State:
+    """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
+
+    # The run, one element each.
+    clock: list[float]
+    """Time, s: the sum of the steps."""
+    frame: list[int]
+    """Number of the frame; 0 is the one of length 0."""
+    stop: list[int]
+    """STOP_... as soon as the run is over."""
+    flag: list[int]
+    """FAULT_...; a fault stops the run."""
+    flag_at: list[int]
+    """The entity, condition or action that the fault is about."""
+    draw: list[float]
+    """Draws made before the run: normal and uniform ones of four requests, then the seed of the counter hash."""
+
+    # Entities.
+    x: list[float]
+    y: list[float]
+    z: list[float]
+    h: list[float]
+    pitch: list[float]
+    roll: list[float]
+    v: list[float]
+    a: list[float]
+    steer: list[float]
+    """Angle of the front wheels, positive to the left."""
+    throttle: list[float]
+    brake: list[float]
+    road: list[int]
+    """Index of the road, -1 off every road."""
+    lane: list[int]
+    s: list[float]
+    off: list[float]
+    """Left of the lane's centre in the road's s direction."""
+    t: list[float]
+    """Left of the reference line."""
+    facing: list[int]
+    """1 where the entity's forward direction goes along s, else -1."""
+    turn: list[float]
+    """Heading relative to `facing` along the lane."""
+    kept_lane: list[int]
+    """Lane that a scripted entity is led by: its own, or the target of a lane change."""
+    kept_off: list[float]
+    odometer: list[float]
+    ended: list[int]
+    """1 when the entity stands at the end of its road."""
+    moved: list[int]
+    """1 when an action has moved the entity in this step."""
+    longitudinal: list[int]
+    """Action that changes the entity's speed, or -1."""
+    lateral: list[int]
+    """Action that changes the entity's lane, or -1."""
+    last_x: list[float]
+    last_y: list[float]
+    last_v: list[float]
+    order: list[int]
+    """Entities by the x of their boxes' left ends."""
+    reach: list[float]
+    """Half diagonal of the entity's box."""
+    middle_x: list[float]
+    middle_y: list[float]
+
+    # Positions of the plan.
+    position_x: list[float]
+    position_y: list[float]
+    position_at_road: list[int]
+    position_at_lane: list[int]
+    position_at_s: list[float]
+
+    # Storyboard.
+    element_state: list[int]
+    element_runs: list[int]
+    """Executions so far."""
+    element_started: list[int]
+    """Frame from which the last start transition is seen; -1 before."""
+    element_ended: list[int]
+    element_stopped: list[int]
+    element_skipped: list[int]
+    condition_known: list[int]
+    """1 when `condition_before` holds an earlier evaluation."""
+    condition_before: list[int]
+    ring_time: list[float]
+    ring_value: list[int]
+    ring_first: list[int]
+    ring_size: list[int]
+    action_state: list[int]
+    action_element: list[int]
+    """Element that an action stands in, or -1 for an action of the init."""
+    action_progress: list[float]
+    action_span: list[float]
+    action_from: list[float]
+    action_change: list[float]
+    action_clip: list[float]
+
+    # Inputs from outside: the controller and the detector.
+    conf_left: list[float]
+    conf_right: list[float]
+    health: list[float]
+    auto_throttle: list[float]
+    auto_steer: list[float]
+    """-1 .. 1 of the greatest steering angle, positive to the left."""
+    auto_brake: list[float]
+    auto_request: list[int]
+
+    # The ego.
+    sigma: list[float]
+    """Camera noise now, grey levels."""
+    target_speed: list[float]
+    """Speed that the automation aims for; a speed action on the ego changes it."""
+    path_road: list[int]
+    path_lane: list[int]
+    path_s: list[float]
+    path_off: list[float]
+    """Offset from the path lane's centre, positive to the left of the travel."""
+    path_heading: list[float]
+    """Heading of the ego relative to the path's direction."""
+    path_found: list[int]
+    route_at: list[int]
+    """Row of `Program.route_road` that the ego has come to."""
+    command_throttle: list[float]
+    command_steer: list[float]
+    command_brake: list[float]
+    pedal: list[float]
+    """Acceleration asked for at the last control step, for limiting jerk."""
+    shift_begin: list[float]
+    """Odometer at which the planned move to the side begins; see `lane_keeping`."""
+    shift_end: list[float]
+    shift_from: list[float]
+    """Offset from the path lane's centre before it, positive to the left of the direction of travel."""
+    shift_to: list[float]
+
+    # What lies ahead: the way, then each entity as seen along it.
+    way_road: list[int]
+    way_lane: list[int]
+    way_s: list[float]
+    way_sign: list[int]
+    way_from: list[float]
+    way_count: list[int]
+    seen: list[int]
+    """1 when the forward sensor (or the driver) sees the entity."""
+    on_way: list[int]
+    near: list[float]
+    """Distance along the way from the ego's reference point to the nearest part of the entity's box."""
+    far: list[float]
+    low: list[float]
+    """Right end of the box across the way, relative to the lane's centre, positive to the left."""
+    high: list[float]
+    along: list[float]
+    """Speed along the way."""
+    across: list[float]
+    """Speed to the left of the way."""
+    border_left: list[float]
+    """Left border of the lane at the entity, relative to its centre."""
+    border_right: list[float]
+    blocked_distance: list[float]
+    """From the front bumper to where the path is blocked, FAR when it is free."""
+    blocked_far: list[float]
+    """From the front bumper to the far end of what blocks the path."""
+    lane_end_distance: list[float]
+    """From the front bumper to the end of the driving lane, FAR when none is near."""
+    through_lane: list[int]
+    """Lane beside an ending one that goes on; 0 when there is none."""
+    through_side: list[int]
+    """1 when that lane is on the left in the direction of travel, -1 on the right."""
+    gap_free: list[int]
+    min_ttc: list[float]
+    contact: list[int]
+    """1 while the entity's box overlaps the ego's."""
+    collision_a: list[int]
+    collision_b: list[int]
+    collision_time: list[float]
+    collision_count: list[int]
+    crashed: list[int]
+
+    # Takeover.
+    takeover_state: list[int]
+    cause: list[int]
+    requests: list[int]
+    """Number of requests so far."""
+    history: list[int]
+    """By cause, the last 32 control steps as bits, the latest lowest."""
+    time_warning: list[float]
+    """Time of the first of each, -1 before."""
+    time_request: list[float]
+    time_escalation: list[float]
+    time_response: list[float]
+    time_minimum_risk: list[float]
+    time_standstill: list[float]
+    request_at: list[float]
+    """Time of the present request."""
+    answer_at: list[float]
+    """Time at which the driver answers the present request, FAR for never."""
+    manual_since: list[float]
+    still_since: list[float]
+    """Time since which the ego stands, -1 while it moves."""
+    hazard_lights: list[int]
+    trusted_steer: list[float]
+    """Last steering command that the automation could rely on."""
+    manoeuvre: list[int]
+    merging: list[int]
+    merge_from_lane: list[int]
+    merge_from_road: list[int]
+    evade_until: list[float]
+    """Odometer at which the driver may go back to the lane's centre."""
+    evade_commit: list[float]
+    """Odometer at which the move to the side has gone too far to be given up."""
+    log_time: list[float]
+    log_kind: list[int]
+    log_value: list[float]
+    log_count: list[int]
+
+
+_ENTITY = (
+    *("x y z h pitch roll v a steer throttle brake road lane s off t facing turn kept_lane kept_off odometer ended").split(),
+    *("moved longitudinal lateral last_x last_y last_v order reach middle_x middle_y seen on_way near far low").split(),
+    *("high along across border_left border_right contact").split(),
+)
+_POSITION = "position_x position_y position_at_road position_at_lane position_at_s".split()
+_ELEMENT = "element_state element_runs element_started element_ended element_stopped element_skipped".split()
+_CONDITION = ("condition_known", "condition_before")
+_RING_ROWS = ("ring_time", "ring_value")
+_RING = ("ring_first", "ring_size")
+_ACTION = (
+    "action_state action_element action_progress action_span action_from action_change action_clip"
+).split()
+_WAY = "way_road way_lane way_s way_sign way_from".split()
+_LOG = ("log_time", "log_kind", "log_value")
+
+
+def new_state(program: Program) -> State:
+    """Return a state of the right sizes; `reset` gives it the values of t = 0."""
+    p = program
+    sizes = {name: 1 for name in State.__slots__}
+    sizes |= dict.fromkeys(_ENTITY, p.entity_count[0])
+    sizes |= dict.fromkeys(_POSITION, p.position_count[0])
+    sizes |= dict.fromkeys(_ELEMENT, p.element_count[0])
+    sizes |= dict.fromkeys(_CONDITION, p.condition_count[0])
+    sizes |= dict.fromkeys(_RING_ROWS, p.ring_count[0] * DELAY_RECORDS)
+    sizes |= dict.fromkeys(_RING, p.ring_count[0])
+    sizes |= dict.fromkeys(_ACTION, p.action_count[0])
+    sizes |= dict.fromkeys(_WAY, WAY_SIZE)
+    sizes |= dict.fromkeys(_LOG, LOG_SIZE)
+    sizes |= {"draw": DRAWS_PER_RUN, "history": len(p.cause_on)}
+    columns: dict[str, list[float] | list[int]] = {}
+    for column in fields(State):
+        zero = 0.0 if "float" in str(column.type) else 0
+        columns[column.name] = [zero] * sizes[column.name]  # type: ignore[assignment]
+    state = State(**columns)  # type: ignore[arg-type]
+    state.conf_left[0] = state.conf_right[0] = state.health[0] = 1.0
+    return state

@@ -1,0 +1,172 @@
+"""One time step, a run, and a sweep of runs.
+
+`reset` gives the row of t = 0, with the frame of length 0 that ends the init. `step` then does, for the time t_k: the stop
+trigger, the triggers of the storyboard, the actions; at control steps what the ego senses, the takeover machine and who drives; it
+moves time and all entities on by one step and takes stock. So a condition that is true at t_k shows in the row of t_k + dt.
+A world that moves the ego itself calls `begin_step`, lets its own physics move it, writes the pose and calls `finish_step`.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.actions import run_actions
+from scenario_compiler.engine.automation import control_ego
+from scenario_compiler.engine.collision import check_collisions, update_boxes, watch_ttc
+from scenario_compiler.engine.motion import move_entities, take_stock
+from scenario_compiler.engine.numbers import length_of
+from scenario_compiler.engine.opcodes import (
+    FAULT_NONE,
+    MOTION_BICYCLE,
+    MOTION_POSED,
+    STOP_COLLISION,
+    STOP_DESTINATION,
+    STOP_DURATION,
+    STOP_NONE,
+    STOP_STANDSTILL,
+    STOP_TRIGGER,
+    TAKEOVER_MANUAL,
+    TAKEOVER_STANDSTILL,
+)
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.reset import reset_columns
+from scenario_compiler.engine.slots import K_DESTINATION_OFFSET, K_DESTINATION_S, K_DURATION, K_STEP
+from scenario_compiler.engine.starts import start_action
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.storyboard import run_triggers, trigger_fires
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_pose
+from scenario_compiler.roads.tables import RoadTables
+
+ARRIVED = 5.0
+"""Distance to the destination at which a run ends, m."""
+
+STANDING_TIME = 3.0
+"""Time at a standstill, after the minimum-risk manoeuvre, a driver's stop or a collision, that ends a run, s."""
+
+TRACE_FIELDS = 13
+"""Numbers of an entity in a trace: x y z h v a steer road lane s off throttle brake."""
+
+TRACE_HEAD = 10
+"""Numbers of the run before them: t, takeover state, cause, confidences, health, two distances, least TTC, noise."""
+
+
+@compiled
+def drives_ego(p: Program) -> int:
+    """Return 1 where the ego is driven by commands, so that the takeover is about it."""
+    ego = p.ego[0]
+    if ego < 0:
+        return 0
+    return 1 if p.entity_motion[ego] == MOTION_BICYCLE or p.entity_motion[ego] == MOTION_POSED else 0
+
+
+@compiled
+def play_story(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Run the triggers and then the actions of one frame."""
+    for i in range(p.entity_count[0]):
+        st.moved[i] = 0
+    run_triggers(n, p, st)
+    run_actions(n, p, st, dt)
+
+
+@compiled
+def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Take stock after all have moved."""
+    take_stock(n, p, st, dt)
+    if st.flag[0] != FAULT_NONE:
+        return
+    update_boxes(p, st)
+    check_collisions(p, st)
+    watch_ttc(p, st)
+
+
+@compiled
+def reset(n: RoadTables, p: Program, st: State) -> None:
+    """Put the state to the row of t = 0: start poses, init actions, and a frame of length 0."""
+    reset_columns(n, p, st)
+    if st.flag[0] != FAULT_NONE:
+        return
+    for c in range(p.init_count[0]):
+        start_action(n, p, st, p.init_action[c], -1)
+    play_story(n, p, st, 0.0)
+    finish_frame(n, p, st, 0.0)
+
+
+@compiled
+def begin_step(n: RoadTables, p: Program, st: State) -> int:
+    """Do a step up to the ego's commands; return 0, with `stop` set, where the run is over and no row follows."""
+    if st.stop[0] != STOP_NONE:
+        return 0
+    if p.stop_trigger[0] >= 0 and trigger_fires(n, p, st, p.stop_trigger[0]) == 1:
+        st.stop[0] = STOP_TRIGGER
+        return 0
+    st.frame[0] += 1
+    play_story(n, p, st, p.const[K_STEP])
+    if drives_ego(p) == 1 and (st.frame[0] - 1) % p.control_every[0] == 0:
+        control_ego(n, p, st, p.ego[0])
+    if st.flag[0] != FAULT_NONE:
+        return 0
+    return 1
+
+
+@compiled
+def watch_standstill(p: Program, st: State) -> None:
+    """End a run whose ego has stood for a while after a stop that ends the conflict."""
+    ego = p.ego[0]
+    state = st.takeover_state[0]
+    ended = st.crashed[0] == 1 or state == TAKEOVER_STANDSTILL or state == TAKEOVER_MANUAL
+    if st.v[ego] > 0.0 or not ended:
+        st.still_since[0] = -1.0
+        return
+    if st.still_since[0] < 0.0:
+        st.still_since[0] = st.clock[0]
+    if st.clock[0] - st.still_since[0] >= STANDING_TIME - 1.0e-6:
+        st.stop[0] = STOP_COLLISION if st.crashed[0] == 1 else STOP_STANDSTILL
+
+
+@compiled
+def at_destination(n: RoadTables, p: Program, st: State) -> int:
+    """Return 1 where the ego is near its destination."""
+    road = p.destination_road[0]
+    if road < 0:
+        return 0
+    s = p.const[K_DESTINATION_S]
+    x, y, _, _, _, _ = lane_pose(n, road, p.destination_lane[0], s, p.const[K_DESTINATION_OFFSET])
+    ego = p.ego[0]
+    return 1 if length_of(x - st.x[ego], y - st.y[ego]) <= ARRIVED else 0
+
+
+@compiled
+def finish_step(n: RoadTables, p: Program, st: State) -> None:
+    """Move time and all entities on and take stock; set `stop` where this row is the last."""
+    dt = p.const[K_STEP]
+    st.clock[0] += dt
+    move_entities(n, p, st, dt)
+    finish_frame(n, p, st, dt)
+    if st.flag[0] != FAULT_NONE:
+        return
+    if drives_ego(p) == 1:
+        watch_standstill(p, st)
+        if st.stop[0] == STOP_NONE and at_destination(n, p, st) == 1:
+            st.stop[0] = STOP_DESTINATION
+    if st.stop[0] == STOP_NONE and st.clock[0] >= p.const[K_DURATION] - 1.0e-6:
+        st.stop[0] = STOP_DURATION
+
+
+@compiled
+def step(n: RoadTables, p: Program, st: State) -> int:
+    """Do one step; return 1 where it made a new row, 0 where the run was over before it.
+
+    `stop` may be set with either: the row made is then the last.
+    """
+    if begin_step(n, p, st) == 0:
+        return 0
+    finish_step(n, p, st)
+    return 1
+
+
+@compiled
+def run_steps(n: RoadTables, p: Program, st: State, count: int) -> int:
+    """Do up to `count` steps; return the number of new rows."""
+    rows = 0
+    while rows < count and step(n, p, st) == 1:
+        rows = rows + 1
+    return rows

@@ -1,0 +1,224 @@
+"""The storyboard: triggers, and the states of stories, acts, groups, maneuvers, events and actions.
+
+A frame has two passes. `run_triggers` goes through the elements in document order, parents before children, on the states
+before the step; what starts there acts in the same frame. `run_actions` (in `actions`) steps the running actions and
+calls `action_done`, which completes parents at once. A transition is seen as a pulse of one frame: in the triggers' pass by
+what comes later in it, in the actions' pass by the next frame. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.conditions import condition_fires
+from scenario_compiler.engine.faults import log_event
+from scenario_compiler.engine.opcodes import (
+    ACTION_LANE_CHANGE,
+    ACTION_SPEED,
+    COMPLETE,
+    ELEMENT_ACT,
+    ELEMENT_ACTION,
+    ELEMENT_EVENT,
+    ELEMENT_GROUP,
+    EVENT_STORYBOARD_END,
+    EVENT_STORYBOARD_START,
+    NONE,
+    PRIORITY_OVERRIDE,
+    PRIORITY_SKIP,
+    RUNNING,
+    STANDBY,
+)
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.starts import end_action, start_action
+from scenario_compiler.engine.state import State
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def group_fires(n: RoadTables, p: Program, st: State, g: int) -> int:
+    """Return 1 where all conditions of a group fire.
+
+    After a false one the later ones are not evaluated, so their memory of edges grows stale, unless they have a delay.
+    """
+    fires = 1
+    for c in range(p.group_first[g], p.group_first[g + 1]):
+        if (fires == 1 or p.condition_ring[c] >= 0) and condition_fires(n, p, st, c) == 0:
+            fires = 0
+    return fires
+
+
+@compiled
+def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
+    """Return 1 where any group of a trigger fires; all groups are evaluated, and one without groups never fires."""
+    fires = 0
+    for g in range(p.trigger_first[trigger], p.trigger_first[trigger + 1]):
+        if group_fires(n, p, st, g) == 1:
+            fires = 1
+    return fires
+
+
+@compiled
+def start_element(p: Program, st: State, e: int, frame: int) -> None:
+    """Set an element running."""
+    st.element_state[e] = RUNNING
+    st.element_runs[e] += 1
+    st.element_started[e] = frame
+
+
+@compiled
+def stop_below(p: Program, st: State, e: int, frame: int) -> None:
+    """Stop an element and all that runs below it, actions included."""
+    for k in range(e, p.element_end[e]):
+        if st.element_state[k] == RUNNING:
+            st.element_stopped[k] = frame
+            if p.element_kind[k] == ELEMENT_ACTION and p.element_action[k] >= 0:
+                end_action(p, st, p.element_action[k])
+        st.element_state[k] = COMPLETE
+
+
+@compiled
+def rest_below(p: Program, st: State, e: int) -> None:
+    """Put everything below an element to standby with no executions, for its next one."""
+    for k in range(e + 1, p.element_end[e]):
+        st.element_state[k] = STANDBY
+        st.element_runs[k] = 0
+
+
+@compiled
+def children_complete(p: Program, st: State, e: int) -> int:
+    """Return 1 where all children of an element are complete."""
+    k = e + 1
+    while k < p.element_end[e]:
+        if st.element_state[k] != COMPLETE:
+            return 0
+        k = p.element_end[k]
+    return 1
+
+
+@compiled
+def complete_element(p: Program, st: State, e: int, frame: int) -> None:
+    """End an element, and its parents as far as all their children are complete.
+
+    An event or group with executions left goes back to standby instead. `frame` is the one from which it is seen.
+    """
+    at = e
+    while at >= 0:
+        st.element_ended[at] = frame
+        kind = p.element_kind[at]
+        if kind == ELEMENT_EVENT:
+            log_event(st, EVENT_STORYBOARD_END, 1.0 * at)
+        again = kind == ELEMENT_EVENT or kind == ELEMENT_GROUP
+        if again and st.element_runs[at] < p.element_limit[at]:
+            st.element_state[at] = STANDBY
+            rest_below(p, st, at)
+            return
+        st.element_state[at] = COMPLETE
+        parent = p.element_parent[at]
+        if parent < 0 or st.element_state[parent] != RUNNING or children_complete(p, st, parent) == 0:
+            return
+        at = parent
+
+
+@compiled
+def action_done(p: Program, st: State, k: int, frame: int) -> None:
+    """End an action of the story or the init, and complete what that completes."""
+    end_action(p, st, k)
+    e = st.action_element[k]
+    if e >= 0 and st.element_state[e] == RUNNING:
+        complete_element(p, st, e, frame)
+
+
+@compiled
+def displace(p: Program, st: State, k: int, frame: int) -> None:
+    """End the action that runs on the domain (speed or lane) of the entity that action k is about to take."""
+    i = p.action_entity[k]
+    older = NONE
+    if p.action_op[k] == ACTION_SPEED:
+        older = st.longitudinal[i]
+    if p.action_op[k] == ACTION_LANE_CHANGE:
+        older = st.lateral[i]
+    if older >= 0:
+        action_done(p, st, older, frame)
+
+
+@compiled
+def start_event(n: RoadTables, p: Program, st: State, e: int, frame: int) -> None:
+    """Start an event and its actions, in order; each ends the action that holds its entity's domain."""
+    start_element(p, st, e, frame)
+    log_event(st, EVENT_STORYBOARD_START, 1.0 * e)
+    for c in range(e + 1, p.element_end[e]):
+        start_element(p, st, c, frame)
+        k = p.element_action[c]
+        if k >= 0:
+            displace(p, st, k, frame)
+            start_action(n, p, st, k, c)
+
+
+@compiled
+def sibling_runs(p: Program, st: State, e: int) -> int:
+    """Return 1 where another event of the same maneuver runs."""
+    parent = p.element_parent[e]
+    k = parent + 1
+    while k < p.element_end[parent]:
+        if k != e and st.element_state[k] == RUNNING:
+            return 1
+        k = p.element_end[k]
+    return 0
+
+
+@compiled
+def stop_siblings(p: Program, st: State, e: int, frame: int) -> None:
+    """Stop the other running events of the same maneuver."""
+    parent = p.element_parent[e]
+    k = parent + 1
+    while k < p.element_end[parent]:
+        if k != e and st.element_state[k] == RUNNING:
+            stop_below(p, st, k, frame)
+            if st.element_runs[k] < p.element_limit[k]:
+                st.element_state[k] = STANDBY
+        k = p.element_end[k]
+
+
+@compiled
+def try_event(n: RoadTables, p: Program, st: State, e: int, frame: int) -> None:
+    """Start an event in standby where its trigger fires and its priority lets it."""
+    trigger = p.element_start[e]
+    if trigger >= 0 and trigger_fires(n, p, st, trigger) == 0:
+        return
+    priority = p.element_priority[e]
+    if priority == PRIORITY_SKIP and sibling_runs(p, st, e) == 1:
+        st.element_skipped[e] = frame
+        return
+    if priority == PRIORITY_OVERRIDE:
+        stop_siblings(p, st, e, frame)
+    start_event(n, p, st, e, frame)
+    if p.element_end[e] == e + 1:
+        complete_element(p, st, e, frame)
+
+
+@compiled
+def run_element(n: RoadTables, p: Program, st: State, e: int, frame: int) -> None:
+    """Bring one element of a running parent from standby to running, or stop an act whose stop trigger fires."""
+    kind = p.element_kind[e]
+    if st.element_state[e] == STANDBY:
+        if kind == ELEMENT_EVENT:
+            try_event(n, p, st, e, frame)
+        elif kind != ELEMENT_ACTION:
+            trigger = p.element_start[e]
+            if trigger < 0 or trigger_fires(n, p, st, trigger) == 1:
+                start_element(p, st, e, frame)
+    if kind == ELEMENT_ACT and st.element_state[e] == RUNNING and p.element_stop[e] >= 0:
+        if trigger_fires(n, p, st, p.element_stop[e]) == 1:
+            stop_below(p, st, e, frame)
+
+
+@compiled
+def run_triggers(n: RoadTables, p: Program, st: State) -> None:
+    """Go through all elements in document order; what stands below an element that does not run is passed over."""
+    e = 0
+    frame = st.frame[0]
+    while e < p.element_count[0]:
+        run_element(n, p, st, e, frame)
+        if st.element_state[e] == RUNNING and p.element_kind[e] != ELEMENT_EVENT:
+            e = e + 1
+        else:
+            e = p.element_end[e]

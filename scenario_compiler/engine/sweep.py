@@ -1,0 +1,128 @@
+"""Many variants of one plan in one call, each a row of numbers and a row of draws.
+
+All arrays are flat: `rows` holds the numbers of `Program.const` variant by variant, `draws` DRAWS_PER_RUN of them, `out` gets
+SUMMARY_SIZE numbers a variant and `trace` the rows of its run.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, STOP_NONE
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD, reset, step
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+SUMMARY = (
+    *("rows", "t", "stop", "flag", "flag_at", "takeover_state", "cause", "requests", "time_warning"),
+    *("time_request", "time_escalation", "time_response", "time_minimum_risk", "time_standstill", "min_ttc"),
+    *("collision_a", "collision_b", "collision_time", "collision_count", "ego_v", "ego_odometer"),
+)
+"""What `summarise` writes for a variant, in this order."""
+
+SUMMARY_SIZE = 21
+
+
+@compiled
+def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
+    """Write the row of now into a trace from `base` on; return where the next one goes."""
+    trace[base] = st.clock[0]
+    trace[base + 1] = 1.0 * st.takeover_state[0]
+    trace[base + 2] = 1.0 * st.cause[0]
+    trace[base + 3] = st.conf_left[0]
+    trace[base + 4] = st.conf_right[0]
+    trace[base + 5] = st.health[0]
+    trace[base + 6] = st.blocked_distance[0]
+    trace[base + 7] = st.lane_end_distance[0]
+    trace[base + 8] = st.min_ttc[0]
+    trace[base + 9] = st.sigma[0]
+    at = base + TRACE_HEAD
+    for i in range(p.entity_count[0]):
+        trace[at] = st.x[i]
+        trace[at + 1] = st.y[i]
+        trace[at + 2] = st.z[i]
+        trace[at + 3] = st.h[i]
+        trace[at + 4] = st.v[i]
+        trace[at + 5] = st.a[i]
+        trace[at + 6] = st.steer[i]
+        trace[at + 7] = 1.0 * st.road[i]
+        trace[at + 8] = 1.0 * st.lane[i]
+        trace[at + 9] = st.s[i]
+        trace[at + 10] = st.off[i]
+        trace[at + 11] = st.throttle[i]
+        trace[at + 12] = st.brake[i]
+        at = at + TRACE_FIELDS
+    return at
+
+
+@compiled
+def summarise(p: Program, st: State, rows: int, out: list[float], base: int) -> None:
+    """Write the summary of a run that is over into `out` from `base` on, by `SUMMARY`."""
+    out[base] = 1.0 * rows
+    out[base + 1] = st.clock[0]
+    out[base + 2] = 1.0 * st.stop[0]
+    out[base + 3] = 1.0 * st.flag[0]
+    out[base + 4] = 1.0 * st.flag_at[0]
+    out[base + 5] = 1.0 * st.takeover_state[0]
+    out[base + 6] = 1.0 * st.cause[0]
+    out[base + 7] = 1.0 * st.requests[0]
+    out[base + 8] = st.time_warning[0]
+    out[base + 9] = st.time_request[0]
+    out[base + 10] = st.time_escalation[0]
+    out[base + 11] = st.time_response[0]
+    out[base + 12] = st.time_minimum_risk[0]
+    out[base + 13] = st.time_standstill[0]
+    out[base + 14] = st.min_ttc[0]
+    out[base + 15] = 1.0 * st.collision_a[0]
+    out[base + 16] = 1.0 * st.collision_b[0]
+    out[base + 17] = st.collision_time[0]
+    out[base + 18] = 1.0 * st.collision_count[0]
+    ego = max(p.ego[0], 0)
+    out[base + 19] = st.v[ego]
+    out[base + 20] = st.odometer[ego]
+
+
+@compiled
+def run_variant(
+    n: RoadTables, p: Program, st: State, limit: int, trace: list[float], base: int, every: int
+) -> int:
+    """Run from reset to stop, at most `limit` steps; return the number of rows, that of t = 0 included.
+
+    With `every` above 0, each such row goes into the trace from `base` on, as long as it has room.
+    """
+    reset(n, p, st)
+    rows = 1
+    at = base
+    size = TRACE_HEAD + TRACE_FIELDS * p.entity_count[0]
+    if every > 0 and at + size <= len(trace):
+        at = trace_row(p, st, trace, at)
+    while st.stop[0] == STOP_NONE and rows <= limit and step(n, p, st) == 1:
+        if every > 0 and rows % every == 0 and at + size <= len(trace):
+            at = trace_row(p, st, trace, at)
+        rows = rows + 1
+    return rows
+
+
+@compiled
+def sweep(
+    n: RoadTables,
+    p: Program,
+    st: State,
+    count: int,
+    rows: list[float],
+    draws: list[float],
+    limit: int,
+    trace: list[float],
+    stride: int,
+    every: int,
+    out: list[float],
+) -> None:
+    """Run `count` variants; variant k's trace starts at k * stride (a row each `every` steps, 0: none), its summary at its place."""
+    width = len(p.const)
+    for k in range(count):
+        for q in range(width):
+            p.const[q] = rows[k * width + q]
+        for q in range(DRAWS_PER_RUN):
+            st.draw[q] = draws[k * DRAWS_PER_RUN + q]
+        made = run_variant(n, p, st, limit, trace, k * stride, every)
+        summarise(p, st, made, out, k * SUMMARY_SIZE)

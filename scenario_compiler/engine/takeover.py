@@ -1,0 +1,270 @@
+"""The takeover machine: from a cause to a warning, a request, its escalation, an answer or the minimum-risk manoeuvre.
+
+It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver answers at
+a time drawn before the run; before it nothing but the automation acts.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from scenario_compiler.engine.faults import log_event
+from scenario_compiler.engine.minimum_risk import minimum_risk_due
+from scenario_compiler.engine.numbers import clip
+from scenario_compiler.engine.opcodes import (
+    CAUSE_CONTROLLER,
+    CAUSE_LANE_CONFIDENCE,
+    CAUSE_LANE_ENDS,
+    CAUSE_NONE,
+    CAUSE_PATH_BLOCKED,
+    CAUSE_SENSOR_HEALTH,
+    CAUSES,
+    DRIVER_FIXED,
+    EVENT_ACTIVATION,
+    EVENT_ESCALATION,
+    EVENT_HAND_BACK,
+    EVENT_MINIMUM_RISK,
+    EVENT_REQUEST,
+    EVENT_RESPONSE,
+    EVENT_STANDSTILL,
+    EVENT_WARNING,
+    EVENT_WARNING_OVER,
+    FAR,
+    MANOEUVRE_KEEP,
+    TAKEOVER_AUTOMATED,
+    TAKEOVER_ESCALATION,
+    TAKEOVER_HAND_BACK,
+    TAKEOVER_MANUAL,
+    TAKEOVER_MINIMUM_RISK,
+    TAKEOVER_REQUEST,
+    TAKEOVER_STANDSTILL,
+    TAKEOVER_WARNING,
+)
+from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.slots import (
+    K_BLOCKED_COUNT,
+    K_BLOCKED_OF,
+    K_BUDGET,
+    K_CONFIDENCE_COUNT,
+    K_CONFIDENCE_OF,
+    K_CONFIDENCE_REQUEST,
+    K_CONFIDENCE_WARNING,
+    K_DRIVER_LAPSE,
+    K_DRIVER_MU,
+    K_DRIVER_SIGMA,
+    K_DRIVER_TIME,
+    K_ESCALATE_AFTER,
+    K_HAND_BACK_AFTER,
+    K_HEALTH_COUNT,
+    K_HEALTH_OF,
+    K_HEALTH_REQUEST,
+    K_HEALTH_WARNING,
+    K_LANE_END_COUNT,
+    K_LANE_END_OF,
+)
+from scenario_compiler.engine.state import State
+from scenario_compiler.marker import compiled
+
+CLOSE = 5.0
+"""Distance to a blocked path within which the automation asks at any speed, m."""
+
+HISTORY_SIZE = 32
+
+
+@compiled
+def remembered(st: State, cause: int, raw: int, count: float, of: float) -> int:
+    """Note whether a cause asks at this control step; return 1 where it did in `count` of the last `of`."""
+    bits = (st.history[cause] * 2 + raw) & 0xFFFFFFFF
+    st.history[cause] = bits
+    asked = 0
+    for k in range(HISTORY_SIZE):
+        if k < of:
+            asked += (bits >> k) & 1
+    return 1 if asked > 0 and asked >= count else 0
+
+
+@compiled
+def asks_confidence(p: Program, st: State) -> int:
+    """Return 1 where the lane confidence of both sides has been too low."""
+    limit = p.const[K_CONFIDENCE_REQUEST]
+    raw = 1 if st.conf_left[0] < limit and st.conf_right[0] < limit else 0
+    return remembered(st, CAUSE_LANE_CONFIDENCE, raw, p.const[K_CONFIDENCE_COUNT], p.const[K_CONFIDENCE_OF])
+
+
+@compiled
+def asks_health(p: Program, st: State) -> int:
+    """Return 1 where the sensor's health has been too low."""
+    raw = 1 if st.health[0] < p.const[K_HEALTH_REQUEST] else 0
+    return remembered(st, CAUSE_SENSOR_HEALTH, raw, p.const[K_HEALTH_COUNT], p.const[K_HEALTH_OF])
+
+
+@compiled
+def budget_distance(p: Program, st: State, i: int) -> float:
+    """Return the distance that the ego covers in the time budget, m."""
+    return max(p.const[K_BUDGET] * st.v[i], CLOSE)
+
+
+@compiled
+def asks_path(p: Program, st: State, i: int) -> int:
+    """Return 1 where the path has been seen blocked within the budget."""
+    raw = 1 if st.blocked_distance[0] <= budget_distance(p, st, i) else 0
+    return remembered(st, CAUSE_PATH_BLOCKED, raw, p.const[K_BLOCKED_COUNT], p.const[K_BLOCKED_OF])
+
+
+@compiled
+def asks_lane_end(p: Program, st: State, i: int) -> int:
+    """Return 1 where the lane has been ending within the budget and the gap beside it was not free."""
+    raw = 0
+    if st.through_lane[0] != 0 and st.gap_free[0] == 0 and st.merging[0] == 0:
+        raw = 1 if st.lane_end_distance[0] <= budget_distance(p, st, i) else 0
+    return remembered(st, CAUSE_LANE_ENDS, raw, p.const[K_LANE_END_COUNT], p.const[K_LANE_END_OF])
+
+
+@compiled
+def asking_cause(p: Program, st: State, i: int) -> int:
+    """Return the cause that asks for a takeover now, CAUSE_NONE without one; every history is brought up to date."""
+    confidence = asks_confidence(p, st)
+    health = asks_health(p, st)
+    path = asks_path(p, st, i)
+    lane_end = asks_lane_end(p, st, i)
+    if path == 1 and p.cause_on[CAUSE_PATH_BLOCKED] == 1:
+        return CAUSE_PATH_BLOCKED
+    if lane_end == 1 and p.cause_on[CAUSE_LANE_ENDS] == 1:
+        return CAUSE_LANE_ENDS
+    if health == 1 and p.cause_on[CAUSE_SENSOR_HEALTH] == 1:
+        return CAUSE_SENSOR_HEALTH
+    if confidence == 1 and p.cause_on[CAUSE_LANE_CONFIDENCE] == 1:
+        return CAUSE_LANE_CONFIDENCE
+    if st.auto_request[0] == 1 and p.cause_on[CAUSE_CONTROLLER] == 1:
+        return CAUSE_CONTROLLER
+    return CAUSE_NONE
+
+
+@compiled
+def warns(p: Program, st: State) -> int:
+    """Return 1 where a side's confidence or the health is low, or a cause of the road ahead has been seen once."""
+    if p.cause_on[CAUSE_LANE_CONFIDENCE] == 1:
+        if st.conf_left[0] < p.const[K_CONFIDENCE_WARNING] or st.conf_right[0] < p.const[K_CONFIDENCE_WARNING]:
+            return 1
+    if p.cause_on[CAUSE_SENSOR_HEALTH] == 1 and st.health[0] < p.const[K_HEALTH_WARNING]:
+        return 1
+    if p.cause_on[CAUSE_PATH_BLOCKED] == 1 and st.history[CAUSE_PATH_BLOCKED] % 2 == 1:
+        return 1
+    if p.cause_on[CAUSE_LANE_ENDS] == 1 and st.history[CAUSE_LANE_ENDS] % 2 == 1:
+        return 1
+    return 0
+
+
+@compiled
+def takeover_time(p: Program, st: State) -> float:
+    """Return the driver's takeover time for the present request, s; FAR for no answer.
+
+    Fixed, or lognormal exp(mu + sigma z) with a probability of a lapse. The draws of the fourth request serve later ones.
+    """
+    if p.driver_kind[0] == DRIVER_FIXED:
+        return max(p.const[K_DRIVER_TIME], 0.0)
+    k = min(st.requests[0] - 1, 3)
+    if st.draw[2 * k + 1] < p.const[K_DRIVER_LAPSE]:
+        return FAR
+    return exp(clip(p.const[K_DRIVER_MU] + p.const[K_DRIVER_SIGMA] * st.draw[2 * k], -20.0, 20.0))
+
+
+@compiled
+def request_takeover(p: Program, st: State, cause: int) -> None:
+    """Ask the driver, for a cause."""
+    now = st.clock[0]
+    st.takeover_state[0] = TAKEOVER_REQUEST
+    st.cause[0] = cause
+    st.requests[0] += 1
+    st.request_at[0] = now
+    if st.time_request[0] < 0.0:
+        st.time_request[0] = now
+    st.answer_at[0] = now + takeover_time(p, st)
+    log_event(st, EVENT_REQUEST, 1.0 * cause)
+
+
+@compiled
+def step_automated(p: Program, st: State, i: int) -> None:
+    """Automated or warning: request for a cause, warn, or end the warning."""
+    cause = asking_cause(p, st, i)
+    warned = warns(p, st)
+    if cause != CAUSE_NONE:
+        request_takeover(p, st, cause)
+    elif warned == 1 and st.takeover_state[0] == TAKEOVER_AUTOMATED:
+        st.takeover_state[0] = TAKEOVER_WARNING
+        if st.time_warning[0] < 0.0:
+            st.time_warning[0] = st.clock[0]
+        log_event(st, EVENT_WARNING, 0.0)
+    elif warned == 0 and st.takeover_state[0] == TAKEOVER_WARNING:
+        st.takeover_state[0] = TAKEOVER_AUTOMATED
+        log_event(st, EVENT_WARNING_OVER, 0.0)
+
+
+@compiled
+def answer(st: State) -> None:
+    """The driver takes over."""
+    now = st.clock[0]
+    st.takeover_state[0] = TAKEOVER_MANUAL
+    st.manual_since[0] = now
+    st.hazard_lights[0] = 0
+    st.manoeuvre[0] = MANOEUVRE_KEEP
+    st.answer_at[0] = FAR
+    if st.time_response[0] < 0.0:
+        st.time_response[0] = now
+    log_event(st, EVENT_RESPONSE, now - st.request_at[0])
+
+
+@compiled
+def step_requested(p: Program, st: State, i: int) -> None:
+    """Requested, escalated or in the minimum-risk manoeuvre: answer, standstill, manoeuvre or escalation, in this order."""
+    now = st.clock[0]
+    state = st.takeover_state[0]
+    if now >= st.answer_at[0] - 1.0e-6:
+        answer(st)
+    elif state == TAKEOVER_MINIMUM_RISK:
+        if st.v[i] <= 0.0:
+            st.takeover_state[0] = TAKEOVER_STANDSTILL
+            st.time_standstill[0] = now
+            log_event(st, EVENT_STANDSTILL, 0.0)
+    elif minimum_risk_due(p, st, i) == 1:
+        st.takeover_state[0] = TAKEOVER_MINIMUM_RISK
+        st.hazard_lights[0] = 1
+        if st.time_minimum_risk[0] < 0.0:
+            st.time_minimum_risk[0] = now
+        log_event(st, EVENT_MINIMUM_RISK, 0.0)
+    elif state == TAKEOVER_REQUEST and now - st.request_at[0] >= p.const[K_ESCALATE_AFTER] - 1.0e-6:
+        st.takeover_state[0] = TAKEOVER_ESCALATION
+        if st.time_escalation[0] < 0.0:
+            st.time_escalation[0] = now
+        log_event(st, EVENT_ESCALATION, 0.0)
+
+
+@compiled
+def step_manual(p: Program, st: State, i: int) -> None:
+    """Manual: hand back after the given time where nothing asks or warns; one control step later the automation drives."""
+    cause = asking_cause(p, st, i)
+    if st.takeover_state[0] == TAKEOVER_HAND_BACK:
+        st.takeover_state[0] = TAKEOVER_AUTOMATED
+        log_event(st, EVENT_ACTIVATION, 0.0)
+        return
+    wait = p.const[K_HAND_BACK_AFTER]
+    if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != CAUSE_NONE:
+        return
+    if warns(p, st) == 0 and st.manoeuvre[0] == MANOEUVRE_KEEP and st.crashed[0] == 0:
+        st.takeover_state[0] = TAKEOVER_HAND_BACK
+        st.cause[0] = CAUSE_NONE
+        for c in range(CAUSES):
+            st.history[c] = 0
+        log_event(st, EVENT_HAND_BACK, 0.0)
+
+
+@compiled
+def step_takeover(p: Program, st: State, i: int) -> None:
+    """Step the machine once."""
+    state = st.takeover_state[0]
+    if state == TAKEOVER_AUTOMATED or state == TAKEOVER_WARNING:
+        step_automated(p, st, i)
+    elif state == TAKEOVER_MANUAL or state == TAKEOVER_HAND_BACK:
+        step_manual(p, st, i)
+    elif state != TAKEOVER_STANDSTILL:
+        step_requested(p, st, i)

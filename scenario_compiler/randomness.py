@@ -1,0 +1,56 @@
+"""Draws that depend on nothing but their names: before a run by stream, inside a run by a counter.
+
+Before a run, `uniform` and `normal` give the number of (seed, variant, stream): a hash of the three, so that a variant's
+draws do not depend on which other variants run, nor on the order. Inside a step there is no generator: `random_hash` is a
+function of (seed, stream, entity, step) in masked integers, the same bits interpreted and compiled.
+"""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+
+from scenario_compiler.marker import compiled
+
+
+def hash_bits(seed: int, variant: int, stream: str) -> int:
+    """Return 64 bits that belong to a stream of a variant."""
+    name = f"{seed}/{variant}/{stream}".encode()
+    return int.from_bytes(blake2b(name, digest_size=8).digest(), "big")
+
+
+def uniform(seed: int, variant: int, stream: str) -> float:
+    """Return a number in the open interval (0, 1), one of 2**52."""
+    return ((hash_bits(seed, variant, stream) >> 12) + 0.5) / 4503599627370496.0
+
+
+def normal(seed: int, variant: int, stream: str) -> float:
+    """Return a standard normal number: the quantile of `uniform` (Wichura 1988, AS 241, in `statistics`)."""
+    from statistics import NormalDist
+
+    return NormalDist().inv_cdf(uniform(seed, variant, stream))
+
+
+@compiled
+def mix_bits(value: int) -> int:
+    """Return 32 bits that depend on every bit of a 32-bit value (two multiplications, after T. Mueller's integer hash).
+
+    The factors are below 2**31, so that no product leaves 63 bits.
+    """
+    bits = ((value >> 16) ^ value) * 73244475 & 0xFFFFFFFF
+    bits = ((bits >> 16) ^ bits) * 73244475 & 0xFFFFFFFF
+    return (bits >> 16) ^ bits
+
+
+@compiled
+def random_hash(seed: int, stream: int, entity: int, step: int) -> int:
+    """Return 32 bits for one draw inside a run; all arguments are taken modulo 2**32."""
+    bits = mix_bits((seed & 0xFFFFFFFF) ^ 0x3C6EF372)
+    bits = mix_bits((bits + (stream & 0xFFFFFFFF) * 40503) & 0xFFFFFFFF)
+    bits = mix_bits((bits + (entity & 0xFFFFFFFF) * 69069) & 0xFFFFFFFF)
+    return mix_bits((bits + (step & 0xFFFFFFFF) * 1664525) & 0xFFFFFFFF)
+
+
+@compiled
+def random_unit(seed: int, stream: int, entity: int, step: int) -> float:
+    """Return a number in (0, 1) for one draw inside a run."""
+    return (random_hash(seed, stream, entity, step) + 0.5) / 4294967296.0
