@@ -1,0 +1,57 @@
+"""Where the checks of a road file report: findings at elements, with a bound on how many of one code are listed."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
+from scenario_compiler.document import Document
+from scenario_compiler.roads.reading import MANY_FINDINGS
+
+SHOWN_OF_A_CODE = 100
+"""Most findings of one code that are listed of one file; the rest is counted."""
+
+
+class Findings:
+    """Reports into a sink what is wrong in one document."""
+
+    def __init__(self, document: Document, sink: Diagnostics) -> None:
+        """Start with no finding."""
+        self.document = document
+        self._sink = sink
+        self._counts: Counter[str] = Counter()
+
+    def report(
+        self,
+        code: Code,
+        message: str,
+        element: etree._Element,
+        attribute: str | None = None,
+        *,
+        hint: str = "",
+        severity: Severity | None = None,
+    ) -> None:
+        """Report a finding at an element or at one of its attributes."""
+        self._counts[code.id] += 1
+        if self._counts[code.id] <= SHOWN_OF_A_CODE:
+            self._sink.add(
+                code, message, self.document.origin(element, attribute), hint=hint, severity=severity
+            )
+
+    def close(self) -> None:
+        """Say how many findings are not listed."""
+        for code, count in sorted(self._counts.items()):
+            if count > SHOWN_OF_A_CODE:
+                message = f"{count - SHOWN_OF_A_CODE} more findings of {code} are not listed"
+                self._sink.add(MANY_FINDINGS, message, FilePlace(self.document.path))
+
+    def of(self, code: Code) -> int:
+        """Return how many findings of a code were reported, listed or not."""
+        return self._counts[code.id]
+
+    @property
+    def total(self) -> int:
+        """Number of findings, listed or not."""
+        return sum(self._counts.values())

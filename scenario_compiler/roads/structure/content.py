@@ -1,0 +1,156 @@
+"""The order and number of an element's children, as an automaton over tags.
+
+A content model is a tree: a name, a sequence, a choice, a repetition. Its automaton is Glushkov's: one position for each name in
+the model, and for each position those that may follow. States are built when they are first met.
+
+Source: V. M. Glushkov, The abstract theory of automata, Russian Mathematical Surveys 16 (1961).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A child: its tag and the name of its declaration."""
+
+    tag: str
+    declaration: str
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """Parts one after the other."""
+
+    parts: tuple[Model, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of the parts."""
+
+    parts: tuple[Model, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """A part at least `least` and at most `most` times; `most` None: without bound."""
+
+    part: Model
+    least: int
+    most: int | None
+
+
+Model = Name | Sequence | Choice | Repeat
+
+State = frozenset[int]
+"""The positions that the last child may stand for; position 0 is the start."""
+
+
+@dataclass(slots=True)
+class _Ends:
+    """Positions that a part may begin and end with, and whether it may be empty."""
+
+    first: frozenset[int]
+    last: frozenset[int]
+    empty: bool
+
+
+@dataclass
+class Content:
+    """The automaton of one content model."""
+
+    names: list[Name] = field(default_factory=lambda: [Name("", "")])
+    _follow: list[set[int]] = field(default_factory=lambda: [set()])
+    _last: frozenset[int] = frozenset()
+    _moves: dict[tuple[State, str], State] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, model: Model) -> Content:
+        """Build the automaton of a model."""
+        content = cls()
+        ends = content._add(model)
+        content._follow[0] |= ends.first
+        content._last = ends.last | ({0} if ends.empty else frozenset())
+        return content
+
+    start: State = frozenset({0})
+
+    def declaration(self, tag: str) -> str | None:
+        """Return the declaration of a child, None when no child has that tag."""
+        return next((name.declaration for name in self.names if name.tag == tag), None)
+
+    def tags(self) -> list[str]:
+        """Return the tags of the children, each once, in the order of the model."""
+        return list(dict.fromkeys(name.tag for name in self.names[1:]))
+
+    def move(self, state: State, tag: str) -> State:
+        """Return the state after one more child, empty when it may not come here."""
+        key = (state, tag)
+        found = self._moves.get(key)
+        if found is None:
+            found = frozenset(
+                nearby for at in state for nearby in self._follow[at] if self.names[nearby].tag == tag
+            )
+            self._moves[key] = found
+        return found
+
+    def complete(self, state: State) -> bool:
+        """Tell whether the children may end here."""
+        return not self._last.isdisjoint(state)
+
+    def missing(self, state: State, tag: str | None) -> tuple[list[str], State] | None:
+        """Return the fewest children that are missing before `tag` (None: before the end) and the state after all of them."""
+        queue: deque[tuple[State, list[str]]] = deque([(state, [])])
+        seen = {state}
+        while queue:
+            at, path = queue.popleft()
+            if tag is None and self.complete(at):
+                return path, at
+            if tag is not None and (after := self.move(at, tag)):
+                return path, after
+            for other in dict.fromkeys(
+                self.names[nearby].tag for one in sorted(at) for nearby in sorted(self._follow[one])
+            ):
+                after = self.move(at, other)
+                if after not in seen:
+                    seen.add(after)
+                    queue.append((after, [*path, other]))
+        return None
+
+    def _add(self, model: Model) -> _Ends:
+        if isinstance(model, Name):
+            self.names.append(model)
+            self._follow.append(set())
+            here = frozenset({len(self.names) - 1})
+            return _Ends(here, here, False)
+        if isinstance(model, Choice):
+            parts = [self._add(part) for part in model.parts]
+            first = frozenset().union(*(part.first for part in parts))
+            last = frozenset().union(*(part.last for part in parts))
+            return _Ends(first, last, any(part.empty for part in parts))
+        if isinstance(model, Sequence):
+            return self._chain([self._add(part) for part in model.parts])
+        return self._repeat(model)
+
+    def _chain(self, parts: list[_Ends]) -> _Ends:
+        whole = _Ends(frozenset(), frozenset(), True)
+        for part in parts:
+            for at in whole.last:
+                self._follow[at] |= part.first
+            first = whole.first | part.first if whole.empty else whole.first
+            last = whole.last | part.last if part.empty else part.last
+            whole = _Ends(first, last, whole.empty and part.empty)
+        return whole
+
+    def _repeat(self, model: Repeat) -> _Ends:
+        copies = []
+        for i in range(max(model.least, model.most or 1)):
+            part = self._add(model.part)
+            copies.append(_Ends(part.first, part.last, part.empty or i >= model.least))
+        if model.most is None:
+            for at in copies[-1].last:
+                self._follow[at] |= copies[-1].first
+        return self._chain(copies)
