@@ -1,0 +1,73 @@
+"""Colours and words of a report.
+
+The colours are those of Okabe and Ito (2008), which readers with any common colour vision tell apart, and stand-ins for
+the page's own, which differ between light and dark.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.recording.names import EventKind, StateName
+
+BLUE = "#0072B2"
+SKY = "#56B4E9"
+GREEN = "#009E73"
+YELLOW = "#F0E442"
+ORANGE = "#E69F00"
+VERMILION = "#D55E00"
+PURPLE = "#CC79A7"
+GREY = "#8A8F98"
+
+INK = "#010203"
+QUIET = "#020304"
+LINE = "#030405"
+PAPER = "#040506"
+ASPHALT = "#050607"
+VERGE = "#060708"
+PAVEMENT = "#070809"
+PAINT = "#08090a"
+THEME = {
+    INK: "var(--ink)",
+    QUIET: "var(--quiet)",
+    LINE: "var(--line)",
+    PAPER: "var(--paper)",
+    ASPHALT: "var(--asphalt)",
+    VERGE: "var(--verge)",
+    PAVEMENT: "var(--pavement)",
+    PAINT: "var(--paint)",
+}
+"""Colours that plots are drawn in, and the page's variables that take their place."""
+
+STATE_COLOURS: dict[StateName, str] = {
+    "automated": SKY,
+    "warning": YELLOW,
+    "request": ORANGE,
+    "escalation": VERMILION,
+    "manual": GREEN,
+    "hand_back": BLUE,
+    "minimum_risk": PURPLE,
+    "standstill": GREY,
+}
+
+MOMENT_COLOURS: dict[EventKind, str] = {
+    "warning": YELLOW,
+    "request": ORANGE,
+    "escalation": VERMILION,
+    "response": GREEN,
+    "minimum_risk": PURPLE,
+    "collision": "#000000",
+    "standstill": GREY,
+}
+
+WORDS = {
+    "automated": "automated",
+    "warning": "warning",
+    "request": "takeover request",
+    "escalation": "escalation",
+    "manual": "driver in control",
+    "hand_back": "handing back",
+    "minimum_risk": "minimum-risk manoeuvre",
+    "standstill": "standstill",
+    "response": "driver takes over",
+    "collision": "collision",
+}
+"""States and moments in a reader's words."""

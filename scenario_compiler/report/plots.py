@@ -1,0 +1,321 @@
+"""The report's pictures, drawn by matplotlib into SVG that takes its colours from the page it stands in.
+
+Equal runs give equal text: ids are hashed with a fixed salt and no date is written.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from scenario_compiler.recording.boxes import corners
+from scenario_compiler.recording.criteria import bound
+from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.traces import traces_of
+from scenario_compiler.report.palette import (
+    ASPHALT,
+    BLUE,
+    INK,
+    LINE,
+    MOMENT_COLOURS,
+    ORANGE,
+    PAINT,
+    PAPER,
+    PAVEMENT,
+    QUIET,
+    STATE_COLOURS,
+    THEME,
+    VERGE,
+    VERMILION,
+    WORDS,
+)
+from scenario_compiler.report.run import Run
+from scenario_compiler.report.surroundings import Surroundings, Window, surroundings
+
+STYLE: Any = {
+    "svg.hashsalt": "scenario-compiler",
+    "svg.fonttype": "none",
+    "font.family": "sans-serif",
+    "font.size": 9.0,
+    "axes.edgecolor": LINE,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.8,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "text.color": INK,
+    "grid.color": LINE,
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+}
+
+WIDTH = 9.0
+"""Width of every picture, inches; the page scales it."""
+
+CLOSE_UP = 55.0
+"""Half the length of the close-up map, m."""
+
+
+def timeline_plot(run: Run, prefix: str) -> str:
+    """Return an SVG of the takeover's states, lane confidence, speed and distance to the limit over time."""
+    recording, outcome = run.recording, run.outcome
+    limit = np.fmin(recording.blocked_distance, recording.lane_end_distance)
+    panels = ["confidence", "speed", *(["limit"] if np.isfinite(limit).any() else [])]
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 1.1 + 1.75 * len(panels)), layout="constrained")
+        ratios = [0.32, *([1.75] * len(panels))]
+        axes = figure.subplots(len(ratios), 1, sharex=True, gridspec_kw={"height_ratios": ratios})
+        _state_bar(axes[0], run)
+        for axis in axes[1:]:
+            for interval in outcome.timeline:
+                if interval.state != "automated":
+                    colour = STATE_COLOURS[interval.state]
+                    axis.axvspan(interval.begin, interval.end, color=colour, alpha=0.16, linewidth=0)
+            for kind, t in run.moments:
+                axis.axvline(t, color=MOMENT_COLOURS[kind] if kind != "collision" else INK, linewidth=1.0)
+            axis.grid(axis="y")
+        _confidence_panel(axes[1], run)
+        _speed_panel(axes[2], run)
+        if len(panels) == 3:
+            axes[3].plot(recording.t, limit, color=BLUE)
+            axes[3].set_ylabel("distance to\nthe limit (m)")
+            axes[3].set_ylim(bottom=0)
+        axes[-1].set_xlabel("time (s)")
+        axes[-1].set_xlim(float(recording.t[0]), max(float(recording.t[-1]), float(recording.t[0]) + 1e-3))
+        return _svg(figure, prefix)
+
+
+def _state_bar(axis: Axes, run: Run) -> None:
+    for interval in run.outcome.timeline:
+        colour = STATE_COLOURS[interval.state]
+        axis.barh(0, interval.end - interval.begin, left=interval.begin, color=colour, edgecolor=PAPER, height=1)
+    states = dict.fromkeys(interval.state for interval in run.outcome.timeline)
+    patches = [Patch(facecolor=STATE_COLOURS[state], label=WORDS[state]) for state in states]
+    axis.legend(handles=patches, loc="lower left", bbox_to_anchor=(0, 1), ncols=len(patches), handlelength=1)
+    axis.set_ylim(-0.5, 0.5)
+    axis.set_yticks([])
+    for spine in axis.spines.values():
+        spine.set_visible(False)
+    axis.tick_params(bottom=False)
+
+
+def _confidence_panel(axis: Axes, run: Run) -> None:
+    recording = run.recording
+    axis.plot(recording.t, recording.confidence_left, color=BLUE, label="left")
+    axis.plot(recording.t, recording.confidence_right, color=VERMILION, linestyle=(0, (4, 2)), label="right")
+    axis.set_ylim(-0.03, 1.05)
+    axis.set_ylabel("lane confidence")
+    cause = next((c for c in run.plan.takeover.causes if c.kind == "lane_confidence"), None)
+    for name in ("warning_below", "request_below"):
+        level = getattr(cause, name, None)
+        if level is not None:
+            value = bound(level, recording.header.parameters)
+            axis.axhline(value, color=QUIET, linewidth=0.9, linestyle=(0, (1, 2)))
+            axis.annotate(
+                name.replace("_", " "), (1, value), xycoords=("axes fraction", "data"), fontsize=7.5, color=QUIET,
+                ha="right", va="bottom",
+            )  # fmt: skip
+    axis.legend(loc="lower left", ncols=2)
+
+
+def _speed_panel(axis: Axes, run: Run) -> None:
+    recording = run.recording
+    axis.plot(recording.t, recording.v[:, 0], color=BLUE)
+    axis.set_ylabel("speed (m/s)")
+    axis.set_ylim(bottom=min(0.0, float(np.fmin.reduce(recording.v[:, 0], initial=0.0))))
+    kilometres = axis.secondary_yaxis("right", functions=(_kilometres_per_hour, _metres_per_second))
+    kilometres.set_ylabel("km/h", color=QUIET)
+    kilometres.spines["right"].set_visible(False)
+
+
+def _kilometres_per_hour(speed: Any) -> Any:
+    return 3.6 * speed
+
+
+def _metres_per_second(speed: Any) -> Any:
+    return speed / 3.6
+
+
+def overview_map(run: Run, prefix: str) -> str:
+    """Return an SVG map of the whole run, turned so that the ego vehicle's way runs to the right."""
+    x, y = run.recording.x[:, 0], run.recording.y[:, 0]
+    turn = _principal_direction(x, y) if len(x) > 1 else float(run.recording.h[0, 0])
+    return _map(run, prefix, turn, _turned(np.stack([x, y], axis=-1), -turn), margin=(30.0, 22.0))
+
+
+def close_up_map(run: Run, prefix: str) -> str:
+    """Return an SVG map of the surroundings of the request (else of the end), at the scale of vehicles."""
+    recording = run.recording
+    moments = dict(run.moments)
+    time = moments.get("request", moments.get("collision", float(recording.t[-1])))
+    row = _row_at(recording.t, time)
+    turn = float(recording.h[row, 0])
+    here = _turned(np.array([[recording.x[row, 0], recording.y[row, 0]]]), -turn)[0]
+    way = _turned(np.stack([recording.x[row:, 0], recording.y[row:, 0]], axis=-1), -turn) - here
+    ahead = float(np.clip(np.abs(way[:, 0]).max(), CLOSE_UP / 2, 3 * CLOSE_UP))
+    frame = here + np.array([[-0.35 * ahead, 0.0], [1.35 * ahead, 0.0]])
+    return _map(run, prefix, turn, frame, margin=(0.0, max(11.0, 0.14 * ahead)))
+
+
+def _map(run: Run, prefix: str, turn: float, frame: Floats, margin: tuple[float, float]) -> str:
+    """Draw what lies within `frame`, points in axes turned by `-turn`, and a margin along and across."""
+    low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
+    across = max(high[1] - low[1], 0.16 * (high[0] - low[0]))
+    middle = 0.5 * (low[1] + high[1])
+    low[1], high[1] = middle - 0.5 * across, middle + 0.5 * across
+    size = high - low
+    outline = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+    box = _turned(outline, turn)
+    window = Window(*box.min(axis=0).tolist(), *box.max(axis=0).tolist())
+    around = surroundings(run.network, window, spacing=max(1.0, float(size.max()) / 250))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, min(WIDTH * float(size[1] / size[0]) + 0.45, 7.0)), layout="constrained")
+        axis = figure.subplots()
+        points_per_metre = WIDTH * 72 / float(size[0])
+        _draw_roads(axis, around, turn, points_per_metre)
+        _draw_traffic(axis, run, turn, points_per_metre)
+        axis.set_xlim(low[0], high[0])
+        axis.set_ylim(low[1], high[1])
+        axis.set_aspect("equal")
+        axis.set_axis_off()
+        _draw_scale(axis, turn, low, high)
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=6, handlelength=1.2, numpoints=1)
+        return _svg(figure, prefix)
+
+
+def _draw_roads(axis: Axes, around: Surroundings, turn: float, points_per_metre: float) -> None:
+    paved = ("sidewalk", "walking", "biking", "curb")
+    for strips, colour, order in (
+        ([s for s in around.strips if not s.drivable and s.type not in paved], VERGE, 1),
+        ([s for s in around.strips if s.type in paved], PAVEMENT, 2),
+        ([s for s in around.strips if s.drivable], ASPHALT, 3),
+    ):
+        outlines = [_turned(strip.outline, -turn) for strip in strips]
+        axis.add_collection(PolyCollection(outlines, facecolor=colour, edgecolor=colour, linewidth=0.3, zorder=order))
+    colours = {"yellow": ORANGE, "blue": BLUE, "red": VERMILION, "orange": ORANGE}
+    width = float(np.clip(0.16 * points_per_metre, 0.35, 1.8))
+    dash = float(np.clip(3.0 * points_per_metre, 1.5, 14.0)) / width
+    for broken in (False, True):
+        lines = [mark for mark in around.marks if ("broken" in mark.type) == broken and mark.quality > 0]
+        collection = LineCollection(
+            [_turned(mark.points, -turn) for mark in lines],
+            colors=[colours.get(mark.colour, PAINT) for mark in lines],
+            linewidths=width,
+            linestyles=[(0, (dash, dash))] if broken else "solid",
+            alpha=[mark.quality for mark in lines] or None,
+            zorder=4,
+        )
+        axis.add_collection(collection)
+
+
+def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) -> None:
+    recording = run.recording
+    names = recording.header.entities
+    x, y = corners(traces_of(run.plan, recording))
+    moments = run.moments
+    rows = [_row_at(recording.t, t) for _, t in moments]
+    seen = rows[next((i for i, (kind, _) in enumerate(moments) if kind == "request"), -1)] if rows else -1
+    for i in range(1, len(names)):
+        _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET)
+        box = _turned(np.stack([x[seen, i], y[seen, i]], axis=-1), -turn)
+        if recording.present[seen, i]:
+            axis.fill(*box.T, facecolor=VERMILION, edgecolor=PAPER, linewidth=0.7, zorder=7)
+            axis.annotate(
+                names[i], box.mean(axis=0), (0, 7), textcoords="offset points", fontsize=7.5, ha="center",
+                va="bottom", zorder=9, annotation_clip=True,
+            )  # fmt: skip
+    _draw_way(axis, recording.x[:, 0], recording.y[:, 0], turn, BLUE, label=names[0])
+    marker = float(np.clip(1.2 * points_per_metre, 4.0, 7.0))
+    for row, (kind, t) in zip(rows, moments, strict=True):
+        box = _turned(np.stack([x[row, 0], y[row, 0]], axis=-1), -turn)
+        colour = MOMENT_COLOURS[kind]
+        axis.fill(*box.T, facecolor=colour, edgecolor=PAPER, linewidth=0.5, alpha=0.9, zorder=8)
+        style: dict[str, Any] = {
+            "color": colour,
+            "markeredgecolor": PAPER,
+            "markersize": marker,
+            "markeredgewidth": 0.7,
+        }
+        label = f"{WORDS[kind]}, {t:.2f} s"
+        axis.plot(*box.mean(axis=0)[:, None], "X" if kind == "collision" else "o", zorder=9, label=label, **style)
+    if len(recording.t):
+        last = _turned(np.stack([x[-1, 0], y[-1, 0]], axis=-1), -turn)
+        axis.fill(*last.T, facecolor=BLUE, edgecolor=PAPER, linewidth=0.7, zorder=7)
+
+
+def _draw_way(axis: Axes, x: Floats, y: Floats, turn: float, colour: str, label: str = "") -> None:
+    way = _turned(np.stack([x, y], axis=-1), -turn)
+    axis.plot(way[:, 0], way[:, 1], color=colour, linewidth=1.4, zorder=6, label=label or "_")
+
+
+def _draw_scale(axis: Axes, turn: float, low: Floats, high: Floats) -> None:
+    """Draw a bar of a round length and an arrow along the map's y axis, which is north."""
+    width, height = (high - low).tolist()
+    length = _round_length(0.15 * width)
+    left, bottom = low[0] + 0.015 * width, low[1] + 0.06 * height
+    axis.plot([left, left + length], [bottom, bottom], color=INK, linewidth=2.2, zorder=10, solid_capstyle="butt")
+    place: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "ha": "center", "zorder": 10}
+    axis.annotate(f"{length:g} m", (left + 0.5 * length, bottom), (0, 3), va="bottom", **place)
+    north = np.array([math.sin(turn), math.cos(turn)])
+    foot = np.array([high[0] - 0.03 * width, high[1] - 0.5 * min(height, 0.12 * width)])
+    tip = foot + north * 0.028 * width
+    arrow = {"arrowstyle": "-|>", "color": QUIET, "linewidth": 1}
+    axis.annotate("", tip, foot - north * 0.018 * width, arrowprops=arrow, zorder=10)
+    axis.annotate("y", tip, tuple(6 * north), color=QUIET, va="center", **place)
+
+
+def _round_length(wanted: float) -> float:
+    power = 10.0 ** math.floor(math.log10(max(wanted, 1e-3)))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= max(wanted, power))
+
+
+def _principal_direction(x: Floats, y: Floats) -> float:
+    """Return the direction in which points spread most, pointing from the first to the last, rad."""
+    centred = np.stack([x - x.mean(), y - y.mean()])
+    _, vectors = np.linalg.eigh(centred @ centred.T)
+    direction = vectors[:, -1]
+    if direction @ np.array([x[-1] - x[0], y[-1] - y[0]]) < 0:
+        direction = -direction
+    return float(math.atan2(direction[1], direction[0]))
+
+
+def _turned(points: Floats, angle: float) -> Floats:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))
+
+
+def _row_at(t: Floats, time: float) -> int:
+    return min(int(np.searchsorted(t, time - 1e-6)), len(t) - 1)
+
+
+def _svg(figure: Figure, prefix: str) -> str:
+    """Return the figure as an SVG element whose ids begin with `prefix`, to stand in a page with others."""
+    text = io.StringIO()
+    FigureCanvasSVG(figure)
+    figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    svg = text.getvalue()
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'(?<=[ #"(])id="', f'id="{prefix}-', svg)
+    svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{prefix}-", svg)
+    svg = re.sub(r'^<svg[^>]*?viewBox="([^"]+)"[^>]*>', rf'<svg viewBox="\1" {_SVG_ATTRIBUTES}>', svg)
+    for colour, variable in THEME.items():
+        svg = svg.replace(colour, variable)
+    return "\n".join(line.rstrip() for line in svg.splitlines())
+
+
+_SVG_ATTRIBUTES = (
+    'role="img" xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" version="1.1"'
+)

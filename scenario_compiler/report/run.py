@@ -1,0 +1,41 @@
+"""`Run`: all that belongs to one run, as a report needs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.roads.network import Network
+
+MOMENTS: tuple[EventKind, ...] = (
+    "warning",
+    "request",
+    "escalation",
+    "response",
+    "minimum_risk",
+    "collision",
+    "standstill",
+)
+"""Events that are marked in pictures, by their first time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A run and what belongs to it."""
+
+    plan: Plan
+    network: Network
+    recording: Recording
+    outcome: Outcome
+
+    @property
+    def moments(self) -> tuple[tuple[EventKind, float], ...]:
+        """The first of each of `MOMENTS` that occurred, ordered by time: (kind, s)."""
+        first: dict[EventKind, float] = {}
+        for event in self.recording.events:
+            if event.kind in MOMENTS:
+                first.setdefault(event.kind, event.t)
+        return tuple(first.items())

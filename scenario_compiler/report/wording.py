@@ -1,0 +1,188 @@
+"""What a report says in words and numbers: of a run in one line, of its conditions, and how to repeat it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from scenario_compiler.recording.criteria import bound
+from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.report.run import Run
+from scenario_compiler.vocabulary.takeover import Cause, Driver
+from scenario_compiler.vocabulary.word import Number
+
+SCHEMES = {"gold2018": "Gold et al. 2018"}
+
+CAUSE_WORDS = {
+    "": "none",
+    "lane_confidence": "lane confidence",
+    "sensor_health": "sensor health",
+    "path_blocked": "path blocked",
+    "lane_ends": "lane ends",
+    "controller": "controller",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """A run in one row of a table, as texts; what does not apply is a dash.
+
+    Attributes:
+        name: Name of the conflict.
+        number: Its number in the taxonomy.
+        urgency: Its rated urgency.
+        cause: Cause of the request.
+        request_time: Time of the request, s.
+        takeover_time: Time from the request to the driver's response, s.
+        minimum_ttc: Least time to collision, s.
+        outcome: What came of it.
+        result: pass, fail or error.
+    """
+
+    name: str
+    number: str
+    urgency: str
+    cause: str
+    request_time: str
+    takeover_time: str
+    minimum_ttc: str
+    outcome: str
+    result: str
+
+
+def summary_of(run: Run) -> Summary:
+    """Return a run in one row."""
+    outcome, rated = run.outcome, run.plan.classification
+    return Summary(
+        name=outcome.name,
+        number="–" if rated is None or rated.number is None else str(rated.number),
+        urgency=(rated.urgency if rated else "") or "–",
+        cause=CAUSE_WORDS.get(outcome.cause, outcome.cause) if outcome.cause else "–",
+        request_time=measured(outcome, "request_time"),
+        takeover_time=measured(outcome, "takeover_time"),
+        minimum_ttc=measured(outcome, "minimum_time_to_collision"),
+        outcome=outcome_words(outcome),
+        result=outcome.result,
+    )
+
+
+def outcome_words(outcome: Outcome) -> str:
+    """Return what came of a run in a few words."""
+    ended = {
+        "no_request": "no takeover request",
+        "driver": "driver took over",
+        "minimum_risk": "minimum-risk manoeuvre",
+        "unanswered": "request unanswered",
+    }[outcome.resolution]
+    if outcome.collision_with is not None:
+        return f"{ended}, collision" + (f" with {outcome.collision_with}" if outcome.collision_with else "")
+    if outcome.result == "error":
+        return f"{ended}, run broke off"
+    stands = {"destination": "destination reached", "standstill": "stopped safely"}.get(outcome.stop_reason, "")
+    return f"{ended}, {stands or 'no collision'}"
+
+
+def measured(outcome: Outcome, name: str) -> str:
+    """Return a measure as text, a dash where it has no value."""
+    measure = outcome.measures.get(name)
+    return "–" if measure is None or measure.value is None else decimal(measure.value)
+
+
+def decimal(value: float) -> str:
+    """Return a number with two decimals, fewer where they are 0."""
+    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text.replace("-", "−")
+
+
+def conditions(run: Run) -> list[tuple[str, str]]:
+    """Return the conditions of the run as (what, value)."""
+    plan, header = run.plan, run.recording.header
+    policy = plan.takeover
+
+    def number(value: Number, unit: str) -> str:
+        return f"{decimal(bound(value, header.parameters))} {unit}".rstrip()
+
+    rows = [
+        ("Map", plan.map.name),
+        ("Weather", plan.weather.preset),
+        ("Vehicle", plan.ego.vehicle.name),
+        ("Speed at the start", number(plan.ego.speed, "m/s")),
+        ("Desired speed", number(plan.ego.desired_speed, "m/s")),
+        ("Controller", plan.controller.model),
+        ("Lane confidence from", "the camera image" if header.perception == "camera" else "the map's marks (ideal)"),
+        ("Camera noise", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
+        ("Other actors", ", ".join(f"{e.id} ({e.vehicle.name})" for e in plan.entities[1:]) or "none"),
+        ("Markings changed", ", ".join(f"road {m.road}" for m in plan.markings) or "none"),
+        ("Time budget", number(policy.budget, "s")),
+        ("Escalation after", number(policy.escalate_after, "s")),
+        ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
+        ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+        ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
+        ("Driver", _driver(run)),
+        ("World", header.world),
+        ("Step, control", f"{decimal(plan.step)} s, every {plan.control_every}. step"),
+        ("Duration at most", f"{decimal(plan.duration)} s"),
+    ]
+    rows += [(f"${name}", _plain(value)) for name, value in sorted(header.parameters.items())]
+    return rows
+
+
+def _cause(cause: Cause) -> str:
+    words = {
+        "warning_below": ("warning below", "", 1.0),
+        "request_below": ("request below", "", 1.0),
+        "sensor_range": ("range", "m", 1.0),
+        "field_of_view": ("field of view", "°", 180 / math.pi),
+        "margin": ("margin", "m", 1.0),
+        "gap_front": ("gap ahead", "s", 1.0),
+        "gap_rear": ("gap behind", "s", 1.0),
+    }
+    parts = []
+    for field, (word, unit, factor) in words.items():
+        value = getattr(cause, field)
+        if isinstance(value, float | int):
+            parts.append(f"{word} {decimal(factor * value)} {unit}".rstrip())
+        elif value is not None:
+            parts.append(f"{word} {value.text}")
+    if cause.count is not None and cause.of is not None:
+        parts.append(f"{cause.count} of {cause.of} control steps")
+    return CAUSE_WORDS[cause.kind] + (f" ({', '.join(parts)})" if parts else "")
+
+
+def _driver(run: Run) -> str:
+    driver = run.plan.takeover.driver
+    if isinstance(driver, Driver):
+        if driver.takeover_time is not None:
+            return f"answers after {decimal(bound(driver.takeover_time, run.recording.header.parameters))} s"
+        return driver.preset
+    spread = f"lognormal takeover time, median {decimal(math.exp(driver.mu))} s, σ {decimal(driver.sigma)}"
+    return f"{driver.name}: {spread}, {driver.lapse:.0%} no answer"
+
+
+def _plain(value: float | bool | str) -> str:
+    return decimal(value) if isinstance(value, float | int) and not isinstance(value, bool) else str(value)
+
+
+def classification(run: Run) -> str:
+    """Return the conflict's place in a taxonomy in words, empty without one; what is not rated is left out."""
+    rated = run.plan.classification
+    if rated is None:
+        return ""
+    parts = [SCHEMES.get(rated.scheme, rated.scheme)]
+    parts += [f"no. {rated.number}"] if rated.number is not None else []
+    for word in ("urgency", "response", "predictability", "criticality"):
+        if value := getattr(rated, word):
+            parts.append(f"{word} {value}")
+    return ", ".join(parts)
+
+
+def command(run: Run) -> str:
+    """Return the command that repeats the run, started in the run's folder."""
+    header = run.recording.header
+    world = "" if header.world == "kinematic" else f" --world {header.world}"
+    values = "".join(f" --set {name}={_setting(value)}" for name, value in sorted(header.parameters.items()))
+    return f"scenario-compiler run plan.json{world} --seed {header.seed}{values} -o again"
+
+
+def _setting(value: float | bool | str) -> str:
+    return str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
