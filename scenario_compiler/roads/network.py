@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import MAX_BYTES, parse_document, read_document
 from scenario_compiler.roads import geometry, lanes, locate, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
 from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES, is_drivable
+from scenario_compiler.roads.model import RoadModel, read_model
 from scenario_compiler.roads.nearest import nearest_lane
-from scenario_compiler.roads.parse import ParsedNetwork, read_network
+from scenario_compiler.roads.parse import ParsedNetwork, drop_namespace, read_network
 from scenario_compiler.roads.positions import (
     LaneAt,
     LanePosition,
@@ -37,6 +38,12 @@ if TYPE_CHECKING:
 
     from scenario_compiler.roads.locate_many import BatchLocator, Floats, Ints
 
+CHANGED_FILE = Code(
+    "SC315",
+    "changed-road-file",
+    "The road file was changed while a program that had loaded it was running. Load it again.",
+)
+
 END_TOLERANCE = 1e-6
 """How far beyond a road's ends s may lie before it counts as outside, m: rounding of written decimals."""
 
@@ -52,6 +59,7 @@ class Network:
         self.tables: RoadTables = parsed.tables
         self.road_ids = parsed.road_ids
         self.junction_ids = parsed.junction_ids
+        self._model: RoadModel | None = None
         self._batch: BatchLocator | None = None
         self._index = {name: i for i, name in enumerate(parsed.road_ids)}
 
@@ -86,6 +94,25 @@ class Network:
         if road >= 0:
             return "road", self.road_ids[road]
         return ("junction", self.junction_ids[junction]) if junction >= 0 else None
+
+    def model(self) -> RoadModel:
+        """Return header, objects, signals, controllers and junctions, read from the file when first asked for.
+
+        Raises:
+            CompileError: When the file can no longer be read as what it was.
+        """
+        if self._model is None:
+            findings = Diagnostics()
+            raw = _read(Path(self.path), findings)
+            document = None if raw is None else parse_document(raw, self.path, findings)
+            if raw is None or document is None:
+                raise CompileError(findings)
+            if hashlib.sha256(raw).hexdigest() != self.sha256:
+                findings.add(CHANGED_FILE, "the road file has changed since it was loaded", FilePlace(self.path))
+                raise CompileError(findings)
+            drop_namespace(document.root)
+            self._model = read_model(document, findings)
+        return self._model
 
     def lane_pose(self, road: str, lane: int, s: float, offset: float = 0.0) -> Pose:
         """Return the pose at an offset to the left of a lane's centre, heading along increasing s.

@@ -18,6 +18,7 @@ from scenario_compiler.document import Document
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
 from scenario_compiler.roads.locate_build import build_index
+from scenario_compiler.roads.model import report_repeats
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
 from scenario_compiler.roads.tables import NO_SPEED, RoadTables
@@ -66,7 +67,7 @@ class ParsedNetwork:
 def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
     """Read the roads, junctions and links of a document; None (and an error) when there is no road in it."""
     root = document.root
-    _drop_namespace(root)
+    drop_namespace(root)
     if root.tag != "OpenDRIVE":
         sink.add(NOT_OPENDRIVE, f"the root element is <{root.tag}>, not <OpenDRIVE>", document.origin(root))
         return None
@@ -94,10 +95,11 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
     _close(parsed.tables)
     build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links)
     build_index(parsed.tables)
+    report_repeats(reader, root)
     return parsed
 
 
-def _drop_namespace(root: etree._Element) -> None:
+def drop_namespace(root: etree._Element) -> None:
     """Rename elements of a namespace to their bare names (OpenDRIVE declares none, some writers add one)."""
     if not root.tag.startswith("{"):
         return

@@ -1,0 +1,434 @@
+"""What a road file holds beside the tables: header, objects, signals, controllers, junctions.
+
+Running a scenario needs none of it, so it is read only when asked for (`Network.model`). Words are kept as
+the file spells
+them; numbers are in metres and radians in the road's frame (s, t, h). What these values do not name stays
+reachable as `rest`:
+names of child elements and attributes that were read and not interpreted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isfinite
+from typing import NamedTuple
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.document import Document
+from scenario_compiler.roads.reading import Reader
+
+TOO_MANY_REPEATS = Code(
+    "SC314",
+    "too-many-repeats",
+    "A repeated object would stand at more places than any road needs. Only the first ones are used; its "
+    "distance is probably "
+    "wrong.",
+    Severity.WARNING,
+)
+
+REPEAT_LIMIT = 10_000
+"""Most places of one repeated object."""
+
+CONTINUOUS_STEP = 10.0
+"""Distance of the places of an object that is repeated without gaps (distance 0), m."""
+
+
+class UserData(NamedTuple):
+    """A `<userData>` element: a code and a value of the writer's own."""
+
+    code: str
+    value: str
+
+
+class Corner(NamedTuple):
+    """A corner of an outline: (u, v, z) in the object's frame if local, else (s, t, dz) in the road's; m."""
+
+    local: bool
+    first: float
+    second: float
+    z: float
+    height: float
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """The outline of an object: its corners in order, whether it is closed, whether it is the outer one."""
+
+    corners: tuple[Corner, ...]
+    closed: bool
+    outer: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """Where an object stands again and again: from s on, every `distance` metres (0: without gaps)."""
+
+    s: float
+    length: float
+    distance: float
+    t_start: float
+    t_end: float
+    z_start: float
+    z_end: float
+
+    def places(self, limit: int = REPEAT_LIMIT) -> Iterator[tuple[float, float, float]]:
+        """Yield (s, t, z offset) of at most `limit` places."""
+        step = self.distance if self.distance > 0.0 else CONTINUOUS_STEP
+        for i in range(min(self.count(), limit)):
+            share = min(1.0, i * step / self.length) if self.length > 0.0 else 0.0
+            yield (
+                self.s + i * step,
+                self.t_start + share * (self.t_end - self.t_start),
+                self.z_start + share * (self.z_end - self.z_start),
+            )
+
+    def count(self) -> int:
+        """Return the number of places, however large."""
+        step = self.distance if self.distance > 0.0 else CONTINUOUS_STEP
+        places = self.length / step
+        return int(places) + 1 if isfinite(places) and places >= 0.0 else 1
+
+
+@dataclass(frozen=True, slots=True)
+class RoadObject:
+    """An object beside or on a road, a crosswalk or a parking space among them.
+
+    Attributes:
+        road: Id of the road.
+        id: As in the file.
+        type: The standard's word: "crosswalk", "parkingSpace", "barrier", ...
+        s, t, z_offset: Place of its origin, m.
+        heading, pitch, roll: Against the road's direction, rad.
+        orientation: "+", "-" or "none": the direction of travel that it is meant for.
+        length, width, height, radius: Size, m; 0 where not given.
+        lanes: (from, to) lane ids of each validity record; empty means all.
+    """
+
+    road: str
+    id: str
+    name: str
+    type: str
+    subtype: str
+    s: float
+    t: float
+    z_offset: float
+    heading: float
+    pitch: float
+    roll: float
+    orientation: str
+    length: float
+    width: float
+    height: float
+    radius: float
+    valid_length: float
+    dynamic: bool
+    repeats: tuple[Repeat, ...]
+    outlines: tuple[Outline, ...]
+    lanes: tuple[tuple[int, int], ...]
+    user_data: tuple[UserData, ...]
+    rest: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """A sign, traffic light or painted sign; see `RoadObject` for what the fields mean.
+
+    A signal that is referenced from another road has `reference` True and only the fields of a reference.
+    """
+
+    road: str
+    id: str
+    name: str
+    type: str
+    subtype: str
+    country: str
+    value: str
+    unit: str
+    text: str
+    s: float
+    t: float
+    z_offset: float
+    heading_offset: float
+    orientation: str
+    dynamic: bool
+    reference: bool
+    height: float
+    width: float
+    lanes: tuple[tuple[int, int], ...]
+    user_data: tuple[UserData, ...]
+    rest: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """A tunnel or a bridge: the stretch of road that it covers, m."""
+
+    road: str
+    kind: str
+    id: str
+    name: str
+    type: str
+    s: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True)
+class JunctionConnection:
+    """A connection as filed: road ids, the touched end of the entered road, (from, to) lane ids."""
+
+    id: str
+    incoming: str
+    connecting: str
+    contact: str
+    type: str
+    lanes: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Junction:
+    """A junction: type "default", "direct", "virtual" or "crossing"; priorities are (high, low) road ids."""
+
+    id: str
+    name: str
+    type: str
+    main_road: str
+    s_start: float
+    s_end: float
+    connections: tuple[JunctionConnection, ...]
+    priorities: tuple[tuple[str, str], ...]
+    controllers: tuple[str, ...]
+    user_data: tuple[UserData, ...]
+    rest: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """A controller: (signal id, type) of the signals that it switches."""
+
+    id: str
+    name: str
+    controls: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """The header; geo_reference is a PROJ string, offset is the network's (x, y, z in m, heading in rad)."""
+
+    version: tuple[int, int]
+    name: str
+    date: str
+    vendor: str
+    geo_reference: str
+    offset: tuple[float, float, float, float]
+    user_data: tuple[UserData, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RoadModel:
+    """All of it, each in the file's order."""
+
+    header: Header
+    objects: tuple[RoadObject, ...]
+    signals: tuple[Signal, ...]
+    structures: tuple[Structure, ...]
+    junctions: tuple[Junction, ...]
+    controllers: tuple[Controller, ...]
+
+
+def read_model(document: Document, sink: Diagnostics) -> RoadModel:
+    """Read what the tables leave out from a document whose root is `<OpenDRIVE>`."""
+    root = document.root
+    reader = _ModelReader(Reader(document, sink))
+    roads = root.findall("road")
+    return RoadModel(
+        reader.header(root),
+        tuple(reader.object(road, one) for road in roads for one in road.iterfind("objects/object")),
+        tuple(
+            reader.signal(road, one)
+            for road in roads
+            for one in road.iterfind("signals/*")
+            if one.tag in {"signal", "signalReference"}
+        ),
+        tuple(
+            reader.structure(road, one)
+            for road in roads
+            for one in road.iterfind("objects/*")
+            if one.tag in {"tunnel", "bridge"}
+        ),
+        tuple(reader.junction(one) for one in root.iterfind("junction")),
+        tuple(_controller(one) for one in root.iterfind("controller")),
+    )
+
+
+def read_repeat(reader: Reader, element: etree._Element) -> Repeat:
+    """Read a `<repeat>`."""
+    names = ("s", "length", "distance", "tStart", "tEnd", "zOffsetStart", "zOffsetEnd")
+    return Repeat(*(reader.number(element, name, 0.0) for name in names))
+
+
+def report_repeats(reader: Reader, root: etree._Element) -> None:
+    """Report objects that repeat more often than `REPEAT_LIMIT`."""
+    for element in root.iterfind("road/objects/object/repeat"):
+        count = read_repeat(reader, element).count()
+        if count > REPEAT_LIMIT:
+            message = f"the object stands at {count} places; {REPEAT_LIMIT} are used"
+            reader.report(TOO_MANY_REPEATS, message, element)
+
+
+class _ModelReader:
+    def __init__(self, reader: Reader) -> None:
+        self._reader = reader
+
+    def _number(self, element: etree._Element, name: str) -> float:
+        return self._reader.number(element, name, 0.0)
+
+    def header(self, root: etree._Element) -> Header:
+        element = root.find("header")
+        if element is None:
+            return Header((0, 0), "", "", "", "", (0.0, 0.0, 0.0, 0.0), ())
+        major, minor = (self._reader.number(element, name, 0.0, limit=1e6) for name in ("revMajor", "revMinor"))
+        offset = element.find("offset")
+        shift = (0.0, 0.0, 0.0, 0.0)
+        if offset is not None:
+            x, y, z, h = (self._number(offset, name) for name in ("x", "y", "z", "hdg"))
+            shift = (x, y, z, h)
+        return Header(
+            version=(int(major), int(minor)),
+            name=element.get("name", ""),
+            date=element.get("date", ""),
+            vendor=element.get("vendor", ""),
+            geo_reference=(element.findtext("geoReference") or "").strip(),
+            offset=shift,
+            user_data=_user_data(element),
+        )
+
+    def object(self, road: etree._Element, element: etree._Element) -> RoadObject:
+        return RoadObject(
+            road=road.get("id", ""),
+            id=element.get("id", ""),
+            name=element.get("name", ""),
+            type=element.get("type", ""),
+            subtype=element.get("subtype", ""),
+            s=self._number(element, "s"),
+            t=self._number(element, "t"),
+            z_offset=self._number(element, "zOffset"),
+            heading=self._number(element, "hdg"),
+            pitch=self._number(element, "pitch"),
+            roll=self._number(element, "roll"),
+            orientation=element.get("orientation", "none"),
+            length=self._number(element, "length"),
+            width=self._number(element, "width"),
+            height=self._number(element, "height"),
+            radius=self._number(element, "radius"),
+            valid_length=self._number(element, "validLength"),
+            dynamic=element.get("dynamic") == "yes",
+            repeats=tuple(read_repeat(self._reader, one) for one in element.iterfind("repeat")),
+            outlines=tuple(
+                self._outline(one) for one in (*element.findall("outline"), *element.findall("outlines/outline"))
+            ),
+            lanes=self._lanes(element),
+            user_data=_user_data(element),
+            rest=_rest(element, {"repeat", "outline", "outlines", "validity", "userData"}),
+        )
+
+    def _outline(self, element: etree._Element) -> Outline:
+        corners = []
+        for one in element:
+            if one.tag == "cornerLocal":
+                corners.append(Corner(True, *(self._number(one, name) for name in ("u", "v", "z", "height"))))
+            elif one.tag == "cornerRoad":
+                corners.append(Corner(False, *(self._number(one, name) for name in ("s", "t", "dz", "height"))))
+        return Outline(tuple(corners), element.get("closed") != "false", element.get("outer") != "false")
+
+    def _lanes(self, element: etree._Element) -> tuple[tuple[int, int], ...]:
+        found = []
+        for one in element.iterfind("validity"):
+            first, last = self._reader.integer(one, "fromLane"), self._reader.integer(one, "toLane")
+            if first is not None and last is not None:
+                found.append((first, last))
+        return tuple(found)
+
+    def signal(self, road: etree._Element, element: etree._Element) -> Signal:
+        return Signal(
+            road=road.get("id", ""),
+            id=element.get("id", ""),
+            name=element.get("name", ""),
+            type=element.get("type", ""),
+            subtype=element.get("subtype", ""),
+            country=element.get("country", ""),
+            value=element.get("value", ""),
+            unit=element.get("unit", ""),
+            text=element.get("text", ""),
+            s=self._number(element, "s"),
+            t=self._number(element, "t"),
+            z_offset=self._number(element, "zOffset"),
+            heading_offset=self._number(element, "hOffset"),
+            orientation=element.get("orientation", "none"),
+            dynamic=element.get("dynamic") == "yes",
+            reference=element.tag == "signalReference",
+            height=self._number(element, "height"),
+            width=self._number(element, "width"),
+            lanes=self._lanes(element),
+            user_data=_user_data(element),
+            rest=_rest(element, {"validity", "userData"}),
+        )
+
+    def structure(self, road: etree._Element, element: etree._Element) -> Structure:
+        return Structure(
+            road=road.get("id", ""),
+            kind=element.tag,
+            id=element.get("id", ""),
+            name=element.get("name", ""),
+            type=element.get("type", ""),
+            s=self._number(element, "s"),
+            length=self._number(element, "length"),
+        )
+
+    def junction(self, element: etree._Element) -> Junction:
+        connections = []
+        for one in element.iterfind("connection"):
+            lanes = []
+            for link in one.iterfind("laneLink"):
+                before, after = self._reader.integer(link, "from"), self._reader.integer(link, "to")
+                if before is not None and after is not None:
+                    lanes.append((before, after))
+            connections.append(
+                JunctionConnection(
+                    id=one.get("id", ""),
+                    incoming=one.get("incomingRoad", ""),
+                    connecting=one.get("connectingRoad", one.get("linkedRoad", "")),
+                    contact=one.get("contactPoint", ""),
+                    type=one.get("type", "default"),
+                    lanes=tuple(lanes),
+                )
+            )
+        return Junction(
+            id=element.get("id", ""),
+            name=element.get("name", ""),
+            type=element.get("type", "default"),
+            main_road=element.get("mainRoad", ""),
+            s_start=self._number(element, "sStart"),
+            s_end=self._number(element, "sEnd"),
+            connections=tuple(connections),
+            priorities=tuple((one.get("high", ""), one.get("low", "")) for one in element.iterfind("priority")),
+            controllers=tuple(one.get("id", "") for one in element.iterfind("controller")),
+            user_data=_user_data(element),
+            rest=_rest(element, {"connection", "priority", "controller", "userData"}),
+        )
+
+
+def _controller(element: etree._Element) -> Controller:
+    controls = ((one.get("signalId", ""), one.get("type", "")) for one in element.iterfind("control"))
+    return Controller(element.get("id", ""), element.get("name", ""), tuple(controls))
+
+
+def _user_data(element: etree._Element) -> tuple[UserData, ...]:
+    return tuple(UserData(one.get("code", ""), one.get("value", "")) for one in element.iterfind("userData"))
+
+
+def _rest(element: etree._Element, read: set[str]) -> tuple[str, ...]:
+    """Return the tags of the children that were not interpreted, each once, in order."""
+    return tuple(dict.fromkeys(str(one.tag) for one in element.iterchildren(etree.Element) if one.tag not in read))
