@@ -47,21 +47,19 @@ class Atmosphere:
 
     def reflect(self, image: Image, codes: Image, hard: Image, patch: Image) -> None:
         """Mirror what stands above the horizon in the wet ground (Fresnel's reflectance, rough), in place."""
-        if self.look.wet <= 0.05:
+        horizon = self.camera.height - len(self.mirror)
+        rows = min(len(self.mirror), horizon)
+        if self.look.wet <= 0.05 or rows == 0:
             return
-        top = self.camera.height - len(codes)
-        first = int(np.searchsorted(-self.mirror[:, 0], -0.999))
-        rows = min(len(codes) - first, top + first)
-        above = image[top + first - rows : top + first][::-1]
+        above = image[horizon - rows : horizon][::-1]
         mirrored = cv2.blur(above, (3, int(31 * self.camera.height / 512) | 1))
+        first = len(codes) - len(self.mirror)
         part = slice(first, first + rows)
-        puddles = (
-            cv2.convertScaleAbs(patch[part], alpha=2, beta=-230).astype(np.float32) * (0.4 / 255.0) + 0.8
-        )
+        puddles = cv2.convertScaleAbs(patch[part], alpha=2, beta=-230).astype(np.float32) * (0.4 / 255.0) + 0.8
         weight = np.full_like(puddles, 0.25)
         cv2.copyTo(puddles, cv2.LUT(codes[part], hard), weight)
-        weight = np.minimum(weight * self.mirror[part], np.float32(0.9))
-        below = image[top + first : top + first + rows]
+        weight = np.minimum(weight * self.mirror[:rows], np.float32(0.9))
+        below = image[horizon : horizon + rows]
         below[:] = cv2.blendLinear(below, mirrored, 1.0 - weight, weight)
 
     def glow(self, image: Image, heading: float) -> Image:
@@ -83,7 +81,7 @@ class Atmosphere:
         return np.asarray(cv2.add(image, cv2.resize(tinted, (camera.width, camera.height))), np.uint8)
 
     def veil(self, image: Image, silhouettes: Sequence[tuple[Polygon, float]]) -> Image:
-        """Blend the image into the haze with distance (Koschmieder's law); boxes stand before the ground behind them."""
+        """Blend the image into the haze with distance (Koschmieder's law); boxes stand before the ground."""
         if not self.hazy:
             return image
         clear = self.clear
@@ -108,4 +106,5 @@ class Atmosphere:
     def _transmission(self, distance: NDArray[np.float32]) -> Weights:
         look = self.look
         fogged = np.maximum(distance - look.fog_start, 0.0)
-        return np.exp(-look.spray * distance - look.fog * fogged).astype(np.float32)
+        share: Weights = np.exp(-look.spray * distance - look.fog * fogged).astype(np.float32)
+        return share

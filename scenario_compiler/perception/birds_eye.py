@@ -1,4 +1,4 @@
-"""The ground seen from above, and what in it is brighter than both its sides: the image that lines are looked for in."""
+"""The ground seen from above, and what in it is brighter than both its sides: there lines are looked for."""
 
 from __future__ import annotations
 
@@ -33,10 +33,12 @@ class Ridges:
     """Ridges of one image.
 
     Attributes:
-        strength: (rows, columns) contrast of the brighter-than-both-sides kind, in units of the row's deviation, 0-8.
+        strength: (rows, columns) contrast of the brighter-than-both-sides kind, in units of the row's
+            deviation, 0-8.
         contrast: (rows, columns) the same in grey levels (twice the smaller step).
         scale: (rows,) the row's deviation, grey levels.
-        green: (rows, columns) how green the greener side is, grey levels: green less the mean of red and blue.
+        green: (rows, columns) how green the greener side is, grey levels: green less the mean of red and
+            blue.
     """
 
     strength: Map
@@ -89,7 +91,7 @@ class BirdsEye:
     def _green(self, image: NDArray[np.uint8]) -> Map:
         tone = cv2.transform(image, _GREENNESS)
         above = cv2.remap(tone, self.column, self.row, cv2.INTER_LINEAR).astype(np.float32)
-        above = np.asarray(cv2.blur(above, (3, 5)), np.float32)
+        above = np.asarray(cv2.blur(above, (5, 15)), np.float32)
         return np.maximum(self._shifted(above, self.side), self._shifted(above, -self.side)) - np.float32(64.0)
 
     def _deviation(self, response: Map) -> Map:

@@ -2,11 +2,14 @@
 
 Frames used here:
     world    OpenDRIVE's axes: x east, y north, z up, metres.
-    vehicle  x ahead, y left, z up; origin at the reference point (middle of the rear axle, on the ground). Heading, pitch and
-             roll turn about z, y and x in this order, right-handed (ISO 8855): a positive pitch lowers the nose.
+    vehicle  x ahead, y left, z up; origin at the reference point (middle of the rear axle, on the ground).
+    Heading, pitch and
+             roll turn about z, y and x in this order, right-handed (ISO 8855): a positive pitch lowers the
+             nose.
     ground   x ahead, y left, on the plane that the wheels stand on; origin on that plane below the camera.
     camera   x right, y down, z ahead along the optical axis, metres.
-    image    u right, v down, pixels, with the principal point at (width / 2, height / 2), as CARLA's intrinsics have it.
+    image    u right, v down, pixels, with the principal point at (width / 2, height / 2), as CARLA's
+    intrinsics have it.
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera and where it is mounted. The defaults are the AISA toolkit's camera at half its resolution.
+    """A pinhole camera and where it is mounted; by default the AISA toolkit's at half its resolution.
 
     Attributes:
         width: Columns of the image, pixels.
@@ -70,7 +73,8 @@ class Camera:
         Args:
             x: Ground coordinate ahead, m, any shape.
             y: Ground coordinate left, m, of the same shape.
-            pitch: Upward tilt of the camera, rad, beyond its mounting: positive where the ground ahead falls away.
+            pitch: Upward tilt of the camera, rad, beyond its mounting: positive where the ground ahead falls
+                away.
         """
         ahead, left = np.asarray(x, np.float64), np.asarray(y, np.float64)
         up, cos, sin = -self.z, math.cos(self.pitch + pitch), math.sin(self.pitch + pitch)
@@ -121,13 +125,15 @@ class View:
         """Return camera points (..., 3), all with z > 0, as pixels (..., 2)."""
         camera = self.camera
         centre = np.array([camera.width / 2.0, camera.height / 2.0])
-        return points[..., :2] * (camera.focal / points[..., 2:]) + centre
+        pixels: Floats = points[..., :2] * (camera.focal / points[..., 2:]) + centre
+        return pixels
 
     def ground_to_world(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """Return points (..., 3) of the world for ground coordinates x, y (...) of this view."""
         axes = vehicle_axes(self.pose)
         ahead, left = np.asarray(x, np.float64)[..., None], np.asarray(y, np.float64)[..., None]
-        return self.foot + ahead * axes[:, 0] + left * axes[:, 1]
+        points: Floats = self.foot + ahead * axes[:, 0] + left * axes[:, 1]
+        return points
 
     def world_to_ground(self, points: ArrayLike) -> Floats:
         """Return ground coordinates (..., 2) of world points (..., 3), seen square to the vehicle's ground plane."""

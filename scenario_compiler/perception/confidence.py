@@ -1,14 +1,14 @@
-"""How far a detected boundary can be trusted: a calibrated probability, and apart from it the health of the sensor.
+"""How far a detected boundary can be trusted: a calibrated probability, and apart from it the sensor's health.
 
-`p_geom` is the probability that the boundary lies within 0.25 m of the true one from 6 to 18 m ahead and that its paint
-is there (quality over 0.15 on more than 60 % of that stretch). It is a logistic function of `features`, fitted on rendered
-roads; weights, table and errors are in `lane_confidence.json` beside this module (`Calibration`), made by
-`python -m scenario_compiler.perception.calibration`.
+`p_geom` is the probability that the boundary lies within 0.25 m of the true one from 6 to 18 m ahead and
+that its paint can be seen (quality times the contrast that the weather leaves over 0.15 on more than 60 % of that stretch). It is a logistic function of
+`features`, fitted on rendered roads; weights, table and errors are in `lane_confidence.json` beside this
+module (`Calibration`), made by `python -m scenario_compiler.perception.calibration`.
 
-`health` falls with the noise that is measured in the image: 1 / (1 + exp((sigma_hat - 30) / 4)). The 30 and 4 grey levels are
-policy, not measurement: the geometry stays right under far more noise, but a sensor like that is broken. sigma_hat is
-Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a median in place of the mean, so that edges,
-paint and rain do not count.
+`health` falls with the noise that is measured in the image: 1 / (1 + exp((sigma_hat - 30) / 4)). The 30 and
+4 grey levels are policy, not measurement: the geometry stays right under far more noise, but a sensor like
+that is broken. sigma_hat is Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a
+median in place of the mean, so that edges, paint and rain do not count.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ class Calibration:
 
     Attributes:
         weights: One for each of `FEATURES`.
-        error: Largest difference of mean probability and observed frequency over the table's reliability bins.
+        error: Largest difference of mean probability and observed frequency over the table's reliability
+            bins.
         by_quality: (paint quality, mean p_geom over both sides) on clear days.
         by_sigma: (noise in grey levels, mean p) with new paint on clear days, health included.
         neither_without_paint: Share of frames without any paint in which both sides are below 0.3.

@@ -1,8 +1,9 @@
 """What goes wrong in the sensor, added to a clean image at the sensor's own resolution.
 
-Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel, clipped to 0-255. It is drawn
-with Philox, a counter-based generator keyed by (seed, frame index), so a frame's noise depends on these two numbers alone and
-frames can be made in any order. Sigma has a meaning only at one resolution: halving an image by area averaging halves it.
+Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel,
+clipped to 0-255. It is drawn with Philox, a counter-based generator keyed by (seed, frame index), so a
+frame's noise depends on these two numbers alone and frames can be made in any order. Sigma has a meaning
+only at one resolution: halving an image by area averaging halves it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The ground below the horizon: surfaces and paint drawn as quads, then one world-fixed texture over all of them.
 
-The texture is laid on the plane that the vehicle's wheels stand on, so it is fixed to the world on flat and on evenly
-graded roads, and slides a little, far ahead, where the grade changes.
+The texture is laid on the plane that the vehicle's wheels stand on, so it is fixed to the world on flat and
+on evenly graded roads, and slides a little, far ahead, where the grade changes.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Ground:
         self.camera = camera
         self.relief = scene.relief
         horizon = min(max(math.ceil(camera.horizon) + 1, 0), camera.height)
-        self.top = max(0, horizon - camera.height // 7) if self.relief else horizon
+        self.top = max(0, horizon - camera.height // 7) if self.relief else min(horizon, camera.height - 1)
         self.sky_rows = horizon - self.top
         x, y = camera.ground_coordinates(self.top)
         self.x, self.y = x.astype(np.float32), y.astype(np.float32)
@@ -83,7 +83,8 @@ class Ground:
         """Return the ground before lighting, (rows, width, 3), from row `top` on.
 
         Returns:
-            The image; the codes of what is seen, (rows, width), `Material`, SKY or DECK; the texture's patches, (rows, width).
+            The image; the codes of what is seen, (rows, width), `Material`, SKY or DECK; the texture's
+            patches, (rows, width).
         """
         codes = np.full(self.x.shape, Material.VERGE, np.uint8)
         codes[: self.sky_rows] = SKY
@@ -94,7 +95,7 @@ class Ground:
             self._ground_below_hills(codes)
         if colours.any():
             colours = np.asarray(cv2.dilate(colours, np.ones((3, 3), np.uint8)), np.uint8)
-        grain, wear, patch, grass = cv2.split(self._texture(view))
+        grain, wear, patch, grass = (np.asarray(c, np.uint8) for c in cv2.split(self._texture(view)))
         image = self._shade(codes, grain, patch, grass, look)
         self._apply_paint(image, paint, colours, grain, wear, look)
         return image, codes, patch
@@ -123,29 +124,23 @@ class Ground:
         if solid.any():
             strip[np.logical_or.accumulate(solid, axis=0) & (strip == SKY)] = Material.VERGE
 
-    def _fill(
-        self, ground: Projected, chosen: NDArray[np.int64], codes: Image, covered: Image | None = None
-    ) -> None:
+    def _fill(self, ground: Projected, chosen: NDArray[np.int64], codes: Image, covered: Image | None = None) -> None:
         """Draw surfaces, the lower layers first; they cover paint that lies below them, on a road underneath."""
         index = ground.index[chosen]
         order = np.argsort(self.scene.layer[index], kind="stable")
-        for k, material in zip(
-            chosen[order].tolist(), self.scene.material[index[order]].tolist(), strict=True
-        ):
+        for k, material in zip(chosen[order].tolist(), self.scene.material[index[order]].tolist(), strict=True):
             cv2.fillConvexPoly(codes, ground.polygons[k], material, cv2.LINE_8, SUBPIXEL)
             if covered is not None:
                 cv2.fillConvexPoly(covered, ground.polygons[k], (0, 0), cv2.LINE_8, SUBPIXEL)
 
     def _mark(self, lines: Projected, chosen: NDArray[np.int64], paint: Image, colours: Image) -> None:
-        """Draw paint into `paint`: coverage, and coverage times quality, so that their ratio is quality up to the rim."""
+        """Draw into `paint` coverage and coverage times quality, whose ratio is quality up to the rim."""
         marks = self.scene.marks
         index = lines.index[chosen]
         coverage = 255.0 * np.minimum(lines.thickness[chosen], 1.0)
         left = coverage * np.clip(marks.quality[index], 0.0, 1.0)
         tones = marks.colour[index]
-        for k, full, part, tone in zip(
-            chosen.tolist(), coverage.tolist(), left.tolist(), tones.tolist(), strict=True
-        ):
+        for k, full, part, tone in zip(chosen.tolist(), coverage.tolist(), left.tolist(), tones.tolist(), strict=True):
             if part < 2.0:
                 continue
             polygon = lines.polygons[k]
@@ -160,9 +155,7 @@ class Ground:
         column = cv2.addWeighted(self.x, cos, self.y, -sin, x0)
         row = cv2.addWeighted(self.x, sin, self.y, cos, y0)
         tile = ground_tile()
-        return np.asarray(
-            cv2.remap(tile, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP), np.uint8
-        )
+        return np.asarray(cv2.remap(tile, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP), np.uint8)
 
     def _shade(self, codes: Image, grain: Image, patch: Image, grass: Image, look: Look) -> Image:
         """Return albedo times texture; wet ground is darker."""
@@ -177,9 +170,7 @@ class Ground:
         base = cv2.LUT(cv2.merge((codes, codes, codes)), self.albedo)
         return np.asarray(cv2.multiply(base, cv2.merge((gain, gain, gain)), scale=1.0 / 128.0), np.uint8)
 
-    def _apply_paint(
-        self, image: Image, paint: Image, colours: Image, grain: Image, wear: Image, look: Look
-    ) -> None:
+    def _apply_paint(self, image: Image, paint: Image, colours: Image, grain: Image, wear: Image, look: Look) -> None:
         """Blend paint over the ground where there is any: it wears away in patches, as the wear texture says."""
         rows, columns = np.nonzero(paint[:, :, 0])
         if not len(rows):

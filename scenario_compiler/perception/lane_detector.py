@@ -1,11 +1,12 @@
 """Finds the lane's two boundaries in a camera image, each with a probability.
 
-A detector is anything with `detect`; `ClassicalLaneDetector` is the one in the box: it looks at the ground from above
-(`birds_eye`), votes for pairs of parabolas (`lane_fit`) and says how far they can be trusted (`confidence`).
+A detector is anything with `detect`; `ClassicalLaneDetector` is the one in the box: it looks at the ground
+from above (`birds_eye`), votes for pairs of parabolas (`lane_fit`) and says how far they can be trusted
+(`confidence`).
 
-What the probabilities do not cover: a camera that is pitched otherwise than it was mounted (one degree moves the boundaries by more
-than 0.25 m and the score does not see it; `detect` takes the pitch where it is known), and anything that is not a line (a
-car ahead, an obstacle).
+What the probabilities do not cover: a camera that is pitched otherwise than it was mounted (one degree moves
+the boundaries by more than 0.25 m and the score does not see it; `detect` takes the pitch where it is
+known), and anything that is not a line (a car ahead, an obstacle).
 """
 
 from __future__ import annotations
@@ -94,7 +95,8 @@ class LaneState:
     Attributes:
         left: Left boundary when it was trusted.
         right: Right boundary when it was trusted.
-        width: Lane width, m, averaged over the images in which both sides were sure; None before there was one.
+        width: Lane width, m, averaged over the images in which both sides were sure; None before there was
+            one.
     """
 
     left: Boundary | None = None
@@ -145,9 +147,7 @@ class ClassicalLaneDetector:
         fits, rows = self.examine(image, prior, pitch)
         sigma_hat = noise_of(image)
         health = health_of(sigma_hat)
-        left, right = (
-            _boundary(fit, probability(row, self.weights)) for fit, row in zip(fits, rows, strict=True)
-        )
+        left, right = (_boundary(fit, probability(row, self.weights)) for fit, row in zip(fits, rows, strict=True))
         return LaneResult(
             left=left,
             right=right,

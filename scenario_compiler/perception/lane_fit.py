@@ -1,7 +1,7 @@
-"""Finds the two boundaries of the lane ahead in a map of ridges: every parabola of a grid is voted for, the best pair wins.
+"""Finds the two boundaries of the lane ahead in a map of ridges: parabolas are voted for, the best pair wins.
 
-The pair is chosen together, under a prior on the lane's width and on the two being parallel: chosen alone, a side locks
-onto the next lane's line where that is the stronger one.
+The pair is chosen together, under a prior on the lane's width and on the two being parallel: chosen alone, a
+side locks onto the next lane's line where that is the stronger one.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ CURVATURES = np.linspace(-0.018, 0.018, 19)
 
 ENOUGH = 3.0
 """Strength above which a row votes no more, so that a few bright rows do not outvote many."""
+
+GRASSY = 15.0
+"""Greenness beside a ridge, grey levels, from which it counts for little: kerbs and rims of a meadow; grass has 30."""
 
 STANDS_OUT = 1.5
 """Strength from which a row is taken for painted."""
@@ -99,7 +102,8 @@ class LaneFitter:
 
     def votes(self, ridges: Ridges, side: int) -> NDArray[np.float32]:
         """Return the vote for each parabola of a side."""
-        strength = np.minimum(ridges.strength, ENOUGH).ravel()
+        doubt = np.clip(1.2 - ridges.green / np.float32(GRASSY), 0.4, 1.0)
+        strength = (np.minimum(ridges.strength, ENOUGH) * doubt).ravel()
         counted = strength[self._cells[side]] * self._weights[side]
         return np.asarray(counted.sum(axis=1) / self._norms[side], np.float32)
 
@@ -116,7 +120,8 @@ class LaneFitter:
             votes: Votes of the two sides.
             width: Expected distance between the boundaries, m.
             width_sigma: Its standard deviation, m.
-            previous: The boundaries of the frame before as offset, slope and curvature at d = 0, where there are any.
+            previous: The boundaries of the frame before as offset, slope and curvature at d = 0, where there
+                are any.
         """
         (left, left_score), (right, right_score) = (
             self._best_of_bins(votes[side], side, previous[side]) for side in (LEFT, RIGHT)
@@ -144,7 +149,7 @@ class LaneFitter:
     def refine(self, ridges: Ridges, votes: NDArray[np.float32], side: int, chosen: int) -> Fit:
         """Return the boundary fitted to the ridges near the chosen parabola."""
         guess = self.curves[side][chosen]
-        column = self._column(*guess.tolist(), self.d)
+        column = self._column(guess[0], guess[1], guess[2], self.d)
         around = column[:, None] + np.arange(-5, 6)
         inside = (around >= 0) & (around < self.columns)
         cells = np.clip(around, 0, self.columns - 1)
@@ -184,7 +189,7 @@ class LaneFitter:
 
     def _along(self, ridges: Ridges, curve: Floats) -> tuple[Floats, Floats, Floats]:
         """Return strength and contrast on the parabola, the best of three neighbouring columns, and greenness."""
-        column = self._column(*curve.tolist(), self.d)
+        column = self._column(curve[0], curve[1], curve[2], self.d)
         around = np.clip(column[:, None] + np.arange(-1, 2), 0, self.columns - 1)
         inside = (column >= 0) & (column < self.columns)
         pick = (self.rows[:, None], around)

@@ -1,6 +1,7 @@
 """A first-person image of the road, drawn on the CPU with OpenCV alone, in eight-bit steps and a fixed order.
 
-Equal arguments give equal bytes on one platform and version of OpenCV; between versions single grey levels differ.
+Equal arguments give equal bytes on one platform and version of OpenCV; between versions single grey levels
+differ.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from scenario_compiler.perception.atmosphere import Atmosphere
 from scenario_compiler.perception.camera import Camera, View
 from scenario_compiler.perception.degradation import RAIN, generator
-from scenario_compiler.perception.ground import Ground
+from scenario_compiler.perception.ground import SKY, Ground
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.perception.sky import Sky
 from scenario_compiler.perception.solids import Box, draw_boxes, draw_shadows, far_to_near
@@ -53,8 +54,8 @@ class Renderer:
         image = np.empty((self.camera.height, self.camera.width, 3), np.uint8)
         image[: sky.rows] = sky.facing(view.pose.heading)[: sky.rows]
         self._light(ground, look)
-        if self.ground.relief:
-            cv2.copyTo(ground, cv2.compare(codes, 255, cv2.CMP_NE), image[top:])
+        if self.ground.sky_rows:
+            cv2.copyTo(ground, np.where(codes == SKY, np.uint8(0), np.uint8(255)), image[top:])
         else:
             image[top:] = ground
         image = atmosphere.glow(image, view.pose.heading)

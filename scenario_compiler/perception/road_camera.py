@@ -42,7 +42,8 @@ class RoadCamera:
             network: The roads; a `RoadScene` where several cameras share one (see `scene_of`).
             camera: The camera and its mounting, the default camera when None.
             seed: Seed of the run, for noise and rain.
-            box_offset: Distance from the vehicle's reference point ahead to the centre of its bounding box, m.
+            box_offset: Distance from the vehicle's reference point ahead to the centre of its bounding box,
+                m.
         """
         self.scene = network if isinstance(network, RoadScene) else scene_of(network)
         self.camera = camera if camera is not None else Camera()

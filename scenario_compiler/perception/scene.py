@@ -1,4 +1,4 @@
-"""The static scene in a form that is quick to draw from: quads in square cells, so that a town costs what a village does."""
+"""The static scene as quads in square cells: quick to draw from, so that a town costs what a village does."""
 
 from __future__ import annotations
 
@@ -35,10 +35,8 @@ class QuadGrid:
         self.order = np.lexsort((cells[:, 1], cells[:, 0]))
         cells = cells[self.order]
         first = np.nonzero(np.any(np.diff(cells, axis=0, prepend=cells[:1] - 1) != 0, axis=1))[0]
-        ends = np.append(first[1:], len(cells))
-        self.cells = {
-            (int(cells[a, 0]), int(cells[a, 1])): self.order[a:b] for a, b in zip(first, ends, strict=True)
-        }
+        ends = np.append(first, len(cells))[1:]
+        self.cells = {(int(cells[a, 0]), int(cells[a, 1])): self.order[a:b] for a, b in zip(first, ends, strict=True)}
 
     def ahead(self, view: View, distance: float) -> NDArray[np.int64]:
         """Return, in ascending order, the quads that may be seen within `distance` metres of the camera."""
@@ -58,11 +56,7 @@ class QuadGrid:
         offset = self.centres[near] - (x, y)
         depth, side = _along(view, offset[:, 0], offset[:, 1])
         spread = math.tan(view.camera.fov / 2.0) * 1.1
-        keep = (
-            (depth > -self.reach)
-            & (depth < distance)
-            & (np.abs(side) < depth * spread + 2.0 * self.reach + 2.0)
-        )
+        keep = (depth > -self.reach) & (depth < distance) & (np.abs(side) < depth * spread + 2.0 * self.reach + 2.0)
         return np.sort(near[keep])
 
 
@@ -105,12 +99,9 @@ def _joined(surface: Surface) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
     """Return quads that span all neighbouring quads of one material, and the first of each."""
     wide = np.nonzero((surface.quads[:, :2] != surface.quads[:, :1:-1]).any(axis=(1, 2)))[0].tolist()
     materials = surface.material.tolist()
-    left_edge = {
-        (surface.quads[k, 0].tobytes(), surface.quads[k, 1].tobytes(), materials[k]): k for k in wide
-    }
+    left_edge = {(surface.quads[k, 0].tobytes(), surface.quads[k, 1].tobytes(), materials[k]): k for k in wide}
     beside = {
-        k: left_edge.get((surface.quads[k, 3].tobytes(), surface.quads[k, 2].tobytes(), materials[k]), -1)
-        for k in wide
+        k: left_edge.get((surface.quads[k, 3].tobytes(), surface.quads[k, 2].tobytes(), materials[k]), -1) for k in wide
     }
     starts = sorted(set(beside) - set(beside.values()))
     ends = []
@@ -163,7 +154,7 @@ def _thickness(pixels: NDArray[np.float64]) -> NDArray[np.float64]:
     across, along = pixels[:, 2] - pixels[:, 0], pixels[:, 3] - pixels[:, 1]
     area = 0.5 * np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
     sides = np.linalg.norm(pixels - np.roll(pixels, -1, axis=1), axis=2)
-    return area / np.maximum(sides.max(axis=1), 1e-6)
+    return np.asarray(area / np.maximum(sides.max(axis=1), 1e-6))
 
 
 def project_polygon(view: View, corners: NDArray[np.float64]) -> Polygon | None:

@@ -137,8 +137,8 @@ def _lights(box: Box, belt: float, lamps: bool) -> Iterator[Face]:
     for side in (-1.0, 1.0):
         low, high = sorted((side * 0.30, side * 0.46))
         span, z = (low, high), (belt * 0.70, belt * 0.92)
-        rear = list(_block(box, (-0.505, -0.5), span, z, (40, 40, 255) if lamps else (30, 30, 190)))[0]
-        front = list(_block(box, (0.5, 0.505), span, z, (235, 235, 235)))[1]
+        rear, *_ = _block(box, (-0.505, -0.5), span, z, (40, 40, 255) if lamps else (30, 30, 190))
+        _, front, *_ = _block(box, (0.5, 0.505), span, z, (235, 235, 235))
         yield Face(rear.corners, rear.colour, LIT if lamps else 1.0)
         yield Face(front.corners, front.colour, LIT if lamps else 1.0)
 

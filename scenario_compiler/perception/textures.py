@@ -70,12 +70,10 @@ def _noise(draw: np.random.Generator, size: int, sigma: float) -> NDArray[np.flo
     field = np.pad(field, border, mode="wrap")
     field = np.asarray(cv2.GaussianBlur(field, (0, 0), sigma / coarse), np.float32)
     if coarse > 1:
-        field = np.asarray(
-            cv2.resize(field, None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC), np.float32
-        )
+        field = np.asarray(cv2.resize(field, None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC), np.float32)
     border *= coarse
     field = field[border:-border, border:-border]
-    return (field - field.mean()) / field.std()
+    return np.asarray((field - field.mean()) / field.std(), np.float32)
 
 
 def _uniform(field: NDArray[np.float32]) -> NDArray[np.float32]:

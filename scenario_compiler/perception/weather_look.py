@@ -1,7 +1,8 @@
-"""How weather looks: CARLA's 14 numbers become light, wetness, fog, and the share of a mark's contrast that survives.
+"""How weather looks: CARLA's 14 numbers become light, wetness, fog, and how far paint can be seen.
 
-The image is a model, tuned so that its order is right (rain hides paint more than a wet road does, a low sun over a wet road
-more than a high one), not a photometric simulation. The one curve that decides takeovers is `paint_contrast`:
+The image is a model, tuned so that its order is right (rain hides paint more than a wet road does, a low sun
+over a wet road more than a high one), not a photometric simulation. The one curve that decides takeovers is
+`paint_contrast`:
 
     contrast = (1 - 0.25 wet) (1 - 0.42 rain) (1 - 0.86 wet rain^1.5 glare)
 
@@ -9,11 +10,13 @@ more than a high one), not a photometric simulation. The one curve that decides 
     rain   precipitation / 100
     glare  sun between -2 and 35 degrees of altitude: 1 up to 15, falling linearly to 0 at 35
 
-The first factor is the water film that fills the paint's texture, the second the spray in the air before and on the road, the third
-the sky's reflection in a wet road against a low sun, which makes the asphalt as bright as the paint. CARLA's presets give:
+The first factor is the water film that fills the paint's texture, the second the spray in the air before and
+on the road, the third the sky's reflection in a wet road against a low sun, which makes the asphalt as
+bright as the paint. CARLA's presets give:
 
-    ClearNoon 1.00   WetNoon 0.88   SoftRainNoon 0.76   MidRainyNoon 0.64   HardRainNoon 0.44   HardRainNight 0.44
-    ClearSunset 1.00 WetSunset 0.88 SoftRainSunset 0.71 MidRainSunset 0.48  HardRainSunset 0.06
+    ClearNoon 1.00    WetNoon 0.88    SoftRainNoon 0.76    MidRainyNoon 0.64   HardRainNoon 0.44
+    ClearSunset 1.00  WetSunset 0.88  SoftRainSunset 0.71  MidRainSunset 0.48  HardRainSunset 0.06
+    ClearNight 1.00   WetNight 0.85   SoftRainNight 0.74   MidRainyNight 0.60  HardRainNight 0.44
 """
 
 from __future__ import annotations
@@ -27,7 +30,7 @@ from numpy.typing import NDArray
 
 
 class WeatherNumbers(Protocol):
-    """CARLA's `WeatherParameters` by name: percent, degrees and metres as CARLA has them; -1 is unset (a clear noon)."""
+    """CARLA's `WeatherParameters` by name, in its percent, degrees and metres; -1 is unset (a clear noon)."""
 
     @property
     def cloudiness(self) -> float: ...  # noqa: D102
@@ -124,7 +127,7 @@ def look_of(weather: WeatherNumbers) -> Look:
 
 
 def paint_contrast(wet: float, rain: float, sun_altitude: float) -> float:
-    """Return the share of a mark's contrast with the asphalt that survives, 0-1 (the module's docstring has the curve).
+    """Return the share of a mark's contrast with the asphalt that survives, 0-1: the curve above.
 
     Args:
         wet: Water on the road, 0-1.
@@ -132,7 +135,7 @@ def paint_contrast(wet: float, rain: float, sun_altitude: float) -> float:
         sun_altitude: Altitude of the sun, degrees.
     """
     glare = min(max((35.0 - sun_altitude) / 20.0, 0.0), 1.0) if sun_altitude > -2.0 else 0.0
-    return (1.0 - 0.25 * wet) * (1.0 - 0.42 * rain) * (1.0 - 0.86 * wet * rain**1.5 * glare)
+    return (1.0 - 0.25 * wet) * (1.0 - 0.42 * rain) * (1.0 - 0.86 * wet * rain * math.sqrt(rain) * glare)
 
 
 def _share(percent: float, unset: float) -> float:

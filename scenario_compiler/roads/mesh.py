@@ -1,5 +1,4 @@
-"""The network as quads: road surfaces by material and painted marks, for the camera, for plots and for mesh
-export.
+"""The network as quads: road surfaces by material and painted marks, for the camera, plots and mesh export.
 
 Lanes are cut at stations every two metres, of which those are left out between which the surface is flat and
 straight. A mark
@@ -14,6 +13,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -137,9 +137,7 @@ _PAINTS = dict.fromkeys(range(len(road_marks_codes.MARK_COLOURS)), Paint.WHITE) 
 
 
 class _Line(NamedTuple):
-    """One line of a mark: dash and gap, m (gap 0: solid), offset in widths of the mark towards the outer
-    side.
-    """
+    """One line of a mark: dash and gap, m (gap 0: solid), offset outwards in widths of the mark."""
 
     dash: float
     gap: float
@@ -173,14 +171,14 @@ def road_surface(network: Network, step: float = 2.0, tolerance: float = 0.01) -
         for material, lane, corners, s in _strips(n, section, step, tolerance):
             road = n.section_road[section]
             quads.append(corners)
-            columns += [(material, road, lane, a, b) for a, b in zip(s[:-1], s[1:], strict=True)]
+            columns += [(material, road, lane, a, b) for a, b in pairwise(s)]
     table = np.array(columns, np.float64).reshape(-1, 5)
-    layer = np.array([_LAYERS[material] for material in Material], np.uint8)
-    material = table[:, 0].astype(np.uint8)
+    layer = np.array([_LAYERS[kind] for kind in Material], np.uint8)
+    materials = table[:, 0].astype(np.uint8)
     return Surface(
         quads=np.concatenate([*quads, np.empty((0, 4, 3))]).astype(np.float32),
-        material=material,
-        layer=layer[material],
+        material=materials,
+        layer=layer[materials],
         road=table[:, 1].astype(np.int32),
         lane=table[:, 2].astype(np.int32),
         s=table[:, 3:].astype(np.float32),
@@ -217,9 +215,7 @@ def _quads(left: Floats, right: Floats) -> Floats:
 
 
 def _borders(n: RoadTables, road: int, section: int, rows: list[int], s: float) -> list[Point]:
-    """Return points from left to right: the verge's rim, left and right border of each lane, the other
-    verge's rim.
-    """
+    """Return points from left to right: the verge's rim, left and right border of each lane, the other rim."""
     x, y, h, _, _ = geometry.piece_point(n, geometry.road_piece_at(n, road, s), s)
     sin, cos = math.sin(h), math.cos(h)
     t = lanes.lane_offset(n, road, s)
@@ -241,9 +237,7 @@ def _borders(n: RoadTables, road: int, section: int, rows: list[int], s: float) 
 
 
 def _needed(borders: Floats, s: Floats, tolerance: float) -> list[int]:
-    """Return the stations, first and last included, between which every border is straight within
-    `tolerance`.
-    """
+    """Return the stations, first and last included, between which borders are straight within `tolerance`."""
     kept, last = [0], len(s) - 1
     while kept[-1] < last:
         here = kept[-1]
@@ -286,9 +280,7 @@ def road_marks(network: Network, tolerance: float = 0.01) -> Marks:
 
 
 class _Stroke(NamedTuple):
-    """A line to be painted: lateral offset from the border (left positive), width, colour, dash, gap, first
-    and last s.
-    """
+    """A line to be painted: offset outwards from the border, width, colour, dash, gap, first and last s."""
 
     t: float
     width: float

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,7 +71,7 @@ def reliability(p: Floats, outcomes: Floats) -> Reliability:
     right = outcomes > 0.5
     yes, no = int(right.sum()), int((~right).sum())
     bins = []
-    for low, high in zip(BINS[:-1], BINS[1:], strict=True):
+    for low, high in pairwise(BINS):
         inside = (p >= low) & ((p < high) | (high == BINS[-1]))
         if inside.any():
             bins.append((low, high, int(inside.sum()), float(p[inside].mean()), float(outcomes[inside].mean())))

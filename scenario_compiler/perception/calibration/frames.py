@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.calibration.scenes import Line, Reference, Strip, make_scene
+from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.solids import Box
+from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads.mesh import Material, Paint
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
@@ -25,7 +26,7 @@ CLOSE_ENOUGH = 0.25
 """Lateral error up to which it is right, m."""
 
 SEEN, SEEN_SHARE = 0.15, 0.6
-"""Quality over which paint counts as there, and the share of the stretch that needs it."""
+"""Quality times the weather's contrast over which paint counts as there, and the share of the stretch that needs it."""
 
 DASHES = ((0.0, 0.0), (3.0, 9.0), (4.0, 8.0), (6.0, 12.0), (3.0, 4.5), (6.0, 9.0), (3.0, 6.0))
 """Dash and gap, m: solid; US; German motorway and rural, European long, others."""
@@ -58,7 +59,7 @@ class Frame:
         image: (height, width, 3) uint8, BGR.
         boundaries: For the left and right boundary y(x), (n,), at x.
         x: (n,) distances ahead of the camera, m, from `NEAR` to `FAR`.
-        quality: For both sides the quality of the paint at x, (n,).
+        quality: For both sides the quality of the paint at x times the contrast that the weather leaves, (n,).
         sigma: Noise, grey levels.
         weather: Name of the weather.
     """
@@ -74,21 +75,6 @@ class Frame:
         """Whether a detected boundary y(x) of a side is close enough and its paint is there."""
         close = float(np.abs(y - self.boundaries[side]).max()) < CLOSE_ENOUGH
         return close and float((self.quality[side] > SEEN).mean()) > SEEN_SHARE
-
-
-@dataclass
-class Fading:
-    """Quality along s: constant, or falling from one value to another between two places."""
-
-    first: float
-    last: float
-    begin: float = 0.0
-    end: float = 1.0
-    name: str = field(default="fading", repr=False)
-
-    def __call__(self, s: Floats) -> Floats:
-        """Return the quality at s."""
-        return np.interp(s, [self.begin, max(self.end, self.begin + 1e-3)], [self.first, self.last])
 
 
 def random_frame(draw: np.random.Generator, wanted: Wanted, camera: Camera | None = None) -> Frame:
@@ -108,7 +94,7 @@ def random_frame(draw: np.random.Generator, wanted: Wanted, camera: Camera | Non
     boxes = _traffic(draw, reference, here, width) if wanted.traffic and draw.random() < 0.35 else []
     road_camera = RoadCamera(make_scene(reference, strips, lines), camera, seed=int(draw.integers(2**31)))
     image = road_camera.frame(pose, boxes, weather, sigma, 0)
-    return _with_truth(image, road_camera, pose, reference, here, width, qualities, sigma, weather.preset)
+    return _with_truth(image, road_camera, pose, reference, here, width, qualities, sigma, weather)
 
 
 def _reference(draw: np.random.Generator) -> Reference:
@@ -141,7 +127,7 @@ def _road(
     draw: np.random.Generator, width: float, lanes: tuple[int, int], qualities: tuple[Fading, Fading]
 ) -> tuple[list[Line], list[Strip]]:
     """Return lines and strips of a road whose middle lane is centred on the reference line."""
-    inner, outer = _kind(draw), _kind(draw)
+    inner, outer = _kind(draw, 0.7), _kind(draw, 0.25)
     left_edge, right_edge = width * (0.5 + lanes[0]), -width * (0.5 + lanes[1])
     paint = Paint.YELLOW if draw.random() < 0.2 else Paint.WHITE
     broad = float(draw.choice([0.1, 0.12, 0.15, 0.2, 0.25]))
@@ -162,13 +148,16 @@ def _road(
     elif draw.random() < 0.3:
         strips.append(Strip(right_edge, right_edge - margin, Material.SHOULDER))
     if draw.random() < 0.3:
-        seam = Line(float(draw.uniform(right_edge, left_edge)), width=0.06, colour=Paint.BLACK, quality=Fading(0.6, 0.6))
+        seam = Line(
+            float(draw.uniform(right_edge, left_edge)), width=0.06, colour=Paint.BLACK, quality=Fading(0.6, 0.6)
+        )
         lines.insert(0, seam)
     return lines, strips
 
 
-def _kind(draw: np.random.Generator) -> tuple[float, float, float]:
-    dash, gap = DASHES[int(draw.integers(len(DASHES)))] if draw.random() < 0.7 else (0.0, 0.0)
+def _kind(draw: np.random.Generator, broken: float) -> tuple[float, float, float]:
+    """Return dash, gap and phase of a line that is broken with a probability."""
+    dash, gap = DASHES[int(draw.integers(len(DASHES)))] if draw.random() < broken else (0.0, 0.0)
     return dash, gap, float(draw.uniform(0.0, 18.0))
 
 
@@ -204,7 +193,7 @@ def _with_truth(
     width: float,
     qualities: tuple[Fading, Fading],
     sigma: float,
-    weather: str,
+    weather: Weather,
 ) -> Frame:
     x = np.arange(NEAR, FAR + 0.1, 1.0)
     s = np.arange(here, min(here + 40.0, reference.length), 0.5)
@@ -214,5 +203,5 @@ def _with_truth(
         flat = reference.at(s, t)
         ground = view.world_to_ground(np.concatenate([flat, np.zeros((len(s), 1))], axis=1))
         boundaries.append(np.interp(x, ground[:, 0], ground[:, 1]))
-        seen.append(np.interp(x, ground[:, 0], qualities[side](s)))
-    return Frame(image, (boundaries[0], boundaries[1]), x, (seen[0], seen[1]), sigma, weather)
+        seen.append(np.interp(x, ground[:, 0], qualities[side](s)) * look_of(weather).contrast)
+    return Frame(image, (boundaries[0], boundaries[1]), x, (seen[0], seen[1]), sigma, weather.preset)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface
@@ -16,8 +16,21 @@ from scenario_compiler.roads.positions import Pose
 Floats = NDArray[np.float64]
 
 
-def _as_new(s: Floats) -> Floats:
-    return np.ones_like(s)
+@dataclass(frozen=True)
+class Fading:
+    """Quality along s: `first` up to `begin`, `last` from `end` on, linear between."""
+
+    first: float
+    last: float
+    begin: float = 0.0
+    end: float = 1.0
+
+    def __call__(self, s: Floats) -> Floats:
+        """Return the quality at s."""
+        return np.interp(s, [self.begin, max(self.end, self.begin + 1e-3)], [self.first, self.last])
+
+
+AS_NEW = Fading(1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -40,7 +53,7 @@ class Line:
     phase: float = 0.0
     width: float = 0.12
     colour: Paint = Paint.WHITE
-    quality: Callable[[Floats], Floats] = _as_new
+    quality: Fading = AS_NEW
 
 
 @dataclass(frozen=True)
@@ -53,7 +66,7 @@ class Strip:
 
 
 class Reference:
-    """A reference line from pieces (length, curvature at the start, at the end), in the plane, sampled every 0.25 m.
+    """A reference line from pieces (length, curvature at the start, at the end), sampled every 0.25 m.
 
     Between samples it is interpolated linearly, which at a radius of 50 m is 0.2 mm off.
     """
@@ -72,7 +85,7 @@ class Reference:
         self.x = np.concatenate([[0.0], np.cumsum(np.cos(middle) * steps)])
         self.y = np.concatenate([[0.0], np.cumsum(np.sin(middle) * steps)])
 
-    def at(self, s: ArrayLike, t: ArrayLike = 0.0) -> Floats:
+    def at(self, s: Floats | float, t: Floats | float = 0.0) -> Floats:
         """Return points (..., 2) at s and t."""
         heading = np.interp(s, self.s, self.heading)
         x = np.interp(s, self.s, self.x) - np.asarray(t) * np.sin(heading)
@@ -116,7 +129,9 @@ def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Li
 
 
 def _marks(reference: Reference, lines: Sequence[Line]) -> Marks:
-    quads, colours, quality, widths, spans = [], [], [], [], []
+    quads: list[NDArray[np.float32]] = [np.empty((0, 4, 3), np.float32)]
+    spans: list[Floats] = [np.empty((0, 2))]
+    colours, quality, widths = [], [], []
     for line in lines:
         start, end = _pieces(line, reference.length)
         quads.append(reference.quads(start, end, line.t + line.width / 2, line.t - line.width / 2))
@@ -124,11 +139,9 @@ def _marks(reference: Reference, lines: Sequence[Line]) -> Marks:
         quality.append(line.quality(0.5 * (start + end)))
         widths.append(np.full(len(start), line.width))
         spans.append(np.stack([start, end], axis=1))
-    if not quads:
-        quads, spans = [np.empty((0, 4, 3))], [np.empty((0, 2))]
     count = sum(len(q) for q in quads)
     return Marks(
-        np.concatenate(quads).astype(np.float32),
+        np.concatenate(quads),
         np.concatenate([*colours, np.empty(0, np.uint8)]),
         np.concatenate([*quality, np.empty(0)]).astype(np.float32),
         np.concatenate([*widths, np.empty(0)]).astype(np.float32),

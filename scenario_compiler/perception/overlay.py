@@ -1,0 +1,166 @@
+"""The picture that a report and a video show: the driver's view, the camera's image, what was detected and said.
+
+Detected boundaries are green, fading to dark where they are not trusted; the predicted path is purple.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.lane_detector import Boundary, LaneResult
+
+Image = NDArray[np.uint8]
+Colour = tuple[int, int, int]
+
+DRIVER = Camera(width=960, height=480, fov=np.deg2rad(70.0).item(), x=0.3, z=1.35, pitch=np.deg2rad(-4.0).item())
+"""The driver's view that pictures are composed on."""
+
+GREEN, FAINT, PURPLE = (60, 230, 60), (60, 110, 60), (210, 40, 190)
+WHITE, AMBER, RED = (240, 240, 240), (40, 190, 255), (60, 60, 240)
+_FONT = cv2.FONT_HERSHEY_SIMPLEX
+_STATE_COLOURS = {
+    "automated": GREEN,
+    "warning": AMBER,
+    "request": RED,
+    "escalation": RED,
+    "response": AMBER,
+    "manual": WHITE,
+    "minimum-risk": RED,
+}
+
+
+@dataclass(frozen=True)
+class Caption:
+    """What is written over the picture.
+
+    Attributes:
+        time: Time of the run, s.
+        speed: m/s.
+        state: State of the takeover, e.g. "automated", "request", "manual".
+        notes: Lines of information.
+        warnings: Messages that warn.
+        alarms: Messages that request.
+    """
+
+    time: float
+    speed: float
+    state: str
+    notes: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    alarms: Sequence[str] = ()
+
+
+def compose(
+    view_image: Image,
+    camera_image: Image,
+    lane: LaneResult | None,
+    path: ArrayLike | None,
+    caption: Caption,
+    *,
+    driver: Camera = DRIVER,
+    sensor: Camera | None = None,
+) -> Image:
+    """Return the composed picture, as large as `view_image`; the arguments are left as they are.
+
+    Args:
+        view_image: The driver's view, BGR.
+        camera_image: What the lane detector saw, BGR.
+        lane: What it found, in the sensor's ground frame.
+        path: (n, 2) points of the predicted path, in the sensor's ground frame, m.
+        caption: The words.
+        driver: The camera of `view_image`.
+        sensor: The camera of `camera_image`, the default camera when None.
+    """
+    sensor = sensor if sensor is not None else Camera()
+    picture, inset = view_image.copy(), camera_image.copy()
+    ahead = sensor.x - driver.x
+    for image, camera, shift in ((picture, driver, ahead), (inset, sensor, 0.0)):
+        if path is not None:
+            points = np.asarray(path, np.float64).reshape(-1, 2)
+            _polyline(image, camera, points[:, 0] + shift, points[:, 1], PURPLE)
+        if lane is not None:
+            for boundary, p in ((lane.left, lane.p_left), (lane.right, lane.p_right)):
+                _boundary(image, camera, boundary, p, shift)
+    _set_in(picture, inset)
+    _write(picture, lane, caption)
+    return picture
+
+
+def encode_png(image: Image) -> bytes:
+    """Return the image as a PNG file; equal images give equal bytes with one version of OpenCV."""
+    good, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 6])
+    if not good:
+        raise ValueError(f"an image of shape {image.shape} cannot be encoded")
+    return data.tobytes()
+
+
+def _boundary(image: Image, camera: Camera, boundary: Boundary, p: float, shift: float) -> None:
+    x = np.arange(5.0, max(boundary.x_range[1], 12.0) + 0.1, 0.5)
+    _polyline(image, camera, x + shift, boundary.y(x), GREEN if p >= 0.3 else FAINT)
+
+
+def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: Colour) -> None:
+    """Draw a line that lies on the ground."""
+    u, v = camera.project_ground(x, y)
+    points = np.stack([u, v], axis=1)
+    points = points[np.isfinite(points).all(axis=1) & (np.asarray(x, np.float64) > 1.0)]
+    fixed = np.clip(np.round(points * 8.0), -(2**18), 2**18).astype(np.int32)
+    thickness = max(2, image.shape[1] // 300)
+    if len(fixed) > 1:
+        cv2.polylines(image, [fixed], False, colour, thickness, cv2.LINE_AA, 3)
+
+
+def _set_in(picture: Image, inset: Image) -> None:
+    """Put the camera's image into the upper right corner, a third as wide as the picture."""
+    width = picture.shape[1] // 3
+    height = round(width * inset.shape[0] / inset.shape[1])
+    small = cv2.resize(inset, (width, height), interpolation=cv2.INTER_AREA)
+    top, left = 10, picture.shape[1] - width - 10
+    cv2.rectangle(picture, (left - 2, top - 2), (left + width + 1, top + height + 1), WHITE, 1)
+    picture[top : top + height, left : left + width] = small
+
+
+def _write(picture: Image, lane: LaneResult | None, caption: Caption) -> None:
+    lines: list[tuple[str, Colour]] = [
+        (caption.state.upper(), _STATE_COLOURS.get(caption.state, WHITE)),
+        (f"t {caption.time:6.2f} s   v {caption.speed:5.1f} m/s ({caption.speed * 3.6:.0f} km/h)", WHITE),
+    ]
+    if lane is not None:
+        confidence = f"left {lane.p_left:.2f}   right {lane.p_right:.2f}   sensor {lane.sensor_health:.2f}"
+        lines.append((confidence, _confidence_colour(lane)))
+    lines += [(note, WHITE) for note in caption.notes]
+    scale = picture.shape[1] / 960.0
+    pitch = round(24 * scale)
+    _panel(picture, round(390 * scale), pitch * len(lines) + round(14 * scale))
+    for k, (text, colour) in enumerate(lines):
+        _text(picture, text, (round(14 * scale), round(26 * scale) + k * pitch), colour, 0.55 * scale)
+    messages = [(text, AMBER) for text in caption.warnings] + [(text, RED) for text in caption.alarms]
+    for k, (text, colour) in enumerate(reversed(messages)):
+        size = cv2.getTextSize(text, _FONT, 0.9 * scale, 2)[0][0]
+        place = ((picture.shape[1] - size) // 2, picture.shape[0] - round((24 + 36 * k) * scale))
+        _text(picture, text, place, colour, 0.9 * scale)
+
+
+def _confidence_colour(lane: LaneResult) -> Colour:
+    lowest, highest = min(lane.p_left, lane.p_right), max(lane.p_left, lane.p_right)
+    if highest < 0.3:
+        return RED
+    return AMBER if lowest < 0.6 else GREEN
+
+
+def _panel(picture: Image, width: int, height: int) -> None:
+    """Darken the upper left corner so that writing can be read."""
+    area = picture[6 : 6 + height, 6 : 6 + width]
+    area[:] = cv2.convertScaleAbs(area, alpha=0.45)
+
+
+def _text(picture: Image, text: str, place: tuple[int, int], colour: Colour, scale: float) -> None:
+    thick = 1 if scale < 0.8 else 2
+    cv2.putText(picture, text, place, _FONT, scale, (20, 20, 20), thick + 2, cv2.LINE_AA)
+    cv2.putText(picture, text, place, _FONT, scale, colour, thick, cv2.LINE_AA)

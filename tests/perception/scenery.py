@@ -1,0 +1,42 @@
+"""Roads that the tests of perception drive on."""
+
+from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
+from scenario_compiler.perception.scene import RoadScene
+from scenario_compiler.roads.mesh import Material
+from scenario_compiler.vocabulary.weather import Weather, weather_preset
+
+EU_DASH, US_DASH, SOLID = (6.0, 12.0), (3.0, 9.0), (0.0, 0.0)
+
+
+def weather(name: str) -> Weather:
+    preset = weather_preset(name)
+    assert preset is not None
+    return preset
+
+
+CLEAR = weather("ClearNoon")
+
+
+def bend(radius: float, length: float = 150.0) -> Reference:
+    """A road that turns left with a radius (right when negative); 0 is straight."""
+    curvature = 1.0 / radius if radius else 0.0
+    return Reference([(30.0, 0.0, 0.0), (30.0, 0.0, curvature), (length, curvature, curvature)])
+
+
+def two_lanes(
+    reference: Reference,
+    width: float = 3.5,
+    dash: tuple[float, float] = US_DASH,
+    quality: float | Fading = 1.0,
+    outer: tuple[float, float] = SOLID,
+) -> RoadScene:
+    """Our lane is centred on the reference line, another one lies to its left."""
+    fading = quality if isinstance(quality, Fading) else Fading(quality, quality)
+    lines = [
+        Line(1.5 * width, quality=fading),
+        Line(0.5 * width, *dash, quality=fading),
+        Line(-0.5 * width, *outer, quality=fading),
+    ]
+    strips = [Strip(30.0, -30.0, Material.VERGE), Strip(1.5 * width + 0.6, -0.5 * width - 0.6)]
+    return make_scene(reference, strips, lines)
+

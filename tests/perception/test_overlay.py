@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.lane_detector import Boundary, LaneResult
+from scenario_compiler.perception.overlay import DRIVER, GREEN, PURPLE, Caption, compose, encode_png
+
+VIEW = np.full((DRIVER.height, DRIVER.width, 3), 90, np.uint8)
+CAMERA = np.full((256, 512, 3), 70, np.uint8)
+LANE = LaneResult(
+    Boundary(1.75, 0.0, 0.0, 0.95, (5.0, 28.0)), Boundary(-1.75, 0.0, 0.0, 0.9, (5.0, 28.0)),
+    1.0, 0.4, 0.95, 0.9, 3.5,
+)  # fmt: skip
+CAPTION = Caption(12.5, 13.9, "request", ["map town"], ["WEAK left lane"], ["TAKE OVER"])
+PATH = np.stack([np.arange(5.0, 25.0), np.zeros(20)], axis=1)
+
+
+def has(image: np.ndarray, colour: tuple[int, int, int]) -> bool:
+    return bool((np.abs(image.astype(int) - colour).max(axis=2) < 12).any())
+
+
+def test_the_picture_shows_lanes_path_and_inset_and_leaves_its_sources_alone() -> None:
+    picture = compose(VIEW, CAMERA, LANE, PATH, CAPTION)
+    assert picture.shape == VIEW.shape
+    assert has(picture, GREEN)
+    assert has(picture, PURPLE)
+    inset = picture[10:170, -330:-10]
+    assert has(inset, GREEN)
+    assert (VIEW == 90).all()
+    assert (CAMERA == 70).all()
+
+
+def test_the_path_lies_where_the_drivers_camera_sees_it() -> None:
+    picture = compose(VIEW, CAMERA, None, PATH, CAPTION)
+    u, v = DRIVER.project_ground(10.0 + Camera().x - DRIVER.x, 0.0)
+    assert has(picture[round(float(v)) - 2 : round(float(v)) + 3, round(float(u)) - 3 : round(float(u)) + 4], PURPLE)
+
+
+def test_nothing_detected_is_drawn_as_nothing() -> None:
+    picture = compose(VIEW, CAMERA, None, None, Caption(0.0, 0.0, "automated"))
+    assert not has(picture, PURPLE)
+    assert not has(picture[200:], GREEN)
+
+
+@pytest.mark.parametrize("path", [np.empty((0, 2)), np.array([[np.nan, 0.0], [1e9, 1e9], [-5.0, 0.0]])])
+def test_strange_paths_do_no_harm(path: np.ndarray) -> None:
+    assert compose(VIEW, CAMERA, LANE, path, CAPTION).shape == VIEW.shape
+
+
+def test_a_png_is_the_same_each_time() -> None:
+    picture = compose(VIEW, CAMERA, LANE, PATH, CAPTION)
+    first = encode_png(picture)
+    assert first.startswith(b"\x89PNG")
+    assert first == encode_png(compose(VIEW, CAMERA, LANE, PATH, CAPTION))

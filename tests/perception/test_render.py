@@ -1,0 +1,159 @@
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from scenario_compiler.perception.calibration.scenes import Reference, Strip, make_scene
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.scene import RoadScene
+from scenario_compiler.perception.solids import Box
+from scenario_compiler.roads.mesh import Marks, Material, Surface
+from scenario_compiler.roads.positions import Pose
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
+from tests.perception.scenery import CLEAR, bend, two_lanes, weather
+
+Image = NDArray[np.uint8]
+STRAIGHT = bend(0.0)
+HERE = STRAIGHT.pose(20.0)
+CAR = Box(50.0, 0.0, 0.0, 0.0, 4.4, 1.85, 1.45, (20, 20, 220))
+
+
+@pytest.fixture(scope="module")
+def road_camera() -> RoadCamera:
+    return RoadCamera(two_lanes(STRAIGHT))
+
+
+def shot(camera: RoadCamera, pose: Pose = HERE, sky: Weather = CLEAR, *boxes: Box, frame: int = 0) -> Image:
+    return camera.frame(pose, boxes, sky, 0.0, frame)
+
+
+def paint_pixels(image: Image) -> int:
+    """Count the bright, colourless pixels below the horizon."""
+    ground = image[90:].astype(int)
+    return int(((ground.min(axis=2) > 150) & (np.ptp(ground, axis=2) < 25)).sum())
+
+
+def test_equal_arguments_give_equal_bytes_whatever_was_drawn_before() -> None:
+    scene, rain = two_lanes(bend(200.0)), weather("HardRainSunset")
+    first = RoadCamera(scene, seed=3).frame(HERE, [CAR], rain, 12.0, 41)
+    other = RoadCamera(scene, seed=3)
+    other.frame(STRAIGHT.pose(60.0), [], CLEAR, 0.0, 3)
+    assert np.array_equal(first, other.frame(HERE, [CAR], rain, 12.0, 41))
+    assert not np.array_equal(first, RoadCamera(scene, seed=4).frame(HERE, [CAR], rain, 12.0, 41))
+
+
+@pytest.mark.parametrize("name", WEATHER_PRESETS)
+def test_every_preset_can_be_drawn(road_camera: RoadCamera, name: str) -> None:
+    image = shot(road_camera, HERE, weather(name), CAR)
+    assert image.shape == (256, 512, 3)
+    assert image.dtype == np.uint8
+    assert image.std() > 1.0
+
+
+def test_lines_lie_where_the_camera_says(road_camera: RoadCamera) -> None:
+    image = shot(road_camera)
+    u, v = road_camera.camera.project_ground([8.0, 12.0], [-1.75, -1.75])
+    for column, row in zip(np.round(u).astype(int), np.round(v).astype(int), strict=True):
+        assert image[row, column].min() > 150
+        assert image[row, column - 12].max() < 130
+
+
+def test_paint_wears_away_with_quality() -> None:
+    left = [paint_pixels(shot(RoadCamera(two_lanes(STRAIGHT, quality=q)))) for q in (1.0, 0.6, 0.3, 0.0)]
+    assert left[0] > left[1] > left[2] >= left[3]
+    assert left[3] == 0
+
+
+def test_weather_weakens_paint_in_the_published_order(road_camera: RoadCamera) -> None:
+    u, v = road_camera.camera.project_ground(9.0, -1.75)
+    column, row = round(float(u)), round(float(v))
+
+    def contrast(name: str) -> float:
+        image = shot(road_camera, HERE, weather(name))[:, :, 1].astype(float)
+        return float(image[row, column - 2 : column + 3].max() - np.median(image[row, column - 30 : column - 10]))
+
+    assert contrast("ClearNoon") > contrast("SoftRainNoon") > contrast("HardRainNoon") > contrast("HardRainSunset")
+    assert contrast("HardRainSunset") < 25.0
+
+
+def test_nights_are_dark_and_fog_hides_what_is_far(road_camera: RoadCamera) -> None:
+    assert shot(road_camera, HERE, weather("ClearNight")).mean() < 0.5 * shot(road_camera).mean()
+    fog = CLEAR.model_copy(update={"fog_density": 100.0, "fog_distance": 0.0})
+    clear, veiled = (np.abs(shot(road_camera, HERE, sky, CAR).astype(int) - shot(road_camera, HERE, sky)).max()
+                     for sky in (CLEAR, fog))  # fmt: skip
+    assert veiled < 0.8 * clear
+
+
+def test_a_car_ahead_covers_the_road(road_camera: RoadCamera) -> None:
+    empty, full = shot(road_camera), shot(road_camera, HERE, CLEAR, CAR)
+    changed = np.argwhere(np.any(empty != full, axis=2))
+    assert 30 < len(changed)
+    assert 200 < changed[:, 1].mean() < 312
+    near = shot(road_camera, HERE, CLEAR, CAR._replace(x=35.0))
+    assert np.any(empty != near, axis=2).sum() > 2 * len(changed)
+
+
+def test_boxes_are_drawn_by_distance_and_not_by_order(road_camera: RoadCamera) -> None:
+    van, person = CAR._replace(x=70.0, height=2.5), Box(45.0, -1.0, 0.0, 0.0, 0.5, 0.5, 1.75, kind="pedestrian")
+    assert np.array_equal(
+        shot(road_camera, HERE, CLEAR, CAR, van, person), shot(road_camera, HERE, CLEAR, person, van, CAR)
+    )
+
+
+def test_a_box_behind_or_around_the_camera_does_no_harm(road_camera: RoadCamera) -> None:
+    assert np.array_equal(shot(road_camera, HERE, CLEAR, CAR._replace(x=-30.0)), shot(road_camera))
+    assert shot(road_camera, HERE, CLEAR, CAR._replace(x=HERE.x + 1.9)).shape == (256, 512, 3)
+
+
+def test_the_texture_is_fixed_to_the_world(road_camera: RoadCamera) -> None:
+    """What is seen 12 m ahead is seen 2 m nearer after driving 2 m."""
+    camera = road_camera.camera
+    before, after = shot(road_camera), shot(road_camera, STRAIGHT.pose(22.0))
+    y = np.linspace(-1.2, 1.2, 60)
+    (u0, v0), (u1, v1) = camera.project_ground(np.full(60, 9.0), y), camera.project_ground(np.full(60, 7.0), y)
+    first = before[np.round(v0).astype(int), np.round(u0).astype(int), 1].astype(float)
+    second = after[np.round(v1).astype(int), np.round(u1).astype(int), 1].astype(float)
+    assert np.corrcoef(first, second)[0, 1] > 0.4
+
+
+def test_an_empty_scene_and_a_camera_that_sees_no_ground_can_be_drawn() -> None:
+    nothing = RoadScene(
+        Surface(
+            np.empty((0, 4, 3), np.float32), np.empty(0, np.uint8), np.empty(0, np.uint8),
+            np.empty(0, np.int32), np.empty(0, np.int32), np.empty((0, 2), np.float32),
+        ),
+        Marks(
+            np.empty((0, 4, 3), np.float32), np.empty(0, np.uint8), np.empty(0, np.float32),
+            np.empty(0, np.float32), np.empty(0, np.int32), np.empty(0, np.int32), np.empty((0, 2), np.float32),
+        ),
+    )  # fmt: skip
+    assert shot(RoadCamera(nothing)).shape == (256, 512, 3)
+    assert shot(RoadCamera(nothing, Camera(pitch=math.radians(40.0)))).shape == (256, 512, 3)
+    assert shot(RoadCamera(nothing, Camera(pitch=math.radians(-60.0))), HERE, weather("HardRainNoon")).any()
+
+
+def crossing(height: float) -> RoadScene:
+    """A road along x and one across it 40 m ahead, at a height."""
+    along = make_scene(Reference([(200.0, 0.0, 0.0)]), [Strip(4.0, -4.0)], [])
+    quad = np.array([[[66, 60, height], [66, -60, height], [56, -60, height], [56, 60, height]]], np.float32)
+    flat = along.surface_grid.quads
+    count = len(flat) + 1
+    surface = Surface(
+        np.concatenate([flat, quad]),
+        np.full(count, Material.ASPHALT, np.uint8),
+        np.zeros(count, np.uint8),
+        np.zeros(count, np.int32),
+        np.zeros(count, np.int32),
+        np.zeros((count, 2), np.float32),
+    )
+    return RoadScene(surface, along.marks)
+
+
+def test_a_bridge_is_seen_from_below_and_a_road_below_is_hidden() -> None:
+    level = shot(RoadCamera(crossing(0.0)))
+    over = shot(RoadCamera(crossing(6.0)))
+    horizon = round(Camera().horizon)
+    assert np.any(over[: horizon - 5] != level[: horizon - 5])
+    assert np.array_equal(over[horizon + 40 :], level[horizon + 40 :])
