@@ -17,6 +17,7 @@ from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_cat
 from scenario_compiler.source.conflict import Library, LibraryElement, read_library
 from scenario_compiler.source.environment import Environment
 from scenario_compiler.source.expansion import around, check_template, expand_scenario
+from scenario_compiler.source.form import judge_form
 from scenario_compiler.source.reading import Reading
 from scenario_compiler.vocabulary.scenario import Scenario
 
@@ -98,11 +99,15 @@ def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
     """Report every fault of every template and scenario of a file; return the scenarios at their defaults.
 
     A template is expanded once on its own: at its defaults, and what depends on a parameter without one is left open.
+    A file that reads without fault is checked against its schema too, where that is at hand.
     """
+    known_faults = len(sink.found)
     folder = library_folder()
     if isinstance(source, Library):
         surroundings = around(source, folder, load_catalogs(folder / "catalogs", sink))
         for template in source.own_templates:
             check_template(source.templates[template], sink, surroundings)
-    scenarios = (expand(source, name, {}, sink) for name in source.scenarios)
-    return [scenario for scenario in scenarios if scenario is not None]
+    expanded = [expand(source, name, {}, sink) for name in source.scenarios]
+    if isinstance(source, Library) and len(sink.found) == known_faults:
+        judge_form(source.document, sink)
+    return [scenario for scenario in expanded if scenario is not None]

@@ -1,0 +1,38 @@
+"""A second judge of a file's form: schemas/conflict.xsd, for what the reader let pass."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, FilePlace
+from scenario_compiler.document import Document
+from scenario_compiler.resources import schema_file
+from scenario_compiler.source import codes
+from scenario_compiler.source.catalogs import CatalogElement
+from scenario_compiler.source.conflict import LibraryElement
+from scenario_compiler.vocabulary.schema import xsd_of
+
+
+def conflict_xsd() -> str:
+    """Return the schema of the conflict language's files."""
+    return xsd_of((LibraryElement, CatalogElement))
+
+
+def judge_form(document: Document, sink: Diagnostics) -> None:
+    """Report what the schema finds in a file; nothing when the schema is not there."""
+    schema = _schema()
+    if schema is None or schema.validate(document.root):
+        return
+    errors: Any = schema.error_log
+    line = int(errors[0].line)
+    place = FilePlace(document.path, line, source_line=document.line_text(line))
+    sink.add(codes.AGAINST_SCHEMA, f"against the schema: {errors[0].message}", place)
+
+
+@cache
+def _schema() -> etree.XMLSchema | None:
+    path = schema_file("conflict.xsd")
+    return etree.XMLSchema(etree.parse(str(path))) if path.is_file() else None
