@@ -12,10 +12,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
+from scenario_compiler.report.wording import summary_of
 
 from scenario_compiler import Run, compile_scenario, judge, load_network, open_world, run, write_report
-from scenario_compiler.report import write_run_folder
-from scenario_compiler.report.summary import table_of
+from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.resources import library_folder
 
 CONFLICTS = ("sensor_failure", "ramp_blocked", "road_narrows", "obstacle_ahead", "markings_missing")
@@ -50,10 +50,10 @@ def main() -> None:
     console = Console()
     runs = run_all(folder, console)
     write_report(runs, folder)
-    header, rows = table_of(runs)
-    table = Table(*header)
-    for row in rows:
-        table.add_row(*row)
+    table = Table("conflict", "Gold no.", "urgency", "cause", "request s", "takeover s", "min TTC s", "outcome")
+    for one in map(summary_of, runs):
+        texts = (one.cause, one.request_time, one.takeover_time, one.minimum_ttc, one.outcome)
+        table.add_row(one.name, one.number, one.urgency, *texts)
     console.print(table)
     console.print(f"report: {folder / 'report.html'}", soft_wrap=True)
 

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.outcome import Outcome, judge
     from scenario_compiler.recording.recording import Recording
-    from scenario_compiler.report import Run, write_report
+    from scenario_compiler.report.html import write_report
+    from scenario_compiler.report.run import Run
     from scenario_compiler.resources import find_map
     from scenario_compiler.roads import Network, load_network
     from scenario_compiler.runtime import open_world, run
@@ -29,14 +30,14 @@ _HOMES = {
     "Outcome": "recording.outcome",
     "Plan": "plan.model",
     "Recording": "recording.recording",
-    "Run": "report",
+    "Run": "report.run",
     "compile_scenario": "compiler",
     "find_map": "resources",
     "judge": "recording.outcome",
     "load_network": "roads",
     "open_world": "runtime",
     "run": "runtime",
-    "write_report": "report",
+    "write_report": "report.html",
 }
 
 __all__ = [

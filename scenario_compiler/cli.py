@@ -14,18 +14,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
-from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, Severity, did_you_mean
+from scenario_compiler.diagnostics import CODES, Code, Diagnostic, Diagnostics, FilePlace, Severity, did_you_mean
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
     from scenario_compiler.plan.model import Plan
-    from scenario_compiler.recording.outcome import Outcome
     from scenario_compiler.recording.recording import Recording
+    from scenario_compiler.report.run import Run
     from scenario_compiler.roads import Network
     from scenario_compiler.worlds import World
 
-CODE_HOMES = ("compiler", "recording.store")
+CODE_HOMES = ("compiler",)
 """Modules whose import brings in all others that declare diagnostic codes."""
+
+BAD_RECORDING = Code(
+    "SC131",
+    "unreadable-recording",
+    "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan again.",
+)
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED = 0, 1, 2, 3
 
@@ -254,6 +260,7 @@ def run_command(options: argparse.Namespace) -> int:
         return AT_FAULT
     plan, network = planned
     from scenario_compiler.recording.outcome import judge
+    from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
     world = open_world(options.world, plan, network)
@@ -261,17 +268,17 @@ def run_command(options: argparse.Namespace) -> int:
         recording = run_with_progress(plan, world, options.seed)
     finally:
         world.close()
-    outcome = judge(plan, recording)
+    finished = Run(plan, network, recording, judge(plan, recording))
     if options.trajectory is not None:
         from scenario_compiler.recording.trajectory import write_trajectory
 
         write_trajectory(recording, options.trajectory)
     if options.output is not None:
-        from scenario_compiler.report import Run, write_run_folder
+        from scenario_compiler.report.folder import write_run_folder
 
-        write_run_folder(Run(plan, network, recording, outcome), options.output)
-    print_outcome(outcome, options.output)
-    return CRITERIA_FAILED if options.strict and not outcome.passed else FINE
+        write_run_folder(finished, options.output)
+    print_run(finished, options.output)
+    return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
 
 
 def run_with_progress(plan: Plan, world: World, seed: int) -> Recording:
@@ -292,15 +299,24 @@ def _is_filled(folder: Path) -> bool:
     return folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
 
 
-def print_outcome(outcome: Outcome, folder: Path | None) -> None:
+def print_run(run: Run, folder: Path | None) -> None:
     """Print what a run came to."""
     from rich.console import Console
     from rich.table import Table
 
-    from scenario_compiler.report.summary import summary_rows
+    from scenario_compiler.report.wording import summary_of
 
+    summary = summary_of(run)
     table = Table(show_header=False, box=None, pad_edge=False)
-    for label, value in summary_rows(outcome):
+    for label, value in (
+        ("conflict", summary.name),
+        ("result", summary.result),
+        ("outcome", summary.outcome),
+        ("cause of the request", summary.cause),
+        ("time of the request", f"{summary.request_time} s"),
+        ("takeover time", f"{summary.takeover_time} s"),
+        ("minimum time to collision", f"{summary.minimum_ttc} s"),
+    ):
         table.add_row(label, value)
     Console().print(table)
     if folder is not None:
@@ -312,14 +328,19 @@ def report_command(options: argparse.Namespace) -> int:
     from scenario_compiler.compiler import open_plan_map
     from scenario_compiler.plan.store import read_plan
     from scenario_compiler.recording.outcome import judge
-    from scenario_compiler.recording.store import read_recording
-    from scenario_compiler.report import Run, write_report
+    from scenario_compiler.recording.store import RecordingError, read_recording
+    from scenario_compiler.report.html import write_report
+    from scenario_compiler.report.run import Run
 
     sink = Diagnostics()
     plan = read_plan(options.folder / "plan.json", sink)
     network = None if plan is None else open_plan_map(plan, sink, options.maps)
-    recording = read_recording(options.folder / "recording.parquet", sink)
-    if show(sink, options) or plan is None or network is None or recording is None:
+    file = options.folder / "recording.parquet"
+    try:
+        recording = read_recording(file)
+    except RecordingError as error:
+        sink.add(BAD_RECORDING, str(error), FilePlace(str(file)))
+    if show(sink, options) or plan is None or network is None:
         return AT_FAULT
     write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
     print(f"report: {options.folder / 'report.html'}")
