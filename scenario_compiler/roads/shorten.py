@@ -1,0 +1,166 @@
+"""Cutting short stretches off the ends of a road in its OpenDRIVE text: the rest of the road stays where it was."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from lxml import etree
+
+from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.network import Network
+from scenario_compiler.roads.tables import AT_END, RoadTables
+from scenario_compiler.roads.text_edits import TextEdits
+
+End = tuple[int, int]
+"""A road's index and one of its ends, `AT_START` or `AT_END`."""
+
+_CUBICS = {"elevation", "superelevation", "crossfall", "laneOffset", "width", "border"}
+_STATIONS = ("s", "sStart", "sEnd")
+
+
+def cut_range(n: RoadTables, end: End, length: float) -> tuple[float, float]:
+    """Return the range of s of the last `length` m before a road's end."""
+    whole = n.road_length[end[0]]
+    return (whole - length, whole) if end[1] == AT_END else (0.0, length)
+
+
+def name_end(network: Network, end: End) -> tuple[str, str]:
+    """Return the id of a road and the standard's word for its end."""
+    return network.road_ids[end[0]], "end" if end[1] == AT_END else "start"
+
+
+def free_id(taken: set[str]) -> str:
+    """Return a road id above all ids that are numbers, and take it."""
+    numbers = [int(one) for one in taken if one.isascii() and one.isdigit() and len(one) < 10]
+    name = str(max(numbers, default=0) + 1)
+    taken.add(name)
+    return name
+
+
+def shorten_road(
+    edits: TextEdits, element: etree._Element, n: RoadTables, road: int, at_start: float, at_end: float
+) -> None:
+    """Cut stretches off the start and the end of a road.
+
+    A cut at the start moves the origin of s: every s in the road becomes smaller by it, every cubic is restated.
+
+    Args:
+        edits: Where the changes go; one call a road.
+        element: The road's element.
+        n: The tables of the network.
+        road: Index of the road.
+        at_start: What is cut off the start, m, less than the first lane section is long.
+        at_end: What is cut off the end, m, less than the last lane section is long.
+    """
+    limit = n.road_length[road] - at_end
+    _set(edits, element, "length", limit - at_start)
+    geometries = sorted(element.iterfind("{*}planView/{*}geometry"), key=lambda one: _number(one, "s"))
+    for one in geometries:
+        s, span = _number(one, "s"), _number(one, "length")
+        start, end = max(at_start - s, 0.0), min(span, limit - s)
+        if end <= start and len(geometries) > 1:
+            edits.remove(one)
+            continue
+        _set(edits, one, "s", max(s - at_start, 0.0))
+        if start > 0.0:
+            x, y, heading, _ = road_reference(n, road, at_start)
+            _set(edits, one, "x", x)
+            _set(edits, one, "y", y)
+            if one.find("{*}poly3") is None and one.find("{*}paramPoly3") is None:
+                _set(edits, one, "hdg", heading)
+        if start > 0.0 or end < span:
+            _trim(edits, one, start, end)
+    if at_start > 0.0:
+        _move_stations(edits, element, at_start)
+        _move_offsets(edits, element, at_start)
+
+
+def _number(element: etree._Element, attribute: str) -> float:
+    try:
+        return float(element.get(attribute, "0"))
+    except ValueError:
+        return 0.0
+
+
+def _set(edits: TextEdits, element: etree._Element, attribute: str, value: float) -> None:
+    """Give an attribute a number; one that is equal stays as it is written."""
+    if element.get(attribute) is None or _number(element, attribute) != value:
+        edits.set(element, attribute, repr(value))
+
+
+def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float) -> None:
+    """Keep the part of a piece of the reference line between two distances from its own start, m."""
+    whole = _number(geometry, "length")
+    _set(edits, geometry, "length", end - start)
+    for shape in geometry.iterchildren("{*}*"):
+        name = etree.QName(shape).localname
+        if name == "spiral":
+            k0, k1 = _number(shape, "curvStart"), _number(shape, "curvEnd")
+            _set(edits, shape, "curvStart", k0 + (k1 - k0) * start / whole)
+            _set(edits, shape, "curvEnd", k0 + (k1 - k0) * end / whole)
+        elif name == "poly3":
+            _restate(edits, shape, ("a", "b", "c", "d"), start, 1.0)
+        elif name == "paramPoly3":
+            scale = 1.0 if shape.get("pRange") == "arcLength" else 1.0 / whole
+            stretch = 1.0 if shape.get("pRange") == "arcLength" else (end - start) / whole
+            for axis in "UV":
+                names = [f"{power}{axis}" for power in "abcd"]
+                _restate(edits, shape, names, start * scale, stretch)
+
+
+def _restate(
+    edits: TextEdits, element: etree._Element, names: Sequence[str], by: float, stretch: float, at: float = 0.0
+) -> None:
+    """Restate a + b p + c p2 + d p3 for p = by + stretch q; the constant becomes `at` where p moves."""
+    a, b, c, d = (_number(element, name) for name in names)
+    moved = (
+        a if by == 0.0 else at,
+        (b + by * (2.0 * c + 3.0 * d * by)) * stretch,
+        (c + 3.0 * d * by) * stretch**2,
+        d * stretch**3,
+    )
+    for name, before, after in zip(names, (a, b, c, d), moved, strict=True):
+        if before != after:
+            _set(edits, element, name, after)
+
+
+def _move_stations(edits: TextEdits, road: etree._Element, by: float) -> None:
+    """Lower every s of a road; what lay on the part cut off lies at 0."""
+    for group in _groups(one for one in road.iter(etree.Element) if one.get("s") is not None):
+        _lower(edits, group, "s", by)
+    for one in road.iter(etree.Element):
+        for attribute in _STATIONS[1:]:
+            if one.get(attribute) is not None:
+                _set(edits, one, attribute, max(_number(one, attribute) - by, 0.0))
+
+
+def _move_offsets(edits: TextEdits, road: etree._Element, by: float) -> None:
+    """Lower every sOffset of the lanes of the first lane section, which starts later now."""
+    sections = sorted(road.iterfind("{*}lanes/{*}laneSection"), key=lambda one: _number(one, "s"))
+    for lane in sections[0].iterfind("{*}*/{*}lane") if sections else ():
+        for group in _groups(one for one in lane.iterchildren("{*}*") if one.get("sOffset") is not None):
+            _lower(edits, group, "sOffset", by)
+
+
+def _groups(elements: Iterator[etree._Element]) -> list[list[etree._Element]]:
+    """Group records by parent and name: of such a group, one record follows the other."""
+    groups: dict[tuple[etree._Element | None, str, str | None], list[etree._Element]] = {}
+    for one in elements:
+        name = etree.QName(one).localname
+        if name not in {"geometry", "line"}:
+            groups.setdefault((one.getparent(), name, one.get("side")), []).append(one)
+    return list(groups.values())
+
+
+def _lower(edits: TextEdits, records: list[etree._Element], attribute: str, by: float) -> None:
+    records = sorted(records, key=lambda one: _number(one, attribute))
+    for one, following in zip(records, [*records[1:], None], strict=True):
+        s = _number(one, attribute)
+        if etree.QName(one).localname in _CUBICS and s < by:
+            if following is not None and _number(following, attribute) <= by:
+                edits.remove(one)
+                continue
+            a, b, c, d = (_number(one, name) for name in "abcd")
+            p = by - s
+            _restate(edits, one, "abcd", p, 1.0, a + p * (b + p * (c + p * d)))
+        _set(edits, one, attribute, max(s - by, 0.0))
