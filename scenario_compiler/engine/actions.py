@@ -19,11 +19,11 @@ from scenario_compiler.engine.opcodes import (
     RUNNING,
     TOLERANCE,
 )
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.shapes import shape_slope, shape_value
 from scenario_compiler.engine.starts import set_speed
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import action_done
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

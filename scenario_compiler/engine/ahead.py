@@ -11,9 +11,9 @@ from math import cos, sin
 from scenario_compiler.engine.numbers import angle_between
 from scenario_compiler.engine.opcodes import FAR, WAY_SIZE
 from scenario_compiler.engine.path import HALF_TURN, STEP_OVER, preferred_road
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_reference
 from scenario_compiler.roads.lanes import lane_borders, lane_direction

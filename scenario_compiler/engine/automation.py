@@ -18,7 +18,6 @@ from scenario_compiler.engine.opcodes import (
     TAKEOVER_STANDSTILL,
 )
 from scenario_compiler.engine.path import take_present_lane
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.sensor import find_block, find_lane_end, look_ahead
 from scenario_compiler.engine.slots import (
     K_CONFIDENCE_REQUEST,
@@ -27,6 +26,7 @@ from scenario_compiler.engine.slots import (
     K_SENSOR_RANGE,
 )
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.takeover import budget_distance, step_takeover
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -39,7 +39,7 @@ AUTOMATION_ACCELERATION = 4.0
 def driven_by_hand(st: State) -> int:
     """Return 1 while the driver drives."""
     state = st.takeover_state[0]
-    return 1 if state == TAKEOVER_MANUAL or state == TAKEOVER_HAND_BACK else 0
+    return 1 if state in (TAKEOVER_MANUAL, TAKEOVER_HAND_BACK) else 0
 
 
 @compiled
@@ -102,7 +102,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
     if driven_by_hand(st) == 1:
         if st.manoeuvre[0] != MANOEUVRE_EVADE:
             consider_merge(n, p, st, i, SIGHT)
-    elif state != TAKEOVER_MINIMUM_RISK and state != TAKEOVER_STANDSTILL and p.cause_on[CAUSE_LANE_ENDS] == 1:
+    elif state not in (TAKEOVER_MINIMUM_RISK, TAKEOVER_STANDSTILL) and p.cause_on[CAUSE_LANE_ENDS] == 1:
         consider_merge(n, p, st, i, budget_distance(p, st, i))
 
 

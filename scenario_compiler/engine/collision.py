@@ -7,9 +7,9 @@ from math import cos, sin
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.numbers import safe_sqrt
 from scenario_compiler.engine.opcodes import EVENT_COLLISION, NONE
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 
 TTC_RANGE = 100.0
@@ -75,7 +75,7 @@ def note_collision(p: Program, st: State, i: int, j: int) -> None:
         st.collision_b[0] = max(i, j)
         st.collision_time[0] = st.clock[0]
     ego = p.ego[0]
-    if i != ego and j != ego:
+    if ego not in (i, j):
         return
     other = j if i == ego else i
     if st.contact[other] == 0:

@@ -43,9 +43,9 @@ from scenario_compiler.engine.opcodes import (
     RULE_NOT_EQUAL,
     TOLERANCE,
 )
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import C_DELAY, C_VALUE
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

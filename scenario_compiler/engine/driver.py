@@ -27,11 +27,11 @@ from scenario_compiler.engine.opcodes import (
     STREAM_STEERING,
 )
 from scenario_compiler.engine.path import advance_routed
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.sensor import gap_between, gap_is_free, look_ahead
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_MAX_STEER, E_WIDTH, K_STEP
 from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_unit
 from scenario_compiler.roads.lane_types import is_drivable
@@ -139,9 +139,7 @@ def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> 
 
 
 @compiled
-def corridor_safe(
-    n: RoadTables, p: Program, st: State, i: int, centre: float, side: int, exposed: float
-) -> int:
+def corridor_safe(n: RoadTables, p: Program, st: State, i: int, centre: float, side: int, exposed: float) -> int:
     """Return 1 where the corridor about `centre` is free for the time that the ego needs it.
 
     Oncoming vehicles are looked at everywhere; a lane of the same direction beside must have a free gap.
@@ -172,9 +170,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     front = p.const[base + E_CENTER] + 0.5 * size
     need = p.const[base + E_WIDTH] + 2.0 * CLEARANCE
     distance = st.blocked_distance[0]
-    road, lane, s, _ = advance_routed(
-        n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], distance + front
-    )
+    road, lane, s, _ = advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], distance + front)
     exposed = (st.blocked_far[0] + size + front) / max(st.v[i], 2.0)
     for choice in range(3):
         side = 0 if choice == 0 else 3 - 2 * choice
@@ -270,4 +266,3 @@ def drive_by_hand(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     choose_manoeuvre(n, p, st, i, blocker)
     press_pedals(p, st, i)
     steer_by_hand(n, p, st, i)
-

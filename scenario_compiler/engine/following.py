@@ -8,7 +8,6 @@ from __future__ import annotations
 from scenario_compiler.engine.ahead import measure_on_way, walk
 from scenario_compiler.engine.numbers import clip, length_of, ratio, safe_sqrt
 from scenario_compiler.engine.opcodes import FAR
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import (
     E_ACCELERATION,
     E_CENTER,
@@ -21,6 +20,7 @@ from scenario_compiler.engine.slots import (
     E_WIDTH,
 )
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.tables import RoadTables

@@ -6,9 +6,9 @@ from math import exp
 
 from scenario_compiler.engine.numbers import clip
 from scenario_compiler.engine.path import advance_routed
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import M_FROM, M_QUALITY, M_QUALITY_TO, M_TO
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.marks import MARK_NONE, mark_at
@@ -56,9 +56,7 @@ def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
     if st.path_found[0] == 1:
         for k in range(LOOK_COUNT):
             ahead = LOOK_FROM + LOOK_STEP * k
-            road, lane, s, rest = advance_routed(
-                n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], ahead
-            )
+            road, lane, s, rest = advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], ahead)
             if rest > 0.0:
                 continue
             inner = lane + 1 if lane < 0 else lane - 1

@@ -10,9 +10,9 @@ from math import atan, cos, pi, sin
 
 from scenario_compiler.engine.numbers import angle_between, bearing, clip, length_of, safe_sqrt
 from scenario_compiler.engine.path import advance_routed
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import E_MAX_ACCELERATION, E_MAX_DECELERATION, E_MAX_STEER, E_WHEELBASE
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, lane_pose
 from scenario_compiler.roads.tables import RoadTables

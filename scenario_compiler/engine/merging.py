@@ -10,10 +10,10 @@ from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
 from scenario_compiler.engine.opcodes import EVENT_MERGE, EVENT_MERGE_ABORTED
 from scenario_compiler.engine.path import measure_path, set_path
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.sensor import gap_is_free
 from scenario_compiler.engine.slots import E_WIDTH
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_width
 from scenario_compiler.roads.tables import RoadTables

@@ -7,9 +7,9 @@ distance to stop; it is never begun earlier than needed.
 from __future__ import annotations
 
 from scenario_compiler.engine.opcodes import FAR
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import K_MINIMUM_RISK_AFTER, K_MINIMUM_RISK_DECELERATION, K_STEP
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0

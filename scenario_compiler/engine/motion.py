@@ -23,7 +23,6 @@ from scenario_compiler.engine.opcodes import (
     TOLERANCE,
 )
 from scenario_compiler.engine.path import locate_ego
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import (
     E_MAX_ACCELERATION,
     E_MAX_DECELERATION,
@@ -32,6 +31,7 @@ from scenario_compiler.engine.slots import (
     E_WHEELBASE,
 )
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_pose, road_reference
 from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_pose
@@ -86,7 +86,7 @@ def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
     st.t[i] = t
     if off != 0.0:
         inside = lane_at(n, road, s, t)
-        if inside != 0 and inside != lane:
+        if inside not in (0, lane):
             lane = inside
             centre, _ = lane_centre(n, road, lane, s)
             off = t - centre
@@ -152,7 +152,7 @@ def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
             move_scripted(n, p, st, i, dt)
         elif kind == MOTION_BICYCLE:
             move_bicycle(p, st, i, dt)
-        elif kind != MOTION_STATIC and kind != MOTION_POSED:
+        elif kind not in (MOTION_STATIC, MOTION_POSED):
             fault(st, FAULT_UNKNOWN_MOTION, i)
 
 
@@ -164,7 +164,7 @@ def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
         if is_number(st.x[i] + st.y[i] + st.h[i] + st.v[i] + st.steer[i]) == 0:
             fault(st, FAULT_NOT_FINITE, i)
             return
-        if kind == MOTION_BICYCLE or kind == MOTION_POSED:
+        if kind in (MOTION_BICYCLE, MOTION_POSED):
             locate_ego(n, p, st, i)
             if kind == MOTION_BICYCLE:
                 settle(n, st, i)

@@ -7,8 +7,8 @@ the ego to one connecting road of a junction where several overlap.
 from __future__ import annotations
 
 from scenario_compiler.engine.numbers import angle_between
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_reference
 from scenario_compiler.roads.lane_types import is_drivable
@@ -161,7 +161,7 @@ def measure_path(n: RoadTables, st: State, i: int) -> None:
     lane = st.path_lane[0]
     s = st.path_s[0]
     direction = lane_direction(n, road, lane)
-    rx, ry, h, _ = road_reference(n, road, s)
+    _rx, _ry, h, _ = road_reference(n, road, s)
     centre, slope = lane_centre(n, road, lane, s)
     _, t = project_on_road(n, road, s, st.x[i], st.y[i])
     st.path_off[0] = direction * (t - centre)
@@ -178,6 +178,5 @@ def take_present_lane(n: RoadTables, st: State, i: int) -> None:
         return
     lane = st.lane[i]
     same = lane_direction(n, road, lane) == lane_direction(n, road, st.path_lane[0])
-    if same and lane_exists(n, road, lane, st.s[i]) == 1:
-        if is_drivable(lane_type(n, road, lane, st.s[i])) == 1:
-            set_path(st, road, lane, st.s[i])
+    if same and lane_exists(n, road, lane, st.s[i]) == 1 and is_drivable(lane_type(n, road, lane, st.s[i])) == 1:
+        set_path(st, road, lane, st.s[i])

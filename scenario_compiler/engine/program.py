@@ -1,198 +1,389 @@
-"""Program: a plan as flat columns, and the draft that collects and validates them.
-
-All columns but `const` stay as they are during a run and over a sweep. Lists of `..._first` are row starts (CSR): the
-members of k are `first[k] .. first[k + 1] - 1`. Elements of the storyboard stand in document order, parents before
-children, so that `element_end[e]` closes the subtree of `e`.
-"""
+"""From a plan to a program: indices for ids, codes for words, and one slot for every number."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from math import radians
 
-from scenario_compiler.engine.opcodes import (
-    ACTION_SENSOR_NOISE,
-    CAUSES,
-    CONDITION_ELEMENT_STATE,
-    DIMENSION_DISTANCE,
-    DRIVER_FIXED,
-    EDGE_BOTH,
-    ELEMENT_ACTION,
-    MOTION_POSED,
-    NONE,
-    PERCEPTION_CAMERA,
-    POSITION_RELATIVE,
-    PRIORITY_SKIP,
-    RULE_NOT_EQUAL,
-    SHAPE_STEP,
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine import slots
+from scenario_compiler.engine.tables import Program, validate
+from scenario_compiler.expressions import Expression, Value
+from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
+from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.roads.network import Network
+from scenario_compiler.vocabulary.actions import Action, LaneChangeAction, SensorNoiseAction, SpeedAction
+from scenario_compiler.vocabulary.conditions import (
+    Condition,
+    DistanceCondition,
+    LaneConfidenceCondition,
+    ReachPositionCondition,
+    SimulationTimeCondition,
+    SpeedCondition,
+    TakeoverStateCondition,
+    TimeHeadwayCondition,
+    TimeToCollisionCondition,
+    TraveledDistanceCondition,
 )
+from scenario_compiler.vocabulary.positions import LanePosition, Position, RelativeLanePosition
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
+from scenario_compiler.vocabulary.takeover import Cause, CauseKind, DriverModel
+from scenario_compiler.vocabulary.word import number_value
+
+Slot = float | Expression
+
+__all__ = ["Program", "build_program", "rows"]
+
+RULES = {
+    "lessThan": op.RULE_LESS,
+    "lessOrEqual": op.RULE_LESS_OR_EQUAL,
+    "greaterThan": op.RULE_GREATER,
+    "greaterOrEqual": op.RULE_GREATER_OR_EQUAL,
+    "equalTo": op.RULE_EQUAL,
+    "notEqualTo": op.RULE_NOT_EQUAL,
+}
+EDGES = {
+    "none": op.EDGE_NONE,
+    "rising": op.EDGE_RISING,
+    "falling": op.EDGE_FALLING,
+    "risingOrFalling": op.EDGE_BOTH,
+}
+PRIORITIES = {
+    "override": op.PRIORITY_OVERRIDE,
+    "skip": op.PRIORITY_SKIP,
+    "parallel": op.PRIORITY_PARALLEL,
+}
+SHAPES = {
+    "linear": op.SHAPE_LINEAR,
+    "sinusoidal": op.SHAPE_SINUSOIDAL,
+    "cubic": op.SHAPE_CUBIC,
+    "step": op.SHAPE_STEP,
+}
+STATES = {
+    "automated": op.TAKEOVER_AUTOMATED,
+    "warning": op.TAKEOVER_WARNING,
+    "request": op.TAKEOVER_REQUEST,
+    "escalation": op.TAKEOVER_ESCALATION,
+    "manual": op.TAKEOVER_MANUAL,
+    "minimum_risk": op.TAKEOVER_MINIMUM_RISK,
+    "standstill": op.TAKEOVER_STANDSTILL,
+}
+CAUSE_CODES: dict[CauseKind, int] = {
+    "controller": op.CAUSE_CONTROLLER,
+    "sensor_health": op.CAUSE_SENSOR_HEALTH,
+    "lane_confidence": op.CAUSE_LANE_CONFIDENCE,
+    "path_blocked": op.CAUSE_PATH_BLOCKED,
+    "lane_ends": op.CAUSE_LANE_ENDS,
+}
+MOTIONS = {"ego": op.MOTION_BICYCLE, "static": op.MOTION_STATIC, "dynamic": op.MOTION_SCRIPTED}
+
+FOLLOW_EGO = (1.5, 2.0, 1.5, 2.0)
+"""Car following of the automation: time gap s, gap at standstill m, acceleration and comfortable deceleration m/s2
+(Treiber, Hennecke and Helbing 2000, table I, with the larger deceleration of Treiber and Kesting 2013, table 11.2)."""
 
 
-@dataclass(slots=True)
-class Program:
-    """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
-
-    const: list[float] = field(default_factory=list)
-    """Every number, by the slots of `slots`; replaced row by row in a sweep."""
-
-    # One element each.
-    entity_count: list[int] = field(default_factory=lambda: [0])
-    ego: list[int] = field(default_factory=lambda: [NONE])
-    """Number of the vehicle that the takeover is about, or NONE."""
-    perception: list[int] = field(default_factory=lambda: [0])
-    control_every: list[int] = field(default_factory=lambda: [1])
-    driver_kind: list[int] = field(default_factory=lambda: [0])
-    destination_road: list[int] = field(default_factory=lambda: [NONE])
-    destination_lane: list[int] = field(default_factory=lambda: [0])
-    route_count: list[int] = field(default_factory=lambda: [0])
-    stretch_count: list[int] = field(default_factory=lambda: [0])
-    position_count: list[int] = field(default_factory=lambda: [0])
-    element_count: list[int] = field(default_factory=lambda: [0])
-    condition_count: list[int] = field(default_factory=lambda: [0])
-    action_count: list[int] = field(default_factory=lambda: [0])
-    init_count: list[int] = field(default_factory=lambda: [0])
-    stop_trigger: list[int] = field(default_factory=lambda: [NONE])
-
-    entity_motion: list[int] = field(default_factory=list)
-    entity_const: list[int] = field(default_factory=list)
-    """First slot of the entity's block."""
-    entity_position: list[int] = field(default_factory=list)
-    """Position that it starts at."""
-    entity_follows: list[int] = field(default_factory=list)
-    """1 where it follows the vehicle ahead."""
-    entity_order: list[int] = field(default_factory=list)
-    """Entities so that each comes after the one that its start is relative to."""
-
-    position_op: list[int] = field(default_factory=list)
-    position_road: list[int] = field(default_factory=list)
-    position_lane: list[int] = field(default_factory=list)
-    """Lane id; for relative positions the number of lanes to the left."""
-    position_entity: list[int] = field(default_factory=list)
-    position_const: list[int] = field(default_factory=list)
-
-    route_road: list[int] = field(default_factory=list)
-    """Roads of the ego's way in order, each once a pass."""
-
-    stretch_road: list[int] = field(default_factory=list)
-    stretch_const: list[int] = field(default_factory=list)
-
-    element_kind: list[int] = field(default_factory=list)
-    element_parent: list[int] = field(default_factory=list)
-    element_end: list[int] = field(default_factory=list)
-    element_start: list[int] = field(default_factory=list)
-    """Start trigger of an act or event, or NONE."""
-    element_stop: list[int] = field(default_factory=list)
-    """Stop trigger of an act, or NONE."""
-    element_limit: list[int] = field(default_factory=list)
-    """Greatest number of executions of a group or event."""
-    element_priority: list[int] = field(default_factory=list)
-    element_action: list[int] = field(default_factory=list)
-    """Action of an ELEMENT_ACTION, or NONE."""
-
-    trigger_first: list[int] = field(default_factory=lambda: [0])
-    """Row starts of groups by trigger."""
-    group_first: list[int] = field(default_factory=lambda: [0])
-    """Row starts of conditions by group."""
-
-    condition_op: list[int] = field(default_factory=list)
-    condition_rule: list[int] = field(default_factory=list)
-    condition_edge: list[int] = field(default_factory=list)
-    condition_const: list[int] = field(default_factory=list)
-    condition_other: list[int] = field(default_factory=list)
-    """The reference entity, position, element or takeover state, by kind."""
-    condition_all: list[int] = field(default_factory=list)
-    """1 where all triggering entities must fulfil it, 0 where any does."""
-    condition_first: list[int] = field(default_factory=lambda: [0])
-    """Row starts of triggering entities by condition."""
-    condition_entity: list[int] = field(default_factory=list)
-    condition_ring: list[int] = field(default_factory=list)
-    """Number of its record of past values, or NONE for a condition without delay."""
-    ring_count: list[int] = field(default_factory=lambda: [0])
-
-    action_op: list[int] = field(default_factory=list)
-    action_entity: list[int] = field(default_factory=list)
-    action_shape: list[int] = field(default_factory=list)
-    action_dimension: list[int] = field(default_factory=list)
-    action_lanes: list[int] = field(default_factory=list)
-    """Lanes to the left that a lane change goes."""
-    action_const: list[int] = field(default_factory=list)
-    init_action: list[int] = field(default_factory=list)
-    """Actions that start with the run, in order."""
-
-    cause_on: list[int] = field(default_factory=lambda: [0] * CAUSES)
-    """1 for each cause of a takeover request that is switched on."""
-
-
-def validate(program: Program, roads: int) -> None:
-    """Check every code, index and row start against its column; `roads` is the number of roads of the map.
+def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Program:
+    """Lower a plan, with its parameters at their defaults; `posed` leaves the ego's motion to another program.
 
     Raises:
-        ValueError: A column refers outside another one; a fault of the code that filled it.
+        KeyError: The plan names a road or entity that there is not; a plan that was made for another map.
+        ExpressionError: A parameter without default leaves a number open.
     """
-    p = program
-    entities, positions = p.entity_count[0], p.position_count[0]
-    conditions, actions, elements = p.condition_count[0], p.action_count[0], p.element_count[0]
-    triggers = len(p.trigger_first) - 1
-    _inside("ego", p.ego, NONE, entities)
-    _inside("perception", p.perception, 0, PERCEPTION_CAMERA + 1)
-    _inside("control_every", p.control_every, 1, 1 << 30)
-    _inside("driver_kind", p.driver_kind, 0, DRIVER_FIXED + 1)
-    _inside("destination_road", p.destination_road, NONE, roads)
-    _column("entity_motion", p.entity_motion, entities, 0, MOTION_POSED + 1)
-    _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
-    _column("entity_position", p.entity_position, entities, 0, positions)
-    _column("entity_follows", p.entity_follows, entities, 0, 2)
-    _column("entity_order", p.entity_order, entities, 0, entities)
-    _column("position_op", p.position_op, positions, 0, POSITION_RELATIVE + 1)
-    _column("position_road", p.position_road, positions, NONE, roads)
-    _column("position_entity", p.position_entity, positions, NONE, entities)
-    _column("position_const", p.position_const, positions, 0, len(p.const) + 1)
-    _column("route_road", p.route_road, p.route_count[0], 0, roads)
-    _column("stretch_road", p.stretch_road, p.stretch_count[0], NONE, roads)
-    _column("stretch_const", p.stretch_const, p.stretch_count[0], 0, len(p.const) + 1)
-    _column("element_kind", p.element_kind, elements, 0, ELEMENT_ACTION + 1)
-    _column("element_parent", p.element_parent, elements, NONE, elements)
-    _column("element_end", p.element_end, elements, 1, elements + 1)
-    _column("element_start", p.element_start, elements, NONE, triggers)
-    _column("element_stop", p.element_stop, elements, NONE, triggers)
-    _column("element_limit", p.element_limit, elements, 1, 1 << 30)
-    _column("element_priority", p.element_priority, elements, 0, PRIORITY_SKIP + 1)
-    _column("element_action", p.element_action, elements, NONE, actions)
-    _inside("stop_trigger", p.stop_trigger, NONE, triggers)
-    _rows("trigger_first", p.trigger_first, len(p.group_first) - 1)
-    _rows("group_first", p.group_first, conditions)
-    _column("condition_op", p.condition_op, conditions, 0, CONDITION_ELEMENT_STATE + 1)
-    _column("condition_rule", p.condition_rule, conditions, 0, RULE_NOT_EQUAL + 1)
-    _column("condition_edge", p.condition_edge, conditions, 0, EDGE_BOTH + 1)
-    _column("condition_const", p.condition_const, conditions, 0, len(p.const) + 1)
-    _column("condition_all", p.condition_all, conditions, 0, 2)
-    _column("condition_ring", p.condition_ring, conditions, NONE, p.ring_count[0])
-    _rows("condition_first", p.condition_first, len(p.condition_entity))
-    _inside("condition_entity", p.condition_entity, 0, entities)
-    _column("action_op", p.action_op, actions, 0, ACTION_SENSOR_NOISE + 1)
-    _column("action_entity", p.action_entity, actions, 0, entities)
-    _column("action_shape", p.action_shape, actions, 0, SHAPE_STEP + 1)
-    _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
-    _column("action_const", p.action_const, actions, 0, len(p.const) + 1)
-    _column("init_action", p.init_action, p.init_count[0], 0, actions)
-    for column in fields(Program):
-        values = getattr(p, column.name)
-        kind = float if column.name == "const" else int
-        if any(type(value) is not kind for value in values):
-            raise ValueError(f"column {column.name} holds something else than {kind.__name__}")
+    draft = _Draft(plan, network, posed)
+    draft.program.const = draft.row(parameter_values(plan.parameters))
+    validate(draft.program, len(network.road_ids))
+    return draft.program
 
 
-def _inside(name: str, values: list[int], low: int, high: int) -> None:
-    for value in values:
-        if not low <= value < high:
-            raise ValueError(f"column {name} holds {value}, outside {low} .. {high - 1}")
+def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -> list[list[float]]:
+    """Return one row of `Program.const` for each sample of the parameters; what a sample leaves out is at its default."""
+    draft = _Draft(plan, network, posed=False)
+    usual = parameter_values(plan.parameters)
+    return [draft.row({**usual, **sample}) for sample in samples]
 
 
-def _column(name: str, values: list[int], count: int, low: int, high: int) -> None:
-    if len(values) != count:
-        raise ValueError(f"column {name} has {len(values)} values, not {count}")
-    _inside(name, values, low, high)
+class _Draft:
+    """Collects a program's columns; numbers stay expressions until a row is asked for."""
 
+    def __init__(self, plan: Plan, network: Network, posed: bool) -> None:
+        self.plan = plan
+        self.network = network
+        self.program = Program()
+        self.numbers: list[Slot] = [0.0] * slots.K_ENTITIES
+        self.entities = {entity.id: i for i, entity in enumerate(plan.entities)}
+        self.run()
+        self.takeover()
+        for entity in plan.entities:
+            self.entity(entity, posed)
+        self.program.entity_order = self.start_order()
+        self.markings()
+        self.storyboard()
+        self.program.entity_count[0] = len(plan.entities)
 
-def _rows(name: str, starts: list[int], total: int) -> None:
-    if starts[0] != 0 or starts[-1] != total or sorted(starts) != starts:
-        raise ValueError(f"row starts {name} do not divide {total} members")
+    def row(self, values: Mapping[str, Value]) -> list[float]:
+        """Evaluate all numbers."""
+        return [number_value(number, values) for number in self.numbers]
+
+    def block(self, *numbers: Slot) -> int:
+        """Append numbers and return the slot of the first."""
+        self.numbers.extend(numbers)
+        return len(self.numbers) - len(numbers)
+
+    def run(self) -> None:
+        plan, p, k = self.plan, self.program, self.numbers
+        k[slots.K_STEP] = plan.step
+        k[slots.K_DURATION] = plan.duration
+        k[slots.K_NOISE] = plan.camera.sensor_noise
+        p.ego[0] = 0
+        p.control_every[0] = plan.control_every
+        p.perception[0] = op.PERCEPTION_CAMERA if plan.perception == "camera" else op.PERCEPTION_IDEAL
+        if plan.destination is not None:
+            p.destination_road[0] = self.network.road_index(plan.destination.road)
+            p.destination_lane[0] = plan.destination.lane
+            k[slots.K_DESTINATION_S] = plan.destination.s
+            k[slots.K_DESTINATION_OFFSET] = plan.destination.offset
+        for leg in plan.route:
+            road = self.network.road_index(leg.road)
+            if not p.route_road or p.route_road[-1] != road:
+                p.route_road.append(road)
+        p.route_count[0] = len(p.route_road)
+
+    def takeover(self) -> None:
+        takeover, p, k = self.plan.takeover, self.program, self.numbers
+        k[slots.K_BUDGET] = takeover.budget
+        k[slots.K_ESCALATE_AFTER] = takeover.escalate_after
+        k[slots.K_MINIMUM_RISK_AFTER] = takeover.minimum_risk_after
+        k[slots.K_MINIMUM_RISK_DECELERATION] = takeover.minimum_risk_deceleration
+        k[slots.K_HAND_BACK_AFTER] = takeover.hand_back_after
+        given = {cause.kind: cause for cause in takeover.causes}
+        for kind in given or CAUSE_DEFAULTS:
+            p.cause_on[CAUSE_CODES[kind]] = 1
+            p.cause_order.append(CAUSE_CODES[kind])
+        p.cause_count[0] = len(p.cause_order)
+        self.cause_limits(given)
+        driver = takeover.driver
+        if isinstance(driver, DriverModel) and driver.takeover_time is None:
+            p.driver_kind[0] = op.DRIVER_LOGNORMAL
+            k[slots.K_DRIVER_MU] = driver.mu
+            k[slots.K_DRIVER_SIGMA] = driver.sigma
+            k[slots.K_DRIVER_LAPSE] = driver.lapse
+        elif driver.takeover_time is not None:
+            p.driver_kind[0] = op.DRIVER_FIXED
+            k[slots.K_DRIVER_TIME] = driver.takeover_time
+        else:
+            raise ValueError("the plan's driver is not bound to a driver model")
+
+    def cause_limits(self, given: Mapping[CauseKind, Cause]) -> None:
+        k = self.numbers
+        limits: tuple[tuple[CauseKind, str, int], ...] = (
+            ("lane_confidence", "warning_below", slots.K_CONFIDENCE_WARNING),
+            ("lane_confidence", "request_below", slots.K_CONFIDENCE_REQUEST),
+            ("lane_confidence", "count", slots.K_CONFIDENCE_COUNT),
+            ("lane_confidence", "of", slots.K_CONFIDENCE_OF),
+            ("sensor_health", "warning_below", slots.K_HEALTH_WARNING),
+            ("sensor_health", "request_below", slots.K_HEALTH_REQUEST),
+            ("sensor_health", "count", slots.K_HEALTH_COUNT),
+            ("sensor_health", "of", slots.K_HEALTH_OF),
+            ("path_blocked", "margin", slots.K_BLOCKED_MARGIN),
+            ("path_blocked", "sensor_range", slots.K_SENSOR_RANGE),
+            ("path_blocked", "field_of_view", slots.K_FIELD_OF_VIEW),
+            ("path_blocked", "count", slots.K_BLOCKED_COUNT),
+            ("path_blocked", "of", slots.K_BLOCKED_OF),
+            ("lane_ends", "gap_front", slots.K_GAP_FRONT),
+            ("lane_ends", "gap_rear", slots.K_GAP_REAR),
+            ("lane_ends", "count", slots.K_LANE_END_COUNT),
+            ("lane_ends", "of", slots.K_LANE_END_OF),
+        )
+        for kind, field, slot in limits:
+            value = getattr(given[kind], field) if kind in given else None
+            k[slot] = CAUSE_DEFAULTS[kind][field] if value is None else value
+
+    def entity(self, entity: Entity, posed: bool) -> None:
+        p, vehicle = self.program, entity.vehicle
+        motion = MOTIONS[entity.kind]
+        if posed and motion == op.MOTION_BICYCLE:
+            motion = op.MOTION_POSED
+        follow: tuple[Slot, Slot, Slot, Slot] = FOLLOW_EGO
+        if entity.follow is not None:
+            one = entity.follow
+            follow = (one.time_gap, one.minimum_gap, one.acceleration, one.deceleration)
+        p.entity_motion.append(motion)
+        p.entity_follows.append(0 if entity.follow is None else 1)
+        p.entity_position.append(self.position(entity.start))
+        p.entity_const.append(
+            self.block(
+                *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
+                *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration),
+                *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow),
+            )
+        )
+
+    def position(self, position: Position) -> int:
+        """Append a position; return its row."""
+        p = self.program
+        if isinstance(position, LanePosition):
+            road, lane, entity = self.network.road_index(position.road), position.lane, op.NONE
+            code = op.POSITION_LANE
+            base = self.block(position.s, position.offset, position.turn)
+        elif isinstance(position, RelativeLanePosition):
+            road, lane, entity = op.NONE, position.lanes, self.entities[position.entity]
+            code = op.POSITION_RELATIVE
+            base = self.block(position.distance, position.offset, position.turn)
+        else:
+            raise ValueError(f"the plan holds a position that is not bound to a lane: {position.word}")
+        p.position_op.append(code)
+        p.position_road.append(road)
+        p.position_lane.append(lane)
+        p.position_entity.append(entity)
+        p.position_const.append(base)
+        p.position_count[0] += 1
+        return p.position_count[0] - 1
+
+    def start_order(self) -> list[int]:
+        """Return the entities so that each comes after the one that its start is relative to."""
+        p = self.program
+        order: list[int] = []
+        waiting = list(range(len(p.entity_motion)))
+        while waiting:
+            ready = [i for i in waiting if p.position_entity[p.entity_position[i]] in (op.NONE, *order)]
+            if not ready:
+                names = ", ".join(self.plan.entities[i].id for i in waiting)
+                raise ValueError(f"the starts of {names} are relative to each other")
+            order.extend(ready)
+            waiting = [i for i in waiting if i not in ready]
+        return order
+
+    def markings(self) -> None:
+        p = self.program
+        for stretch in self.plan.markings:
+            end = stretch.quality if stretch.quality_to is None else stretch.quality_to
+            p.stretch_road.append(self.network.road_index(stretch.road))
+            p.stretch_const.append(self.block(stretch.s_from, stretch.s_to, stretch.quality, end))
+        p.stretch_count[0] = len(p.stretch_road)
+
+    def storyboard(self) -> None:
+        p, board = self.program, self.plan.storyboard
+        if board.stop is not None:
+            p.stop_trigger[0] = self.trigger(board.stop)
+        for story in board.stories:
+            at = self.element(op.ELEMENT_STORY, op.NONE)
+            for act in story.acts:
+                act_at = self.element(op.ELEMENT_ACT, at, start=act.start, stop=act.stop)
+                for group in act.groups:
+                    group_at = self.element(op.ELEMENT_GROUP, act_at, limit=group.maximum_execution_count)
+                    actors = [self.entities[actor] for actor in group.actors]
+                    for maneuver in group.maneuvers:
+                        maneuver_at = self.element(op.ELEMENT_MANEUVER, group_at)
+                        for event in maneuver.events:
+                            self.event(event, maneuver_at, actors)
+        p.element_count[0] = len(p.element_kind)
+
+    def element(
+        self,
+        kind: int,
+        parent: int,
+        *,
+        start: Trigger | None = None,
+        stop: Trigger | None = None,
+        limit: int = 1,
+        priority: int = op.PRIORITY_PARALLEL,
+        action: int = op.NONE,
+    ) -> int:
+        """Append an element as the last child of `parent`, whose subtree and its parents' grow by it."""
+        p = self.program
+        at = len(p.element_kind)
+        p.element_kind.append(kind)
+        p.element_parent.append(parent)
+        p.element_end.append(at + 1)
+        p.element_start.append(op.NONE if start is None else self.trigger(start))
+        p.element_stop.append(op.NONE if stop is None else self.trigger(stop))
+        p.element_limit.append(limit)
+        p.element_priority.append(priority)
+        p.element_action.append(action)
+        while parent >= 0:
+            p.element_end[parent] = at + 1
+            parent = p.element_parent[parent]
+        return at
+
+    def event(self, event: Event, parent: int, actors: list[int]) -> None:
+        at = self.element(
+            op.ELEMENT_EVENT,
+            parent,
+            start=event.start,
+            limit=event.maximum_execution_count,
+            priority=PRIORITIES[event.priority],
+        )
+        for named in event.actions:
+            of_all = [self.program.ego[0]] if isinstance(named.action, SensorNoiseAction) else actors
+            for actor in of_all:
+                self.element(op.ELEMENT_ACTION, at, action=self.action(named.action, actor))
+
+    def action(self, action: Action, actor: int) -> int:
+        """Append an action of an entity; return its row."""
+        p = self.program
+        lanes, shape = 0, op.SHAPE_STEP
+        if isinstance(action, SpeedAction):
+            code, shape, base = op.ACTION_SPEED, SHAPES[action.shape], self.block(action.to, action.over_time)
+        elif isinstance(action, LaneChangeAction):
+            code, shape, lanes = op.ACTION_LANE_CHANGE, SHAPES[action.shape], action.by
+            base = self.block(0.0, action.over_time)
+        else:
+            code, base = op.ACTION_SENSOR_NOISE, self.block(action.sigma, 0.0)
+        p.action_op.append(code)
+        p.action_entity.append(actor)
+        p.action_shape.append(shape)
+        p.action_dimension.append(op.DIMENSION_TIME)
+        p.action_lanes.append(lanes)
+        p.action_const.append(base)
+        p.action_count[0] = len(p.action_op)
+        return p.action_count[0] - 1
+
+    def trigger(self, trigger: Trigger) -> int:
+        """Append a trigger with its groups and conditions; return its row."""
+        p = self.program
+        for group in trigger.groups:
+            for condition in group.conditions:
+                self.condition(condition)
+            p.group_first.append(p.condition_count[0])
+        p.trigger_first.append(len(p.group_first) - 1)
+        return len(p.trigger_first) - 2
+
+    def condition(self, wrapped: TriggerCondition) -> None:
+        p = self.program
+        code, rule, value, entity, other = self.measured(wrapped.condition)
+        delayed = isinstance(wrapped.delay, Expression) or wrapped.delay > 0.0
+        p.condition_op.append(code)
+        p.condition_rule.append(rule)
+        p.condition_edge.append(EDGES[wrapped.edge])
+        p.condition_other.append(other)
+        p.condition_all.append(0)
+        p.condition_ring.append(p.ring_count[0] if delayed else op.NONE)
+        p.ring_count[0] += 1 if delayed else 0
+        p.condition_const.append(self.block(value, wrapped.delay))
+        if entity:
+            p.condition_entity.append(self.entities[entity])
+        p.condition_first.append(len(p.condition_entity))
+        p.condition_count[0] = len(p.condition_op)
+
+    def measured(self, c: Condition) -> tuple[int, int, Slot, str, int]:
+        """Return (kind, rule, value, triggering entity, what it refers to) of a condition."""
+        less = op.RULE_LESS
+        if isinstance(c, SimulationTimeCondition):
+            return op.CONDITION_TIME, op.RULE_GREATER_OR_EQUAL, c.after, "", op.NONE
+        if isinstance(c, TimeHeadwayCondition):
+            return op.CONDITION_TIME_HEADWAY, less, c.below, c.entity, self.entities[c.to]
+        if isinstance(c, DistanceCondition):
+            return op.CONDITION_DISTANCE, less, c.below, c.entity, self.entities[c.to]
+        if isinstance(c, TimeToCollisionCondition):
+            return op.CONDITION_TIME_TO_COLLISION, less, c.below, c.entity, self.entities[c.to]
+        if isinstance(c, SpeedCondition):
+            return op.CONDITION_SPEED, RULES[c.rule], c.value, c.entity, op.NONE
+        if isinstance(c, ReachPositionCondition):
+            return op.CONDITION_REACH_POSITION, less, c.tolerance, c.entity, self.position(c.position)
+        if isinstance(c, TraveledDistanceCondition):
+            return op.CONDITION_TRAVELED_DISTANCE, op.RULE_GREATER_OR_EQUAL, c.distance, c.entity, op.NONE
+        if isinstance(c, LaneConfidenceCondition):
+            return op.CONDITION_LANE_CONFIDENCE, less, c.below, "", op.NONE
+        assert isinstance(c, TakeoverStateCondition)
+        return op.CONDITION_TAKEOVER_STATE, op.RULE_EQUAL, 0.0, "", STATES[c.state]

@@ -24,7 +24,6 @@ from scenario_compiler.engine.opcodes import (
     TAKEOVER_AUTOMATED,
 )
 from scenario_compiler.engine.path import locate_ego, set_path
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import (
     E_DESIRED_SPEED,
     E_SPEED,
@@ -35,6 +34,7 @@ from scenario_compiler.engine.slots import (
 )
 from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, lane_exists, lane_pose
 from scenario_compiler.roads.tables import RoadTables

@@ -8,7 +8,6 @@ from scenario_compiler.engine.ahead import measure_on_way, walk, walk_route
 from scenario_compiler.engine.numbers import angle_between, bearing, length_of
 from scenario_compiler.engine.opcodes import FAR
 from scenario_compiler.engine.path import preferred_road
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import (
     E_CENTER,
     E_LENGTH,
@@ -19,6 +18,7 @@ from scenario_compiler.engine.slots import (
 )
 from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type
@@ -45,7 +45,7 @@ LEAST_GAP = 2.0
 def ray_free(p: Program, st: State, i: int, j: int, px: float, py: float, qx: float, qy: float) -> int:
     """Return 1 where no box but those of i and j cuts the segment from P to Q (slab test in each box's axes)."""
     for k in range(p.entity_count[0]):
-        if k == i or k == j:
+        if k in (i, j):
             continue
         c = cos(st.h[k])
         s = sin(st.h[k])
@@ -78,9 +78,7 @@ def ray_free(p: Program, st: State, i: int, j: int, px: float, py: float, qx: fl
 
 
 @compiled
-def point_seen(
-    p: Program, st: State, i: int, j: int, qx: float, qy: float, reach: float, half_view: float
-) -> int:
+def point_seen(p: Program, st: State, i: int, j: int, qx: float, qy: float, reach: float, half_view: float) -> int:
     """Return 1 where a point of j lies in the sensor's range and field of view and nothing hides it."""
     base = p.entity_const[i]
     front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
@@ -283,9 +281,8 @@ def gap_ahead_free(p: Program, st: State, i: int, front: float) -> int:
     rear = 0.5 * p.const[base + E_LENGTH] - p.const[base + E_CENTER]
     keep = max(LEAST_GAP, p.const[K_GAP_FRONT] * st.v[i])
     for j in range(p.entity_count[0]):
-        if j != i and in_lane(st, j) == 1:
-            if st.far[j] > -rear - LEAST_GAP and st.near[j] < front + keep:
-                return 0
+        if j != i and in_lane(st, j) == 1 and st.far[j] > -rear - LEAST_GAP and st.near[j] < front + keep:
+            return 0
     return 1
 
 

@@ -37,11 +37,7 @@ def global_names(tree: ast.FunctionDef) -> list[str]:
     local |= {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and not isinstance(n.ctx, ast.Load)}
     body = [n for statement in tree.body for n in ast.walk(statement)]
     annotations = {id(n) for a in body if isinstance(a, ast.AnnAssign) for n in ast.walk(a.annotation)}
-    read = [
-        n.id
-        for n in body
-        if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load) and id(n) not in annotations
-    ]
+    read = [n.id for n in body if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load) and id(n) not in annotations]
     return [name for name in dict.fromkeys(read) if name not in local]
 
 

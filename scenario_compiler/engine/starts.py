@@ -16,7 +16,6 @@ from scenario_compiler.engine.opcodes import (
     NONE,
     RUNNING,
 )
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.shapes import shape_peak, transition_span
 from scenario_compiler.engine.slots import (
     A_DYNAMICS,
@@ -26,6 +25,7 @@ from scenario_compiler.engine.slots import (
     E_MAX_SPEED,
 )
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre, lane_exists
 from scenario_compiler.roads.tables import RoadTables

@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 from scenario_compiler.engine.opcodes import DELAY_RECORDS, DRAWS_PER_RUN, LOG_SIZE, WAY_SIZE
-from scenario_compiler.engine.program import Program
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.randomness import hash_bits, normal, uniform
 
 
 @dataclass(slots=True)
@@ -227,19 +228,64 @@ class State:
 
 
 _ENTITY = (
-    *("x y z h pitch roll v a steer throttle brake road lane s off t facing turn kept_lane kept_off odometer ended").split(),
-    *("moved longitudinal lateral last_x last_y last_v order reach middle_x middle_y seen on_way near far low").split(),
-    *("high along across border_left border_right contact").split(),
+    *[
+        "x",
+        "y",
+        "z",
+        "h",
+        "pitch",
+        "roll",
+        "v",
+        "a",
+        "steer",
+        "throttle",
+        "brake",
+        "road",
+        "lane",
+        "s",
+        "off",
+        "t",
+        "facing",
+        "turn",
+        "kept_lane",
+        "kept_off",
+        "odometer",
+        "ended",
+    ],
+    *[
+        "moved",
+        "longitudinal",
+        "lateral",
+        "last_x",
+        "last_y",
+        "last_v",
+        "order",
+        "reach",
+        "middle_x",
+        "middle_y",
+        "seen",
+        "on_way",
+        "near",
+        "far",
+        "low",
+    ],
+    *["high", "along", "across", "border_left", "border_right", "contact"],
 )
-_POSITION = "position_x position_y position_at_road position_at_lane position_at_s".split()
-_ELEMENT = "element_state element_runs element_started element_ended element_stopped element_skipped".split()
+_POSITION = ["position_x", "position_y", "position_at_road", "position_at_lane", "position_at_s"]
+_ELEMENT = ["element_state", "element_runs", "element_started", "element_ended", "element_stopped", "element_skipped"]
 _CONDITION = ("condition_known", "condition_before")
 _RING_ROWS = ("ring_time", "ring_value")
 _RING = ("ring_first", "ring_size")
-_ACTION = (
-    "action_state action_element action_progress action_span action_from action_change action_clip"
-).split()
-_WAY = "way_road way_lane way_s way_sign way_from".split()
+_ACTION = [
+    "action_state",
+    "action_element",
+    "action_progress",
+    "action_span",
+    "action_from",
+    "action_change",
+    "action_clip",
+]
+_WAY = ["way_road", "way_lane", "way_s", "way_sign", "way_from"]
 _LOG = ("log_time", "log_kind", "log_value")
 
 
@@ -260,7 +306,23 @@ def new_state(program: Program) -> State:
     columns: dict[str, list[float] | list[int]] = {}
     for column in fields(State):
         zero = 0.0 if "float" in str(column.type) else 0
-        columns[column.name] = [zero] * sizes[column.name]  # type: ignore[assignment]
+        columns[column.name] = [zero] * sizes[column.name]
     state = State(**columns)  # type: ignore[arg-type]
     state.conf_left[0] = state.conf_right[0] = state.health[0] = 1.0
     return state
+
+
+REQUESTS_DRAWN = 4
+
+
+def make_draws(seed: int, variant: int = 0) -> list[float]:
+    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone.
+
+    A normal and a uniform one for each of four requests, and the seed of the counter hash.
+    """
+    drawn: list[float] = []
+    for k in range(REQUESTS_DRAWN):
+        drawn.append(normal(seed, variant, f"driver/takeover_time/{k}"))
+        drawn.append(uniform(seed, variant, f"driver/lapse/{k}"))
+    drawn.append(float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF))
+    return drawn

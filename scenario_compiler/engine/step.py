@@ -26,12 +26,12 @@ from scenario_compiler.engine.opcodes import (
     TAKEOVER_MANUAL,
     TAKEOVER_STANDSTILL,
 )
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.reset import reset_columns
 from scenario_compiler.engine.slots import K_DESTINATION_OFFSET, K_DESTINATION_S, K_DURATION, K_STEP
 from scenario_compiler.engine.starts import start_action
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import run_triggers, trigger_fires
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
@@ -112,7 +112,7 @@ def watch_standstill(p: Program, st: State) -> None:
     """End a run whose ego has stood for a while after a stop that ends the conflict."""
     ego = p.ego[0]
     state = st.takeover_state[0]
-    ended = st.crashed[0] == 1 or state == TAKEOVER_STANDSTILL or state == TAKEOVER_MANUAL
+    ended = st.crashed[0] == 1 or state in (TAKEOVER_STANDSTILL, TAKEOVER_MANUAL)
     if st.v[ego] > 0.0 or not ended:
         st.still_since[0] = -1.0
         return

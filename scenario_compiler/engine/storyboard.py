@@ -26,9 +26,9 @@ from scenario_compiler.engine.opcodes import (
     RUNNING,
     STANDBY,
 )
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.starts import end_action, start_action
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -106,7 +106,7 @@ def complete_element(p: Program, st: State, e: int, frame: int) -> None:
         kind = p.element_kind[at]
         if kind == ELEMENT_EVENT:
             log_event(st, EVENT_STORYBOARD_END, 1.0 * at)
-        again = kind == ELEMENT_EVENT or kind == ELEMENT_GROUP
+        again = kind in (ELEMENT_EVENT, ELEMENT_GROUP)
         if again and st.element_runs[at] < p.element_limit[at]:
             st.element_state[at] = STANDBY
             rest_below(p, st, at)

@@ -7,9 +7,9 @@ SUMMARY_SIZE numbers a variant and `trace` the rows of its run.
 from __future__ import annotations
 
 from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, STOP_NONE
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD, reset, step
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -83,9 +83,7 @@ def summarise(p: Program, st: State, rows: int, out: list[float], base: int) -> 
 
 
 @compiled
-def run_variant(
-    n: RoadTables, p: Program, st: State, limit: int, trace: list[float], base: int, every: int
-) -> int:
+def run_variant(n: RoadTables, p: Program, st: State, limit: int, trace: list[float], base: int, every: int) -> int:
     """Run from reset to stop, at most `limit` steps; return the number of rows, that of t = 0 included.
 
     With `every` above 0, each such row goes into the trace from `base` on, as long as it has room.

@@ -40,7 +40,6 @@ from scenario_compiler.engine.opcodes import (
     TAKEOVER_STANDSTILL,
     TAKEOVER_WARNING,
 )
-from scenario_compiler.engine.program import Program
 from scenario_compiler.engine.slots import (
     K_BLOCKED_COUNT,
     K_BLOCKED_OF,
@@ -63,6 +62,7 @@ from scenario_compiler.engine.slots import (
     K_LANE_END_OF,
 )
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 
 CLOSE = 5.0
@@ -127,16 +127,21 @@ def asking_cause(p: Program, st: State, i: int) -> int:
     health = asks_health(p, st)
     path = asks_path(p, st, i)
     lane_end = asks_lane_end(p, st, i)
-    if path == 1 and p.cause_on[CAUSE_PATH_BLOCKED] == 1:
-        return CAUSE_PATH_BLOCKED
-    if lane_end == 1 and p.cause_on[CAUSE_LANE_ENDS] == 1:
-        return CAUSE_LANE_ENDS
-    if health == 1 and p.cause_on[CAUSE_SENSOR_HEALTH] == 1:
-        return CAUSE_SENSOR_HEALTH
-    if confidence == 1 and p.cause_on[CAUSE_LANE_CONFIDENCE] == 1:
-        return CAUSE_LANE_CONFIDENCE
-    if st.auto_request[0] == 1 and p.cause_on[CAUSE_CONTROLLER] == 1:
-        return CAUSE_CONTROLLER
+    for k in range(p.cause_count[0]):
+        cause = p.cause_order[k]
+        asks = 0
+        if cause == CAUSE_LANE_CONFIDENCE:
+            asks = confidence
+        elif cause == CAUSE_SENSOR_HEALTH:
+            asks = health
+        elif cause == CAUSE_PATH_BLOCKED:
+            asks = path
+        elif cause == CAUSE_LANE_ENDS:
+            asks = lane_end
+        elif cause == CAUSE_CONTROLLER:
+            asks = st.auto_request[0]
+        if asks == 1:
+            return cause
     return CAUSE_NONE
 
 
@@ -262,9 +267,9 @@ def step_manual(p: Program, st: State, i: int) -> None:
 def step_takeover(p: Program, st: State, i: int) -> None:
     """Step the machine once."""
     state = st.takeover_state[0]
-    if state == TAKEOVER_AUTOMATED or state == TAKEOVER_WARNING:
+    if state in (TAKEOVER_AUTOMATED, TAKEOVER_WARNING):
         step_automated(p, st, i)
-    elif state == TAKEOVER_MANUAL or state == TAKEOVER_HAND_BACK:
+    elif state in (TAKEOVER_MANUAL, TAKEOVER_HAND_BACK):
         step_manual(p, st, i)
     elif state != TAKEOVER_STANDSTILL:
         step_requested(p, st, i)

@@ -1,0 +1,203 @@
+"""Program: a plan as flat columns, the container `p` of every compiled function, and the checks of its indices.
+
+All columns but `const` stay as they are during a run and over a sweep. Lists of `..._first` are row starts (CSR): the
+members of k are `first[k] .. first[k + 1] - 1`. Elements of the storyboard stand in document order, parents before
+children, so that `element_end[e]` closes the subtree of `e`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+from scenario_compiler.engine.opcodes import (
+    ACTION_SENSOR_NOISE,
+    CAUSES,
+    CONDITION_ELEMENT_STATE,
+    DIMENSION_DISTANCE,
+    DRIVER_FIXED,
+    EDGE_BOTH,
+    ELEMENT_ACTION,
+    MOTION_POSED,
+    NONE,
+    PERCEPTION_CAMERA,
+    POSITION_RELATIVE,
+    PRIORITY_SKIP,
+    RULE_NOT_EQUAL,
+    SHAPE_STEP,
+)
+
+
+@dataclass(slots=True)
+class Program:
+    """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
+
+    const: list[float] = field(default_factory=list)
+    """Every number, by the slots of `slots`; replaced row by row in a sweep."""
+
+    # One element each.
+    entity_count: list[int] = field(default_factory=lambda: [0])
+    ego: list[int] = field(default_factory=lambda: [NONE])
+    """Number of the vehicle that the takeover is about, or NONE."""
+    perception: list[int] = field(default_factory=lambda: [0])
+    control_every: list[int] = field(default_factory=lambda: [1])
+    driver_kind: list[int] = field(default_factory=lambda: [0])
+    destination_road: list[int] = field(default_factory=lambda: [NONE])
+    destination_lane: list[int] = field(default_factory=lambda: [0])
+    route_count: list[int] = field(default_factory=lambda: [0])
+    stretch_count: list[int] = field(default_factory=lambda: [0])
+    position_count: list[int] = field(default_factory=lambda: [0])
+    element_count: list[int] = field(default_factory=lambda: [0])
+    condition_count: list[int] = field(default_factory=lambda: [0])
+    action_count: list[int] = field(default_factory=lambda: [0])
+    init_count: list[int] = field(default_factory=lambda: [0])
+    stop_trigger: list[int] = field(default_factory=lambda: [NONE])
+
+    entity_motion: list[int] = field(default_factory=list)
+    entity_const: list[int] = field(default_factory=list)
+    """First slot of the entity's block."""
+    entity_position: list[int] = field(default_factory=list)
+    """Position that it starts at."""
+    entity_follows: list[int] = field(default_factory=list)
+    """1 where it follows the vehicle ahead."""
+    entity_order: list[int] = field(default_factory=list)
+    """Entities so that each comes after the one that its start is relative to."""
+
+    position_op: list[int] = field(default_factory=list)
+    position_road: list[int] = field(default_factory=list)
+    position_lane: list[int] = field(default_factory=list)
+    """Lane id; for relative positions the number of lanes to the left."""
+    position_entity: list[int] = field(default_factory=list)
+    position_const: list[int] = field(default_factory=list)
+
+    route_road: list[int] = field(default_factory=list)
+    """Roads of the ego's way in order, each once a pass."""
+
+    stretch_road: list[int] = field(default_factory=list)
+    stretch_const: list[int] = field(default_factory=list)
+
+    element_kind: list[int] = field(default_factory=list)
+    element_parent: list[int] = field(default_factory=list)
+    element_end: list[int] = field(default_factory=list)
+    element_start: list[int] = field(default_factory=list)
+    """Start trigger of an act or event, or NONE."""
+    element_stop: list[int] = field(default_factory=list)
+    """Stop trigger of an act, or NONE."""
+    element_limit: list[int] = field(default_factory=list)
+    """Greatest number of executions of a group or event."""
+    element_priority: list[int] = field(default_factory=list)
+    element_action: list[int] = field(default_factory=list)
+    """Action of an ELEMENT_ACTION, or NONE."""
+
+    trigger_first: list[int] = field(default_factory=lambda: [0])
+    """Row starts of groups by trigger."""
+    group_first: list[int] = field(default_factory=lambda: [0])
+    """Row starts of conditions by group."""
+
+    condition_op: list[int] = field(default_factory=list)
+    condition_rule: list[int] = field(default_factory=list)
+    condition_edge: list[int] = field(default_factory=list)
+    condition_const: list[int] = field(default_factory=list)
+    condition_other: list[int] = field(default_factory=list)
+    """The reference entity, position, element or takeover state, by kind."""
+    condition_all: list[int] = field(default_factory=list)
+    """1 where all triggering entities must fulfil it, 0 where any does."""
+    condition_first: list[int] = field(default_factory=lambda: [0])
+    """Row starts of triggering entities by condition."""
+    condition_entity: list[int] = field(default_factory=list)
+    condition_ring: list[int] = field(default_factory=list)
+    """Number of its record of past values, or NONE for a condition without delay."""
+    ring_count: list[int] = field(default_factory=lambda: [0])
+
+    action_op: list[int] = field(default_factory=list)
+    action_entity: list[int] = field(default_factory=list)
+    action_shape: list[int] = field(default_factory=list)
+    action_dimension: list[int] = field(default_factory=list)
+    action_lanes: list[int] = field(default_factory=list)
+    """Lanes to the left that a lane change goes."""
+    action_const: list[int] = field(default_factory=list)
+    init_action: list[int] = field(default_factory=list)
+    """Actions that start with the run, in order."""
+
+    cause_on: list[int] = field(default_factory=lambda: [0] * CAUSES)
+    """1 for each cause of a takeover request that is switched on."""
+    cause_count: list[int] = field(default_factory=lambda: [0])
+    cause_order: list[int] = field(default_factory=list)
+    """The causes that are switched on; where several ask at once, the first is named."""
+
+
+def validate(program: Program, roads: int) -> None:
+    """Check every code, index and row start against its column; `roads` is the number of roads of the map.
+
+    Raises:
+        ValueError: A column refers outside another one; a fault of the code that filled it.
+    """
+    p = program
+    entities, positions = p.entity_count[0], p.position_count[0]
+    conditions, actions, elements = p.condition_count[0], p.action_count[0], p.element_count[0]
+    triggers = len(p.trigger_first) - 1
+    _inside("ego", p.ego, NONE, entities)
+    _inside("perception", p.perception, 0, PERCEPTION_CAMERA + 1)
+    _inside("control_every", p.control_every, 1, 1 << 30)
+    _inside("driver_kind", p.driver_kind, 0, DRIVER_FIXED + 1)
+    _inside("destination_road", p.destination_road, NONE, roads)
+    _column("entity_motion", p.entity_motion, entities, 0, MOTION_POSED + 1)
+    _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
+    _column("entity_position", p.entity_position, entities, 0, positions)
+    _column("entity_follows", p.entity_follows, entities, 0, 2)
+    _column("entity_order", p.entity_order, entities, 0, entities)
+    _column("position_op", p.position_op, positions, 0, POSITION_RELATIVE + 1)
+    _column("position_road", p.position_road, positions, NONE, roads)
+    _column("position_entity", p.position_entity, positions, NONE, entities)
+    _column("position_const", p.position_const, positions, 0, len(p.const) + 1)
+    _column("route_road", p.route_road, p.route_count[0], 0, roads)
+    _column("stretch_road", p.stretch_road, p.stretch_count[0], NONE, roads)
+    _column("stretch_const", p.stretch_const, p.stretch_count[0], 0, len(p.const) + 1)
+    _column("element_kind", p.element_kind, elements, 0, ELEMENT_ACTION + 1)
+    _column("element_parent", p.element_parent, elements, NONE, elements)
+    _column("element_end", p.element_end, elements, 1, elements + 1)
+    _column("element_start", p.element_start, elements, NONE, triggers)
+    _column("element_stop", p.element_stop, elements, NONE, triggers)
+    _column("element_limit", p.element_limit, elements, 1, 1 << 30)
+    _column("element_priority", p.element_priority, elements, 0, PRIORITY_SKIP + 1)
+    _column("element_action", p.element_action, elements, NONE, actions)
+    _inside("stop_trigger", p.stop_trigger, NONE, triggers)
+    _rows("trigger_first", p.trigger_first, len(p.group_first) - 1)
+    _rows("group_first", p.group_first, conditions)
+    _column("condition_op", p.condition_op, conditions, 0, CONDITION_ELEMENT_STATE + 1)
+    _column("condition_rule", p.condition_rule, conditions, 0, RULE_NOT_EQUAL + 1)
+    _column("condition_edge", p.condition_edge, conditions, 0, EDGE_BOTH + 1)
+    _column("condition_const", p.condition_const, conditions, 0, len(p.const) + 1)
+    _column("condition_all", p.condition_all, conditions, 0, 2)
+    _column("condition_ring", p.condition_ring, conditions, NONE, p.ring_count[0])
+    _rows("condition_first", p.condition_first, len(p.condition_entity))
+    _inside("condition_entity", p.condition_entity, 0, entities)
+    _column("action_op", p.action_op, actions, 0, ACTION_SENSOR_NOISE + 1)
+    _column("action_entity", p.action_entity, actions, 0, entities)
+    _column("action_shape", p.action_shape, actions, 0, SHAPE_STEP + 1)
+    _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
+    _column("action_const", p.action_const, actions, 0, len(p.const) + 1)
+    _column("init_action", p.init_action, p.init_count[0], 0, actions)
+    _inside("cause_on", p.cause_on, 0, 2)
+    _column("cause_order", p.cause_order, p.cause_count[0], 1, CAUSES)
+    for column in fields(Program):
+        values = getattr(p, column.name)
+        kind = float if column.name == "const" else int
+        if any(type(value) is not kind for value in values):
+            raise ValueError(f"column {column.name} holds something else than {kind.__name__}")
+
+
+def _inside(name: str, values: list[int], low: int, high: int) -> None:
+    for value in values:
+        if not low <= value < high:
+            raise ValueError(f"column {name} holds {value}, outside {low} .. {high - 1}")
+
+
+def _column(name: str, values: list[int], count: int, low: int, high: int) -> None:
+    if len(values) != count:
+        raise ValueError(f"column {name} has {len(values)} values, not {count}")
+    _inside(name, values, low, high)
+
+
+def _rows(name: str, starts: list[int], total: int) -> None:
+    if starts[0] != 0 or starts[-1] != total or sorted(starts) != starts:
+        raise ValueError(f"row starts {name} do not divide {total} members")
