@@ -100,7 +100,7 @@ class Atmosphere:
         tile = rain_tile(camera.width, camera.height, 0.1 + 0.25 * look.wind)
         row, column = int(draw.integers(camera.height)), int(draw.integers(camera.width))
         streaks = tile[row : row + camera.height, column : column + camera.width]
-        grey = cv2.convertScaleAbs(streaks, alpha=0.55 * look.rain * max(look.luminance, 0.15))
+        grey = cv2.convertScaleAbs(streaks, alpha=0.45 * look.rain * max(look.luminance, 0.15))
         return np.asarray(cv2.add(image, cv2.merge((grey, grey, grey))), np.uint8)
 
     def _transmission(self, distance: NDArray[np.float32]) -> Weights:

@@ -43,6 +43,9 @@ FEATURES = (
     "stretch",
     "contrast_along",
     "green",
+    "blind",
+    "painted_squared",
+    "residual_painted",
 )
 """Names of the features, in the order of the weights."""
 
@@ -114,6 +117,9 @@ def features(fit: Fit, ridges: Ridges, width_off: float) -> NDArray[np.float64]:
             math.log1p(longest),
             math.log1p(float(np.sort(bright)[-16:].mean()) / 10.0),
             min(max(fit.green, 0.0), 30.0) / 10.0,
+            min(max(fit.nearest - 8.0, 0.0), 12.0) / 4.0,
+            fit.painted * fit.painted,
+            5.0 * fit.residual * fit.painted,
         ]
     )
 

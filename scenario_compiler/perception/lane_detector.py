@@ -169,8 +169,7 @@ class ClassicalLaneDetector:
         ridges = self.birds_eye.ridges(image, pitch)
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
         chosen = self.fitter.pair(votes, width, spread, (_curve(state.left), _curve(state.right)))
-        left = self.fitter.refine(ridges, votes[LEFT], LEFT, chosen[LEFT])
-        right = self.fitter.refine(ridges, votes[RIGHT], RIGHT, chosen[RIGHT])
+        left, right = self.fitter.refine(ridges, votes, chosen)
         return (left, right), self._features(left, right, ridges, width)
 
     def _features(self, left: Fit, right: Fit, ridges: Ridges, width: float) -> tuple[Floats, Floats]:

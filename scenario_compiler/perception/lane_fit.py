@@ -29,6 +29,11 @@ GRASSY = 15.0
 STANDS_OUT = 1.5
 """Strength from which a row is taken for painted."""
 
+NEAR_GUESS = np.array([0.8, 5.0, 60.0])
+PARALLEL = np.array([10.0, 100.0])
+"""How firmly a fit is held: the deviation of a row, 0.05 m, by that of offset, slope and curvature from the voted
+parabola, and of slope and curvature from the other side's."""
+
 LEFT, RIGHT = 0, 1
 
 
@@ -45,8 +50,8 @@ class Fit:
         on_curve: (rows,) strength on the refined parabola itself.
         contrast: (rows,) grey levels on the refined parabola itself.
         green: How green the greener side of the parabola is where there is paint, grey levels.
-        nearest: Smallest x with paint, m; the map's first row without any.
-        farthest: Largest x with paint, m.
+        nearest: Smallest x with paint on two rows, m; the map's last row without any.
+        farthest: Largest x with paint on two rows, m.
     """
 
     curve: Floats
@@ -146,46 +151,77 @@ class LaneFitter:
         best = order[first]
         return best, score[best]
 
-    def refine(self, ridges: Ridges, votes: NDArray[np.float32], side: int, chosen: int) -> Fit:
-        """Return the boundary fitted to the ridges near the chosen parabola."""
-        guess = self.curves[side][chosen]
+    def refine(
+        self, ridges: Ridges, votes: tuple[NDArray[np.float32], NDArray[np.float32]], chosen: tuple[int, int]
+    ) -> tuple[Fit, Fit]:
+        """Return both boundaries fitted to the ridges near the chosen parabolas."""
+        guesses = [self.curves[side][chosen[side]] for side in (LEFT, RIGHT)]
+        peaks = [self._peaks(ridges, guess) for guess in guesses]
+        curves = self._least_squares(guesses, peaks)
+        left, right = (
+            self._judge(ridges, votes[side], chosen[side], curves[side], peaks[side]) for side in (LEFT, RIGHT)
+        )
+        return left, right
+
+    def _peaks(self, ridges: Ridges, guess: Floats) -> tuple[Floats, Floats]:
+        """Return for each row y of the strongest ridge within 0.25 m of a parabola, and its strength."""
         column = self._column(guess[0], guess[1], guess[2], self.d)
         around = column[:, None] + np.arange(-5, 6)
         inside = (around >= 0) & (around < self.columns)
         cells = np.clip(around, 0, self.columns - 1)
         strength = np.where(inside, ridges.strength[self.rows[:, None], cells], 0.0)
         best = strength.argmax(axis=1)
-        peak = strength[self.rows, best].astype(np.float64)
-        painted = peak > STANDS_OUT
         y = Y_FROM - (around[self.rows, best] + 0.5) * Y_STEP
-        curve, residual = self._least_squares(guess, y, np.where(painted, np.minimum(peak, 4.0), 0.0))
+        return y, strength[self.rows, best].astype(np.float64)
+
+    def _least_squares(self, guesses: list[Floats], peaks: list[tuple[Floats, Floats]]) -> list[Floats]:
+        """Fit both parabolas to the rows' ridges at once, held near the guesses and parallel to each other."""
+        shape = np.stack([np.ones_like(self.d), self.d, 0.5 * self.d * self.d], axis=1)
+        blocks, values = [], []
+        for side, (guess, (y, _)) in enumerate(zip(guesses, peaks, strict=True)):
+            root = np.concatenate([np.sqrt(self._weight(peaks[side])), NEAR_GUESS])
+            block = np.zeros((len(root), 6))
+            block[:, 3 * side : 3 * side + 3] = np.vstack([shape, np.eye(3)]) * root[:, None]
+            blocks.append(block)
+            values.append(np.concatenate([y, guess]) * root)
+        parallel = np.hstack([np.eye(3), -np.eye(3)])[1:] * PARALLEL[:, None]
+        system = np.vstack([*blocks, parallel])
+        solution = np.linalg.lstsq(system, np.concatenate([*values, np.zeros(2)]), rcond=None)[0]
+        return [solution[:3], solution[3:]]
+
+    def _weight(self, peaks: tuple[Floats, Floats]) -> Floats:
+        """Return the rows' weights, none at all where too few rows show paint to tell a curve."""
+        weight = np.where(peaks[1] > STANDS_OUT, np.minimum(peaks[1], 4.0), 0.0)
+        return weight if np.count_nonzero(weight) >= 8 else np.zeros_like(weight)
+
+    def _judge(
+        self,
+        ridges: Ridges,
+        votes: NDArray[np.float32],
+        chosen: int,
+        curve: Floats,
+        peaks: tuple[Floats, Floats],
+    ) -> Fit:
+        """Return the boundary with everything that its confidence is made from."""
+        weight = self._weight(peaks)
+        miss = (peaks[0] - curve[0] - curve[1] * self.d - 0.5 * curve[2] * self.d * self.d) ** 2
+        painted, near = peaks[1] > STANDS_OUT, self.x < 20.0
+        shown = self.x[:-1][painted[:-1] & painted[1:]]
         on_curve, contrast, green = self._along(ridges, curve)
         middle = float(np.median(votes))
         spread = float(np.median(np.abs(votes - middle))) + 0.15
-        shown, near = self.x[painted], self.x < 20.0
         return Fit(
             curve=curve,
             support=float(votes[chosen]),
             prominence=(float(votes[chosen]) - middle) / spread,
-            residual=residual,
+            residual=float(np.sqrt((miss * weight).sum() / weight.sum())) if weight.any() else 0.2,
             painted=float(painted[near].mean()),
             on_curve=on_curve,
             contrast=contrast,
             green=float((green * on_curve)[near].sum() / (on_curve[near].sum() + 1.0)),
-            nearest=float(shown[0]) if len(shown) else float(self.x[0]),
-            farthest=float(shown[-1]) if len(shown) else float(self.x[0]),
+            nearest=float(shown[0]) if len(shown) else float(self.x[-1]),
+            farthest=float(shown[-1]) if len(shown) else float(self.x[-1]),
         )
-
-    def _least_squares(self, guess: Floats, y: Floats, weight: Floats) -> tuple[Floats, float]:
-        """Fit a parabola to the rows' ridges, held by weak priors at the guess; return it and the residual, m."""
-        if np.count_nonzero(weight) < 8:
-            return guess, 0.2
-        design = np.stack([np.ones_like(self.d), self.d, 0.5 * self.d * self.d], axis=1)
-        root = np.concatenate([np.sqrt(weight), [0.8, 5.0, 60.0]])
-        system = np.vstack([design, np.eye(3)]) * root[:, None]
-        curve = np.linalg.lstsq(system, np.concatenate([y, guess]) * root, rcond=None)[0]
-        miss = (y - design @ curve) ** 2
-        return curve, float(np.sqrt((miss * weight).sum() / weight.sum()))
 
     def _along(self, ridges: Ridges, curve: Floats) -> tuple[Floats, Floats, Floats]:
         """Return strength and contrast on the parabola, the best of three neighbouring columns, and greenness."""

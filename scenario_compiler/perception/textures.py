@@ -44,7 +44,7 @@ def rain_tile(width: int, height: int, slant: float) -> NDArray[np.uint8]:
     Args:
         width: Columns of the image it is for.
         height: Rows of the image it is for.
-        slant: Sideways run of a streak for a unit of its fall.
+        slant: Mean sideways run of a streak for a unit of its fall.
     """
     draw = np.random.default_rng(13)
     scale = width / 1024.0
@@ -52,8 +52,9 @@ def rain_tile(width: int, height: int, slant: float) -> NDArray[np.uint8]:
     count = 2600
     starts = draw.uniform((0.0, 0.0), (2 * width, 2 * height), (count, 2))
     length = draw.uniform(12.0, 60.0, count) * scale
-    ends = starts + np.stack([slant * length, length], axis=1)
-    shade = draw.integers(60, 200, count)
+    lean = draw.normal(slant, 0.05, count)
+    ends = starts + np.stack([lean * length, length], axis=1)
+    shade = draw.integers(50, 170, count)
     for start, end, grey in zip(starts, ends, shade, strict=True):
         a, b = np.round(start * 8).astype(int), np.round(end * 8).astype(int)
         cv2.line(tile, (int(a[0]), int(a[1])), (int(b[0]), int(b[1])), int(grey), 1, cv2.LINE_AA, 3)

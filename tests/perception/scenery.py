@@ -39,4 +39,3 @@ def two_lanes(
     ]
     strips = [Strip(30.0, -30.0, Material.VERGE), Strip(1.5 * width + 0.6, -0.5 * width - 0.6)]
     return make_scene(reference, strips, lines)
-
