@@ -23,6 +23,8 @@ from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header
 
 FORMAT = "scenario-compiler/recording/1"
 _KEY = b"scenario-compiler"
+_UNREADABLE = (pa.ArrowException, OSError, KeyError, ValueError, TypeError, AttributeError, IndexError)
+"""What reading a file that is missing, damaged or something else can end in."""
 
 
 class RecordingError(ValueError):
@@ -71,9 +73,9 @@ def read_recording(path: Path) -> Recording:
         if about.get("format") != FORMAT:
             raise RecordingError(f"{path} is no recording of the format {FORMAT}")
         return _decoded(table, about, metadata)
-    except (pa.ArrowException, KeyError, ValueError) as problem:
-        if isinstance(problem, RecordingError):
-            raise
+    except RecordingError:
+        raise
+    except _UNREADABLE as problem:
         raise RecordingError(f"{path} is no recording: {problem}") from problem
 
 
@@ -83,7 +85,6 @@ def _metadata(recording: Recording) -> dict[bytes, bytes]:
         "columns": {c.name: {"unit": c.unit, "description": c.description} for c in COLUMNS},
         "header": recording.header.model_dump(mode="json"),
         "roads": recording.roads,
-        "rows": len(recording.t),
         "events": [event.model_dump(mode="json") for event in recording.events],
         "frames": [{"t": frame.t, "label": frame.label} for frame in recording.frames],
         "stop_reason": recording.stop_reason,
@@ -125,7 +126,7 @@ def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes
     roads = tuple(about["roads"])
     names = np.array(_codes(table, "name", header.entities))
     row = np.cumsum(names == 0) - 1
-    shape = (int(about["rows"]), len(header.entities))
+    shape = (int((names == 0).sum()), len(header.entities))
     arrays: dict[str, Any] = {}
     for column in COLUMNS:
         if column.per == "run":

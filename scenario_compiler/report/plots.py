@@ -64,8 +64,11 @@ STYLE: Any = {
 WIDTH = 9.0
 """Width of every picture, inches; the page scales it."""
 
-CLOSE_UP = 55.0
-"""Half the length of the close-up map, m."""
+CLOSE_UP = 50.0
+"""How far ahead of the request a close-up reaches at least, m; at most three times as far."""
+
+NEAR = 60.0
+"""Distance from the ego vehicle's way at which other entities are still brought into a map, m."""
 
 
 def timeline_plot(run: Run, prefix: str) -> str:
@@ -125,7 +128,7 @@ def _confidence_panel(axis: Axes, run: Run) -> None:
             axis.axhline(value, color=QUIET, linewidth=0.9, linestyle=(0, (1, 2)))
             axis.annotate(
                 name.replace("_", " "), (1, value), xycoords=("axes fraction", "data"), fontsize=7.5, color=QUIET,
-                ha="right", va="bottom",
+                xytext=(-3, 1), textcoords="offset points", ha="right", va="bottom",
             )  # fmt: skip
     axis.legend(loc="lower left", ncols=2)
 
@@ -152,27 +155,40 @@ def overview_map(run: Run, prefix: str) -> str:
     """Return an SVG map of the whole run, turned so that the ego vehicle's way runs to the right."""
     x, y = run.recording.x[:, 0], run.recording.y[:, 0]
     turn = _principal_direction(x, y) if len(x) > 1 else float(run.recording.h[0, 0])
-    return _map(run, prefix, turn, _turned(np.stack([x, y], axis=-1), -turn), margin=(30.0, 22.0))
+    way = _turned(np.stack([x, y], axis=-1), -turn)
+    frame = np.concatenate([way, _others_near(run, way, turn, len(x) - 1)])
+    return _map(run, prefix, turn, frame, margin=(30.0, 22.0))
 
 
 def close_up_map(run: Run, prefix: str) -> str:
     """Return an SVG map of the surroundings of the request (else of the end), at the scale of vehicles."""
     recording = run.recording
     moments = dict(run.moments)
-    time = moments.get("request", moments.get("collision", float(recording.t[-1])))
-    row = _row_at(recording.t, time)
+    row = _row_at(recording.t, moments.get("request", moments.get("collision", float(recording.t[-1]))))
     turn = float(recording.h[row, 0])
-    here = _turned(np.array([[recording.x[row, 0], recording.y[row, 0]]]), -turn)[0]
-    way = _turned(np.stack([recording.x[row:, 0], recording.y[row:, 0]], axis=-1), -turn) - here
-    ahead = float(np.clip(np.abs(way[:, 0]).max(), CLOSE_UP / 2, 3 * CLOSE_UP))
-    frame = here + np.array([[-0.35 * ahead, 0.0], [1.35 * ahead, 0.0]])
-    return _map(run, prefix, turn, frame, margin=(0.0, max(11.0, 0.14 * ahead)))
+    way = _turned(np.stack([recording.x[row:, 0], recording.y[row:, 0]], axis=-1), -turn)
+    here = way[0]
+    near = way[np.abs(way - here).max(axis=-1) < 3 * CLOSE_UP]
+    others = _others_near(run, near, turn, row)
+    others = others[np.abs(others - here).max(axis=-1) < 3 * CLOSE_UP]
+    frame = np.concatenate([here + np.array([[-0.3 * CLOSE_UP, 0.0], [CLOSE_UP, 0.0]]), near, others])
+    return _map(run, prefix, turn, frame, margin=(8.0, 10.0))
+
+
+def _others_near(run: Run, way: Floats, turn: float, row: int) -> Floats:
+    """Return where other entities stand in a row, as far as they are near a way, in axes turned by `-turn`, (k, 2)."""
+    recording = run.recording
+    there = recording.present[row, 1:]
+    places = np.stack([recording.x[row, 1:][there], recording.y[row, 1:][there]], axis=-1)
+    others = _turned(places, -turn)
+    apart = np.abs(others[:, None] - way[None]).max(axis=-1).min(axis=-1, initial=np.inf)
+    return np.asarray(others[apart < NEAR])
 
 
 def _map(run: Run, prefix: str, turn: float, frame: Floats, margin: tuple[float, float]) -> str:
     """Draw what lies within `frame`, points in axes turned by `-turn`, and a margin along and across."""
     low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
-    across = max(high[1] - low[1], 0.16 * (high[0] - low[0]))
+    across = max(high[1] - low[1], 0.12 * (high[0] - low[0]))
     middle = 0.5 * (low[1] + high[1])
     low[1], high[1] = middle - 0.5 * across, middle + 0.5 * across
     size = high - low

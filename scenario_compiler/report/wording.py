@@ -180,9 +180,4 @@ def command(run: Run) -> str:
     """Return the command that repeats the run, started in the run's folder."""
     header = run.recording.header
     world = "" if header.world == "kinematic" else f" --world {header.world}"
-    values = "".join(f" --set {name}={_setting(value)}" for name, value in sorted(header.parameters.items()))
-    return f"scenario-compiler run plan.json{world} --seed {header.seed}{values} -o again"
-
-
-def _setting(value: float | bool | str) -> str:
-    return str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
+    return f"scenario-compiler run plan.json{world} --seed {header.seed} -o again"

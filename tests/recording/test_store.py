@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from pathlib import Path
 from typing import Any
@@ -155,3 +156,28 @@ def test_a_table_that_is_no_recording_is_refused(tmp_path: Path) -> None:
     pq.write_table(pa.table({"a": [1]}), tmp_path / "r.parquet")
     with pytest.raises(RecordingError, match="no recording"):
         read_recording(tmp_path / "r.parquet")
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="no recording"):
+        read_recording(tmp_path / "none.parquet")
+
+
+@given(st.data())
+def test_a_damaged_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    path = tmp_path_factory.mktemp("damaged") / "r.parquet"
+    write_recording(two_rows(), path)
+    content = bytearray(path.read_bytes())
+    at = data.draw(st.integers(0, len(content) - 1))
+    content[at] = data.draw(st.integers(0, 255))
+    path.write_bytes(content[: data.draw(st.integers(at, len(content)))])
+    with contextlib.suppress(RecordingError):
+        read_recording(path)
+
+
+def test_metadata_of_another_shape_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "r.parquet"
+    table = pa.table({"a": [1]}).replace_schema_metadata({"scenario-compiler": "[1]"})
+    pq.write_table(table, path)
+    with pytest.raises(RecordingError, match="no recording"):
+        read_recording(path)
