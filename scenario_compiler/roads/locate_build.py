@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import ceil, cos, floor, sin, sqrt
 
 from scenario_compiler.roads.geometry import piece_point, wrap_angle
@@ -17,6 +18,12 @@ POLYNOMIAL_CHUNK_LENGTH = 5.0
 CHUNK_TURN = 0.5
 """Most turning of a chunk, rad."""
 
+POLYNOMIAL_CHUNK_TURN = 0.2
+"""Most turning of a chunk of a polynomial, rad: a point beside a tight bend then has one foot in it."""
+
+PART_LIMIT = 1000
+"""Most chunks of one piece for the sake of its turning."""
+
 CHUNK_LIMIT = 1_000_000
 """Rough bound on the number of chunks of one network; chunks of a network of more than 10 000 km are
 longer."""
@@ -25,8 +32,11 @@ CELLS_LIMIT = 400
 """Most cells that a chunk is entered into; a wider one (hundreds of metres of lanes) goes to the list that
 is always looked at."""
 
-JOINT_TURN_LIMIT = 0.5
+JOINT_TURN_LIMIT = 0.05
 """Largest kink of a reference line, rad, that a point beside it is still located across."""
+
+JOINT_GAP_LIMIT = 0.05
+"""Largest gap at a joint of a reference line, m, that a point is still located across."""
 
 
 def build_index(n: RoadTables) -> None:
@@ -88,7 +98,9 @@ def _add_part(
     longest = POLYNOMIAL_CHUNK_LENGTH if kind == POLYNOMIAL else CHUNK_LENGTH
     count = ceil((high - low) / (longest * stretch))
     if kind == ARC:
-        count = max(count, min(ceil(abs(n.piece_k[piece]) * (high - low) / CHUNK_TURN), 1000))
+        count = max(count, min(ceil(abs(n.piece_k[piece]) * (high - low) / CHUNK_TURN), PART_LIMIT))
+    elif kind == POLYNOMIAL:
+        count = max(count, min(ceil(_turning(n, piece, low, high) / POLYNOMIAL_CHUNK_TURN), PART_LIMIT))
     step = (high - low) / count
     for i in range(count):
         s0 = low + step * i
@@ -103,6 +115,13 @@ def _add_part(
         n.chunk_left.append(extent[0])
         n.chunk_right.append(extent[1])
         _add_bounds(n, piece, s0, s1, extent, max(beyond))
+
+
+def _turning(n: RoadTables, piece: int, low: float, high: float) -> float:
+    """Return the sum of absolute turns of a piece between samples at most 1 m apart, rad."""
+    samples = min(max(8, ceil(high - low)), PART_LIMIT)
+    headings = [piece_point(n, piece, low + (high - low) * i / samples)[2] for i in range(samples + 1)]
+    return sum(abs(wrap_angle(b - a)) for a, b in pairwise(headings))
 
 
 def _add_bounds(n: RoadTables, piece: int, s0: float, s1: float, extent: tuple[float, float], beyond: float) -> None:
@@ -141,7 +160,7 @@ def _joint(n: RoadTables, road: int, piece: int, left: float, right: float) -> f
     if turn > JOINT_TURN_LIMIT:
         return 0.0
     gap = sqrt((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0))
-    return min(gap, 1.0) + turn * max(abs(left), abs(right))
+    return min(gap, JOINT_GAP_LIMIT) + turn * max(abs(left), abs(right))
 
 
 def _extent(n: RoadTables, road: int, section: int) -> tuple[float, float]:

@@ -362,15 +362,21 @@ def _chunks_near(n: RoadTables, x: float, y: float) -> Sequence[int]:
 def _distinct(n: RoadTables, found: list[tuple[int, float, int, float, float]]) -> list[tuple[int, float, float]]:
     """Return (row, s, offset) by distance to the lane's centre, each place once.
 
-    A place found across a kink counts only where no lane of its road holds the point near there exactly.
+    A place found across a kink counts only where no lane of its road holds the point exactly.
     """
     found.sort()
     kept: list[tuple[float, int, float, float]] = []
+    exact: set[int] = set()
     for kind, distance, row, s, offset in found:
         road = n.section_road[n.lane_section[row]]
+        if kind == 2 and road in exact:
+            continue
         near = 1.0 if kind == 2 else 1e-6
-        if not any(n.section_road[n.lane_section[other]] == road and abs(at - s) < near for _, other, at, _ in kept):
-            kept.append((distance, row, s, offset))
+        if any(n.section_road[n.lane_section[other]] == road and abs(at - s) < near for _, other, at, _ in kept):
+            continue
+        kept.append((distance, row, s, offset))
+        if kind == 1:
+            exact.add(road)
     kept.sort()
     return [(row, s, offset) for _, row, s, offset in kept]
 
