@@ -56,9 +56,7 @@ class Document:
         """Folder that relative paths in the file start from."""
         return Path(self.path).parent
 
-    def origin(
-        self, element: etree._Element, attribute: str | None = None, within: Place | None = None
-    ) -> Origin:
+    def origin(self, element: etree._Element, attribute: str | None = None, within: Place | None = None) -> Origin:
         """Return the place of an element's start tag, or of one of its attributes."""
         return Origin(self, element, attribute, within)
 
@@ -83,20 +81,20 @@ class Document:
     def _ordinals(self) -> dict[etree._Element, int]:
         return {element: i for i, element in enumerate(self.root.iter(etree.Element))}
 
-    def position(self, element: etree._Element, attribute: str | None) -> tuple[int, int, int]:
-        """Return (line, column, length) of a start tag's name or of an attribute's value, all counted from 1."""
+    def position(
+        self, element: etree._Element, attribute: str | None, *, of_name: bool = False
+    ) -> tuple[int, int, int]:
+        """Return (line, column, length), counted from 1, of a start tag's name or of an attribute's value or name."""
         ordinal = self._ordinals.get(element, -1)
         if not 0 <= ordinal < len(self._tags):
-            line: int | None = element.sourceline  # type: ignore[assignment]  # untyped in the stubs
-            return line or 0, 0, 0
+            return int(getattr(element, "sourceline", 0) or 0), 0, 0
         start, end = self._tags[ordinal]
         begin, length = start, len(re.split(r"[\s/>]", self.text[start + 1 : end], maxsplit=1)[0]) + 1
-        if attribute is not None:
-            for match in _ATTRIBUTES.finditer(self.text, start, end):
-                if match.group("name") == attribute:
-                    begin, length = match.start("value") + 1, len(match.group("value")) - 2
-                    if length == 0:
-                        begin, length = match.start("name"), len(attribute)
+        for match in _ATTRIBUTES.finditer(self.text, start, end):
+            if attribute is not None and match.group("name") == attribute:
+                begin, length = match.start("value") + 1, len(match.group("value")) - 2
+                if length == 0 or of_name:
+                    begin, length = match.start("name"), len(attribute)
         line = bisect.bisect_right(self._line_starts, begin)
         return line, begin - self._line_starts[line - 1] + 1, length
 
@@ -127,6 +125,11 @@ class Origin:
     def of(self, attribute: str) -> Origin:
         """Return the place of one of this element's attributes."""
         return Origin(self.document, self.element, attribute, self.within)
+
+    def name_of(self, attribute: str) -> Place:
+        """Return the place of the name of one of this element's attributes."""
+        line, column, length = self.document.position(self.element, attribute, of_name=True)
+        return FilePlace(self.document.path, line, column, length, self.document.line_text(line), self.within)
 
     def _position(self) -> tuple[int, int, int]:
         if self._found is None:
@@ -172,9 +175,7 @@ def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
             return None
         raw = Path(path).read_bytes()
     except OSError as error:
-        sink.add(
-            UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name), hint=_beside(Path(path))
-        )
+        sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name), hint=_beside(Path(path)))
         return None
     except ValueError as error:
         sink.add(UNREADABLE, f"cannot read the file: {error}", FilePlace(name))
@@ -206,9 +207,7 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     document = Document(name, _decode(raw, root.getroottree().docinfo.encoding), root)
     for element in root.iter(etree.Element):
         if len(element.attrib) > MAX_ATTRIBUTES:
-            message = (
-                f"<{element.tag}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} are read"
-            )
+            message = f"<{element.tag}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} are read"
             sink.add(FORBIDDEN, message, document.origin(element))
             return None
     return document

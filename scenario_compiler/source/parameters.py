@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 
 from scenario_compiler.diagnostics import Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
 from scenario_compiler.source import codes, names
 from scenario_compiler.source.environment import Binding, Environment
@@ -91,7 +92,7 @@ def bind_use(parameters: Mapping[str, Parameter], given: Mapping[str, str], read
             sink.add(
                 codes.UNKNOWN_ATTRIBUTE,
                 f"the template has no parameter '{name}'",
-                use.place_of(name),
+                use.origin.name_of(name) if isinstance(use.origin, Origin) else use.origin,
                 hint=did_you_mean(name, set(parameters) - set(given)),
             )
     for name, parameter in parameters.items():

@@ -106,7 +106,7 @@ def read_attributes(element: etree._Element, word: type[Word], reading: Reading)
             reading.sink.add(
                 codes.UNKNOWN_ATTRIBUTE,
                 f"<{element.tag}> has no attribute '{_short_name(name)}'",
-                reading.origin(element, None if name.startswith("{") else name),
+                reading.origin(element).name_of(name),
                 hint=did_you_mean(name, set(grammar.attributes) - set(map(str, element.attrib))),
             )
     for name, rule in grammar.attributes.items():
@@ -145,7 +145,7 @@ def place_children(
                 codes.ELEMENT_ORDER,
                 f"<{child.tag}> must stand before <{before}> in <{element.tag}>",
                 reading.origin(child),
-                hint="the order is " + ", ".join(f"<{rule.tags[0]}>" for rule in rules),
+                hint="the order is " + ", ".join("|".join(f"<{tag}>" for tag in rule.tags) for rule in rules),
             )
         furthest = max(furthest, index)
         if found[index] and (rules[index].wrapper or not rules[index].many):
@@ -177,7 +177,7 @@ def _unwrapped(
         reading.sink.add(
             codes.UNKNOWN_ATTRIBUTE,
             f"<{wrapper.tag}> has no attributes",
-            reading.origin(wrapper, name),
+            reading.origin(wrapper).name_of(name),
             hint=f"it holds {_choice(rule.words)}",
         )
     _report_text(wrapper, reading)

@@ -1,0 +1,196 @@
+"""The reader and the XSD accept the same files: shown on mutated files of the library and on made-up values."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.document import Document, parse_document
+from scenario_compiler.resources import library_folder
+from scenario_compiler.source import codes
+from scenario_compiler.source.catalogs import CatalogElement
+from scenario_compiler.source.conflict import LibraryElement
+from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.form import conflict_xsd, judge_form
+from scenario_compiler.source.reading import Reading, read_word
+
+SCHEMA = etree.XMLSchema(etree.fromstring(conflict_xsd().encode()))
+FILES = sorted(library_folder().glob("*/*.xml"))
+BEYOND = {codes.BAD_EXPRESSION.id}
+"""Codes of faults that no schema can see."""
+
+VALUES = (
+    "", " ", "abc", "a b", "-1", "0", "1", " 3 ", "+5", ".5", "5.", "0.5", "1,5", "1e9", "1e999", "-1e-9", "NaN", "INF",
+    "0x1F", "\uff11", "99999999999999999999", "true", "1 2", "text audio", "$name", "${1 + $name}", "${", "$", "50 km/h",
+)  # fmt: skip
+
+
+class Anything(frozenset[str]):
+    """A set that holds every name: all parameters are undetermined."""
+
+    def __contains__(self, name: object) -> bool:
+        return True
+
+
+def faults(root: etree._Element) -> list[str]:
+    """Return the structural faults that the reader finds."""
+    text = etree.tostring(root, encoding="unicode")
+    sink = Diagnostics()
+    document = parse_document(text.encode(), "mutant.xml", sink)
+    assert document is not None
+    reading = Reading(document, sink, Environment(undetermined=Anything()))
+    read_word(document.root, CatalogElement if root.tag == "catalog" else LibraryElement, reading)
+    return [as_text(one) for one in sink if one.code.id not in BEYOND]
+
+
+def disagreement(root: etree._Element) -> str:
+    """Return what the two judges say where they differ, empty where they agree."""
+    found = faults(root)
+    valid = SCHEMA.validate(root)
+    if valid != (not found):
+        return f"XSD: {valid} {SCHEMA.error_log}; reader: {found or 'no fault'}"
+    return ""
+
+
+def mutants(root: etree._Element) -> Iterator[tuple[str, etree._Element]]:
+    """Yield copies of a document with one fault (or harmless change) each, named by what was done."""
+    count = len(list(root.iter(etree.Element)))
+    for index in range(count):
+        for name, change in CHANGES.items():
+            mutant = copy.deepcopy(root)
+            element = list(mutant.iter(etree.Element))[index]
+            key = f"{_tag(element)} in {_tag(element.getparent())}: {name}"
+            if change(element):
+                yield key, mutant
+        attributes = list(list(root.iter(etree.Element))[index].attrib)
+        for attribute in attributes:
+            for value in (None, *VALUES):
+                mutant = copy.deepcopy(root)
+                element = list(mutant.iter(etree.Element))[index]
+                if value is None:
+                    del element.attrib[attribute]
+                else:
+                    element.set(attribute, value)
+                yield f"{_tag(element)} {attribute}={value!r}", mutant
+
+
+def _tag(element: etree._Element | None) -> str:
+    return "" if element is None else str(element.tag)
+
+
+def _removed(element: etree._Element) -> bool:
+    parent = element.getparent()
+    if parent is None:
+        return False
+    parent.remove(element)
+    return True
+
+
+def _doubled(element: etree._Element) -> bool:
+    if element.getparent() is None:
+        return False
+    element.addnext(copy.deepcopy(element))
+    return True
+
+
+def _renamed(element: etree._Element) -> bool:
+    if element.getparent() is None:
+        return False
+    element.tag = f"{_tag(element)}x"
+    return True
+
+
+def _moved_ahead(element: etree._Element) -> bool:
+    before = element.getprevious()
+    if before is None:
+        return False
+    before.addprevious(element)
+    return True
+
+
+def _with_attribute(element: etree._Element) -> bool:
+    element.set("surprise", "1")
+    return True
+
+
+def _with_text(element: etree._Element) -> bool:
+    element.text = "stray"
+    return True
+
+
+def _with_comment(element: etree._Element) -> bool:
+    element.insert(0, etree.Comment("harmless"))
+    return True
+
+
+def _emptied(element: etree._Element) -> bool:
+    for child in list(element):
+        element.remove(child)
+    return True
+
+
+CHANGES = {
+    "removed": _removed,
+    "doubled": _doubled,
+    "renamed": _renamed,
+    "moved ahead": _moved_ahead,
+    "an attribute too many": _with_attribute,
+    "stray text": _with_text,
+    "a comment": _with_comment,
+    "emptied": _emptied,
+}
+
+
+def test_both_judges_agree_on_every_mutant_of_the_library() -> None:
+    seen: set[str] = set()
+    differing = []
+    for path in FILES:
+        parser = etree.XMLParser(remove_blank_text=True)
+        root = etree.parse(str(path), parser).getroot()
+        for key, mutant in mutants(root):
+            if key not in seen:
+                seen.add(key)
+                found = disagreement(mutant)
+                if found:
+                    differing.append(f"{path.name}, {key}: {found}")
+    assert len(seen) > 1500
+    assert differing == []
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_library_file_is_valid(path: Path) -> None:
+    root = etree.parse(str(path)).getroot()
+    assert SCHEMA.validate(root), SCHEMA.error_log
+    assert faults(root) == []
+
+
+NUMBERS = st.one_of(
+    st.floats(allow_nan=True, allow_infinity=True).map(repr),
+    st.integers().map(str),
+    st.text(alphabet="0123456789.eE+- ", max_size=12),
+)
+
+
+@given(text=NUMBERS)
+def test_both_judges_agree_on_any_number(text: str) -> None:
+    root = etree.fromstring(
+        b'<catalog version="1"><vehicle name="v" length="4" width="2" height="1" wheelbase="2" center="1"/></catalog>'
+    )
+    for attribute in ("center", "length", "max_steer"):
+        mutant = copy.deepcopy(root)
+        mutant[0].set(attribute, text)
+        assert disagreement(mutant) == ""
+
+
+def test_second_judge_reports_what_the_reader_let_pass() -> None:
+    sink = Diagnostics()
+    text = '<scenarios version="1">\n  <scenario name="a"/>\n</scenarios>'
+    judge_form(Document("a.xml", text, etree.fromstring(text.encode())), sink)
+    assert [(one.code.id, one.place.line) for one in sink] == [("SC115", 2)]
