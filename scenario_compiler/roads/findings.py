@@ -36,9 +36,7 @@ class Findings:
         """Report a finding at an element or at one of its attributes."""
         self._counts[code.id] += 1
         if self._counts[code.id] <= SHOWN_OF_A_CODE:
-            self._sink.add(
-                code, message, self.document.origin(element, attribute), hint=hint, severity=severity
-            )
+            self._sink.add(code, message, self.document.origin(element, attribute), hint=hint, severity=severity)
 
     def close(self) -> None:
         """Say how many findings are not listed."""

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import cast
+
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.document import Document
 from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.structure import codes
+from scenario_compiler.roads.structure.conditions import CONDITIONS, FIRST_MINOR_WITH_CONDITIONS
 from scenario_compiler.roads.structure.grammar import (
     FIRST_MINOR,
     FIRST_WITH_WORDS,
@@ -39,7 +43,8 @@ def check_structure(document: Document, sink: Diagnostics) -> bool:
     """Report every fault of a road file's structure, for the version in its header.
 
     Returns:
-        True when the structure is valid. A file of no known version counts as valid unless its root is not <OpenDRIVE>: nothing
+        True when the structure is valid. A file of no known version counts as valid unless its root is not
+        <OpenDRIVE>: nothing
         more can be said of it.
     """
     walk = _Walk(document, sink)
@@ -61,9 +66,7 @@ class _Walk:
         """Check version, elements and keys."""
         root = self.document.root
         if root.tag != "OpenDRIVE" and etree.QName(root).localname != "OpenDRIVE":
-            self._report(
-                codes.UNKNOWN_ELEMENT, f"the root element is <{_tag(root)}>, not <OpenDRIVE>", root
-            )
+            self._report(codes.UNKNOWN_ELEMENT, f"the root element is <{_tag(root)}>, not <OpenDRIVE>", root)
             return
         version = road_version(self.document)
         if version is None and root.find("{*}header") is None:
@@ -95,6 +98,9 @@ class _Walk:
                 attribute, cases = declaration.switch
                 declaration = known[cases.get(element.get(attribute, ""), declaration.name)]
             self._attributes(element, declaration)
+            if self.minor >= FIRST_MINOR_WITH_CONDITIONS and declaration.name in CONDITIONS:
+                for fault in CONDITIONS[declaration.name](element):
+                    self._report(codes.EXCLUDED, f"<{_tag(element)}> {fault}", element)
             if declaration.anything:
                 if declaration.text is None:
                     self._no_text(element)
@@ -103,7 +109,8 @@ class _Walk:
             pending.extend((child, known[name]) for child, name in reversed(children))
 
     def _attributes(self, element: etree._Element, declaration: Declaration) -> None:
-        for name, value in element.attrib.items():
+        given = cast(Mapping[str, str], element.attrib)
+        for name, value in given.items():
             attribute = declaration.attributes.get(name)
             if attribute is None:
                 if not name.startswith(_XSI):
@@ -111,16 +118,14 @@ class _Walk:
             elif attribute.kind and (attribute.kind, value) not in self._fine:
                 self._value(element, name, value, attribute)
         for name, attribute in declaration.attributes.items():
-            if attribute.required and name not in element.attrib:
+            if attribute.required and name not in given:
                 self._report(codes.MISSING_ATTRIBUTE, f"<{_tag(element)}> lacks {name}", element)
 
     def _unknown_attribute(self, element: etree._Element, name: str, declaration: Declaration) -> None:
         tag = _tag(element)
         hint = self._elsewhere(versions_of(tag, name)) or did_you_mean(name, declaration.attributes)
         shown = name if not name.startswith("{") else etree.QName(name).localname
-        self._report(
-            codes.UNKNOWN_ATTRIBUTE, f"<{tag}> has no attribute {shown[:60]}", element, name, hint
-        )
+        self._report(codes.UNKNOWN_ATTRIBUTE, f"<{tag}> has no attribute {shown[:60]}", element, name, hint)
 
     def _elsewhere(self, versions: list[int]) -> str:
         """Return a hint naming the versions that know something which this one does not."""
@@ -149,17 +154,13 @@ class _Walk:
         where = f"the text of <{_tag(element)}>" if name is None else f"{name} of <{_tag(element)}>"
         self._report(codes.BAD_VALUE, f"{where} is '{value[:40]}', {expected}", element, name, hint)
 
-    def _children(
-        self, element: etree._Element, declaration: Declaration
-    ) -> list[tuple[etree._Element, str]]:
+    def _children(self, element: etree._Element, declaration: Declaration) -> list[tuple[etree._Element, str]]:
         """Check the order of the children; return those that are declared with their declarations' names."""
         content = declaration.content
         state = content.start
         found = []
-        for child in element:
+        for child in element.iterchildren(etree.Element):
             tag = child.tag
-            if not isinstance(tag, str):
-                continue
             if tag.startswith("{"):
                 tag = _tag(child) if self.minor <= 2 else tag
             after = content.move(state, tag)
@@ -173,9 +174,7 @@ class _Walk:
                     after = state
                 else:
                     names = " and ".join(f"<{name}>" for name in lacking[0])
-                    self._report(
-                        codes.MISSING_ELEMENT, f"<{_tag(element)}> lacks {names} before <{tag}>", child
-                    )
+                    self._report(codes.MISSING_ELEMENT, f"<{_tag(element)}> lacks {names} before <{tag}>", child)
                     after = lacking[1]
             state = after
             name = content.declaration(tag)
@@ -196,9 +195,7 @@ class _Walk:
             return f"<{tag}> stands too often or too late in <{_tag(parent)}>"
         return f"<{tag}> stands too late in <{_tag(parent)}>"
 
-    def _unknown_element(
-        self, child: etree._Element, parent: etree._Element, declaration: Declaration
-    ) -> None:
+    def _unknown_element(self, child: etree._Element, parent: etree._Element, declaration: Declaration) -> None:
         tag = _tag(child)
         hint = did_you_mean(tag, declaration.content.tags())
         other = [
@@ -207,9 +204,7 @@ class _Walk:
             if declarations(minor)[declaration.name].content.declaration(tag) is not None
         ]
         hint = self._elsewhere(other) or hint
-        self._report(
-            codes.UNKNOWN_ELEMENT, f"<{_tag(parent)}> has no child <{tag[:60]}>", child, None, hint
-        )
+        self._report(codes.UNKNOWN_ELEMENT, f"<{_tag(parent)}> has no child <{tag[:60]}>", child, None, hint)
 
     def _no_text(self, element: etree._Element) -> None:
         texts = [element.text, *(child.tail for child in element)]

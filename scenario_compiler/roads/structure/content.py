@@ -1,6 +1,7 @@
 """The order and number of an element's children, as an automaton over tags.
 
-A content model is a tree: a name, a sequence, a choice, a repetition. Its automaton is Glushkov's: one position for each name in
+A content model is a tree: a name, a sequence, a choice, a repetition. Its automaton is Glushkov's: one position for
+each name in
 the model, and for each position those that may follow. States are built when they are first met.
 
 Source: V. M. Glushkov, The abstract theory of automata, Russian Mathematical Surveys 16 (1961).
@@ -91,9 +92,7 @@ class Content:
         key = (state, tag)
         found = self._moves.get(key)
         if found is None:
-            found = frozenset(
-                nearby for at in state for nearby in self._follow[at] if self.names[nearby].tag == tag
-            )
+            found = frozenset(nearby for at in state for nearby in self._follow[at] if self.names[nearby].tag == tag)
             self._moves[key] = found
         return found
 
@@ -102,7 +101,7 @@ class Content:
         return not self._last.isdisjoint(state)
 
     def missing(self, state: State, tag: str | None) -> tuple[list[str], State] | None:
-        """Return the fewest children that are missing before `tag` (None: before the end) and the state after all of them."""
+        """Return the fewest children missing before `tag` (None: before the end), and the state after all of them."""
         queue: deque[tuple[State, list[str]]] = deque([(state, [])])
         seen = {state}
         while queue:

@@ -114,9 +114,7 @@ def _values(findings: Findings, scope: etree._Element, key: Key) -> set[str]:
     return values
 
 
-def _check_reference(
-    findings: Findings, scope: etree._Element, reference: Reference, values: set[str]
-) -> None:
+def _check_reference(findings: Findings, scope: etree._Element, reference: Reference, values: set[str]) -> None:
     target = reference.key.path.rpartition("/")[2]
     for element in scope.iterfind(reference.path):
         value = element.get(reference.attribute)

@@ -7,14 +7,18 @@ object
     id name? type?@-1.4 type?:object_type@1.5- subtype?@1.5- s:not_negative t:number zOffset:number
     orientation:orientation@-1.5 orientation?:orientation@1.6- dynamic:yes_or_no@1.5 dynamic?:yes_or_no@1.6-
     validLength:not_negative@-1.5 validLength?:not_negative@1.6- hdg:number@-1.5 hdg?:number@1.6- pitch:number@-1.5
-    pitch?:number@1.6- roll:number@-1.5 roll?:number@1.6- height:number@-1.5 height?:number@1.6 height?:not_negative@1.7-
-    length?:number@-1.6 length?:positive@1.7- width?:number radius?:number@-1.6 radius?:positive@1.7- perpToRoad?:boolean@1.7-
+    pitch?:number@1.6- roll:number@-1.5 roll?:number@1.6- height:number@-1.5 height?:number@1.6
+    height?:not_negative@1.7-
+    length?:number@-1.6 length?:positive@1.7- width?:number radius?:number@-1.6 radius?:positive@1.7-
+    perpToRoad?:boolean@1.7-
     = repeat?@1.2-1.3 repeat*@1.4 repeat?@1.5 repeat*@1.6- outline? outlines?@1.5- material=object_material?@1.3-1.4
-      material=object_material*@1.5- laneValidity=validity*@1.1 validity*@1.2- parkingSpace?@1.4- markings?@1.5- borders?@1.5- ...
+      material=object_material*@1.5- laneValidity=validity*@1.1 validity*@1.2- parkingSpace?@1.4- markings?@1.5-
+      borders?@1.5- ...
       surface=object_surface?@1.7- skeleton?@1.8-
 repeat
     s:not_negative length:not_negative distance:not_negative tStart:number@1.4- tEnd:number@1.4-
-    widthStart:not_negative@1.4-1.5 widthStart?:not_negative@1.6- widthEnd:not_negative@1.4-1.5 widthEnd?:not_negative@1.6-
+    widthStart:not_negative@1.4-1.5 widthStart?:not_negative@1.6- widthEnd:not_negative@1.4-1.5
+    widthEnd?:not_negative@1.6-
     heightStart:number@1.4-1.6 heightStart:not_negative@1.7- heightEnd:number@1.4-1.6 heightEnd:not_negative@1.7-
     zOffsetStart:number@1.4- zOffsetEnd:number@1.4- lengthStart?:not_negative@1.5- lengthEnd?:not_negative@1.5-
     radiusStart?:not_negative@1.5- radiusEnd?:not_negative@1.5- detachFromReferenceLine?:boolean@1.8-
@@ -25,7 +29,8 @@ outline
     id:count@1.5 id?:count@1.6- fillType:fill@1.5 fillType?:fill@1.6- outer:boolean@1.5 outer?:boolean@1.6-
     closed:boolean@1.5 closed?:boolean@1.6- laneType:lane_type@1.5 laneType?:lane_type@1.6-
     = cornerInertial*@-1.2 cornerRoad*@-1.3 cornerRelative*@-1.2 cornerLocal*@1.3 (cornerRoad* | cornerLocal* | ...)@1.4
-      (cornerRoad* cornerLocal*)@1.5 (cornerRoad* | cornerLocal*)?@1.6-1.7 (cornerRoad+ | cornerLocal+)?@1.8- ...@-1.3 ...@1.5-
+      (cornerRoad* cornerLocal*)@1.5 (cornerRoad* | cornerLocal*)?@1.6-1.7 (cornerRoad{2,} | cornerLocal{2,})@1.8-
+      ...@-1.3 ...@1.5-
 cornerInertial
     x:number y:number z:number height:number
     = ...
@@ -73,7 +78,7 @@ skeleton
     = polyline+ ...
 polyline
     id?:positive_int
-    = (vertexRoad+ | vertexLocal+)? ...
+    = (vertexRoad{2,} | vertexLocal{2,}) ...
 vertexRoad
     id?:positive_int s?:not_negative t?:number dz?:number radius?:number intersectionPoint?:boolean
     = ...
@@ -96,10 +101,12 @@ SIGNAL_ELEMENTS = """
 signals
     = signal* signalReference* ...
 signal
-    id name? s:not_negative@-1.7 s?:not_negative@1.8- t:number@-1.7 t?:number@1.8- zOffset:number@-1.7 zOffset?:number@1.8-
+    id name? s:not_negative@-1.7 s?:not_negative@1.8- t:number@-1.7 t?:number@1.8- zOffset:number@-1.7
+    zOffset?:number@1.8-
     dynamic:yes_or_no orientation:orientation type:int@-1.3 type@1.4- subtype:int@-1.3 subtype@1.4- country?@-1.4
     country?:country@1.5- countryRevision?@1.5- value?:number unit?:any_unit@1.4- text?@1.4- hOffset?:number@1.4-
-    pitch?:number@1.4- roll?:number@1.4- height:not_negative@1.4-1.5 height?:not_negative@1.6- width:not_negative@1.4-1.5
+    pitch?:number@1.4- roll?:number@1.4- height:not_negative@1.4-1.5 height?:not_negative@1.6-
+    width:not_negative@1.4-1.5
     width?:not_negative@1.6- length?:not_negative@1.8-
     = laneValidity=validity*@1.1 Validity=validity*@1.2 validity*@1.3- dependency* reference*@1.5-
       (positionRoad | positionInertial)?@1.5- ... staticBoard*@1.8- vmsBoard*@1.8- semantics?@1.8-
@@ -122,7 +129,8 @@ staticBoard
     = validity* dependency* reference* ... sign*
 sign
     id name? dynamic:yes_or_no orientation:orientation type subtype country?:country countryRevision? value?:number
-    unit?:any_unit text? hOffset?:number pitch?:number roll?:number height?:not_negative width?:not_negative length?:not_negative
+    unit?:any_unit text? hOffset?:number pitch?:number roll?:number height?:not_negative width?:not_negative
+    length?:not_negative
     v?:number z?:number
     = validity* dependency* reference* (positionInertial | positionRoad)? ... staticBoard* vmsBoard* semantics?
 vmsBoard
@@ -178,12 +186,15 @@ control
 JUNCTION_ELEMENTS = """
 junction
     by type@1.8-: virtual=virtual_junction direct=direct_junction crossing=crossing_junction
-    id name? type?:junction_type@1.5- mainRoad?@1.7 orientation?:orientation@1.7 sStart?:not_negative@1.7 sEnd?:not_negative@1.7
-    = connection+@-1.7 connection*@1.8- crossPath*@1.8- priority* controller=junction_controller* surface=junction_surface?@1.5-
+    id name? type?:junction_type@1.5- mainRoad?@1.7 orientation?:orientation@1.7 sStart?:not_negative@1.7
+    sEnd?:not_negative@1.7
+    = connection+@-1.7 connection*@1.8- crossPath*@1.8- priority* controller=junction_controller*
+      surface=junction_surface?@1.5-
       planView?@1.8- objects?@1.8- boundary?@1.8- elevationGrid?@1.8- ...
 virtual_junction
     id name? type?:junction_type mainRoad? orientation?:orientation sStart?:not_negative sEnd?:not_negative
-    = connection=virtual_connection* crossPath* priority* controller=junction_controller* surface? planView? objects? ...
+    = connection=virtual_connection* crossPath* priority* controller=junction_controller* surface? planView? objects?
+      ...
 direct_junction
     id name? type?:junction_type
     = connection=direct_connection+ priority* controller=junction_controller* surface? planView? objects? ...
@@ -192,7 +203,8 @@ crossing_junction
     = roadSection+ priority* controller=junction_controller* surface? planView? objects? ...
 connection
     id incomingRoad@-1.5 incomingRoad?@1.6- connectingRoad@-1.5 connectingRoad?@1.6- contactPoint:contact_point@-1.5
-    contactPoint?@1.6 contactPoint?:contact_point@1.7- type?:connection_type@1.5-1.7 connectionMaster?@1.5 linkedRoad?@1.7
+    contactPoint?@1.6 contactPoint?:contact_point@1.7- type?:connection_type@1.5-1.7 connectionMaster?@1.5
+    linkedRoad?@1.7
     = predecessor=connection_end?@1.5-1.7 successor=connection_end?@1.5-1.7 laneLink* ..
 direct_connection
     id incomingRoad? linkedRoad? contactPoint?:contact_point
@@ -205,14 +217,15 @@ bypassing_connection
     id incomingRoad? connectingRoad? contactPoint?:contact_point type?:connection_type
     = laneLink* ... predecessor=connection_end successor=connection_end
 connection_end
-    elementId elementType elementS:above_zero@1.5-1.6 elementS:not_negative@1.7- elementDir:link_direction@1.5-1.7
+    elementId elementType:road_only elementS:above_zero@1.5-1.6 elementS:not_negative@1.7-
+    elementDir:link_direction@1.5-1.7
     elementDir?:link_direction@1.8-
     = ..
 laneLink
     from:int to:int overlapZone?:above_zero@1.8-
     = userData?@-1.2 ...@1.3-1.5 ...@1.8-
 priority
-    high? low?
+    high?@-1.7 high@1.8- low?@-1.7 low@1.8-
     = ..
 junction_controller
     id type? sequence?:count@1.3-
@@ -220,7 +233,7 @@ junction_controller
 junction_surface
     = CRG=junction_crg*@-1.7 CRG*@1.8- ...
 junction_crg
-    file mode:crg_mode@1.5-1.6 mode:global_only@1.7 purpose?:crg_purpose zOffset?:number zScale?:number
+    file mode:global_only purpose?:crg_purpose zOffset?:number zScale?:number
     = ..
 crossPath
     id? crossingRoad? roadAtStart? roadAtEnd?
@@ -241,7 +254,8 @@ lane_segment
     type?:segment_type roadId? boundaryLane?:int sStart?:boundary_station sEnd?:boundary_station
     = ...
 joint_segment
-    type?:segment_type roadId? contactPoint?:boundary_station jointLaneStart?:int jointLaneEnd?:int transitionLength?:not_negative
+    type?:segment_type roadId? contactPoint?:boundary_station jointLaneStart?:int jointLaneEnd?:int
+    transitionLength?:not_negative
     = ...
 elevationGrid
     gridSpacing? sStart?

@@ -1,10 +1,11 @@
-"""OpenDRIVE's elements of header, roads, reference line and profiles, lanes and marks; `grammar` explains the notation."""
+"""OpenDRIVE's elements of header, roads, profiles, lanes and marks; `grammar` explains the notation."""
 
 ROAD_ELEMENTS = """
 OpenDRIVE
     = header road+ controller* junction* junctionGroup*@1.4- station*@1.4- ...@1.5- vmsGroup*@1.8-
 header
-    revMajor:int revMinor:int name? version?:header_version date? north?:number south?:number east?:number west?:number vendor?@1.3-
+    revMajor:int revMinor:int name? version?:header_version date? north?:number south?:number east?:number
+    west?:number vendor?@1.3-
     maxRoad?:int@1.1 maxJunc?:int@1.1 maxPrg?:int@1.1
     = geoReference?@1.4- offset?@1.5- license?@1.8- ... defaultRegulations?@1.8-
 geoReference
@@ -146,16 +147,19 @@ center
 left_lane
     id:positive_int type:lane_type level?:boolean direction?:lane_direction@1.8- advisory?:lane_advisory@1.8-
     dynamicLaneDirection?:boolean@1.8- dynamicLaneType?:boolean@1.8- roadWorks?:boolean@1.8-
-    = link=lane_link? width+@-1.3 (width+ | border+)@1.4 (width+ | border+)+@1.5 (border* | width*)+@1.6-1.7 (border+ | width+)?@1.8-
+    = link=lane_link? width+@-1.3 (width+ | border+)@1.4 (width+ | border+)+@1.5 (border* | width*)+@1.6-1.7 (border+
+      | width+)?@1.8-
       roadMark* material* visibility*@-1.5 speed* access* height*@1.2- rule*@1.4- ...
 right_lane
     id:negative_int type:lane_type level?:boolean direction?:lane_direction@1.8- advisory?:lane_advisory@1.8-
     dynamicLaneDirection?:boolean@1.8- dynamicLaneType?:boolean@1.8- roadWorks?:boolean@1.8-
-    = link=lane_link? width+@-1.3 (width+ | border+)@1.4 (width+ | border+)+@1.5 (border* | width*)+@1.6-1.7 (border+ | width+)?@1.8-
+    = link=lane_link? width+@-1.3 (width+ | border+)@1.4 (width+ | border+)+@1.5 (border* | width*)+@1.6-1.7 (border+
+      | width+)?@1.8-
       roadMark* material* visibility*@-1.5 speed* access* height*@1.2- rule*@1.4- ...
 centre_lane
-    id:int type:lane_type@-1.7 type?:lane_type@1.8- level?:boolean
-    = link=lane_link? (border* | width*)+@1.6-1.7 roadMark* material*@1.6-1.7 speed*@1.6-1.7 access*@1.6-1.7 height*@1.6-1.7
+    id:zero_int type:lane_type@-1.7 type?:lane_type@1.8- level?:boolean
+    = link=lane_link? (border* | width*)+@1.6-1.7 roadMark* material*@1.6-1.7 speed*@1.6-1.7 access*@1.6-1.7
+      height*@1.6-1.7
       rule*@1.6-1.7 ...@-1.7
 lane_link
     = predecessor=lane_neighbour?@-1.4 predecessor=lane_neighbour*@1.5- successor=lane_neighbour?@-1.4
@@ -191,7 +195,8 @@ rule
     sOffset:not_negative value
     = ..
 roadMark
-    sOffset:not_negative type:mark_type color:mark_colour weight?:mark_weight width?:not_negative laneChange?:lane_change@1.2-
+    sOffset:not_negative type:mark_type color:mark_colour weight?:mark_weight width?:not_negative
+    laneChange?:lane_change@1.2-
     material?@1.4- height?:number@1.4-1.6 height?:positive@1.7-
     = sway*@1.5- type=mark_type?@1.3- explicit?@1.5- ...
 sway

@@ -10,8 +10,10 @@ import re
 from collections.abc import Callable
 
 WORDS = {
-    "access": "simulator | autonomous traffic@1.4 | autonomousTraffic@1.5- | pedestrian | passengerCar@1.5- | bus@1.5- | "
-    "delivery@1.5- | emergency@1.5- | taxi@1.5- | throughTraffic@1.5- | truck@1.5- | bicycle@1.5- | motorcycle@1.5- | none | "
+    "access": "simulator | autonomous traffic@1.4 | autonomousTraffic@1.5- | pedestrian | passengerCar@1.5- | "
+    "bus@1.5- | "
+    "delivery@1.5- | emergency@1.5- | taxi@1.5- | throughTraffic@1.5- | truck@1.5- | bicycle@1.5- | motorcycle@1.5- "
+    "| none | "
     "trucks@1.5- | HOV@1.8-",
     "access_rule": "allow | deny",
     "any_unit": "m | km | ft | mile | m/s | mph | km/h | kg | t | %",
@@ -28,25 +30,33 @@ WORDS = {
     "environment_semantics": "fog | rain | snow",
     "fill": "grass | concrete | cobble | asphalt | pavement | gravel | soil | paint@1.8-",
     "global_only": "global",
+    "one": "1",
+    "road_only": "road",
     "junction_group_type": "roundabout | unknown | complexJunction@1.8- | highwayInterchange@1.8-",
     "junction_type": "default | virtual | direct@1.7- | crossing@1.8-",
     "lane_advisory": "none | inner | outer | both",
     "lane_change": "increase | decrease | both | none",
     "lane_direction": "standard | reversed | both",
-    "lane_semantics": "noOvertakeCars | noOvertakeCarsEnd | noOvertakeTrucks | noOvertakeTrucksEnd | priorityOverOncoming | "
+    "lane_semantics": "noOvertakeCars | noOvertakeCarsEnd | noOvertakeTrucks | noOvertakeTrucksEnd | "
+    "priorityOverOncoming | "
     "roundabout | yieldForOncoming",
-    "lane_type": "none | driving | stop | shoulder | biking | sidewalk | border | restricted | parking | bidirectional | median | "
-    "special1 | special2 | special3 | roadWorks | tram | rail | entry | exit | offRamp | onRamp | connectingRamp@1.5- | bus@1.5- | "
+    "lane_type": "none | driving | stop | shoulder | biking | sidewalk | border | restricted | parking | "
+    "bidirectional | median | "
+    "special1 | special2 | special3 | roadWorks | tram | rail | entry | exit | offRamp | onRamp | "
+    "connectingRamp@1.5- | bus@1.5- | "
     "taxi@1.5- | HOV@1.5- | mwyEntry@1.5- | mwyExit@1.5- | curb@1.6- | shared@1.8- | walking@1.8- | slipLane@1.8-",
     "link_direction": "+ | -",
     "link_kind": "road | junction",
     "mark_colour": "standard | blue | green | red | white | yellow | orange@1.5- | violet@1.7- | black@1.8-",
     "mark_rule": "no passing | caution | none",
-    "mark_type": "none | solid | broken | solid solid | solid broken | broken solid | broken broken | botts dots | grass | curb | "
+    "mark_type": "none | solid | broken | solid solid | solid broken | broken solid | broken broken | botts dots | "
+    "grass | curb | "
     "custom@1.5- | edge@1.5-",
     "mark_weight": "standard | bold",
-    "object_type": "none | obstacle | car | pole | tree | vegetation | barrier | building | parkingSpace | patch | railing | "
-    "trafficIsland | crosswalk | streetLamp | gantry | soundBarrier | truck@1.5 | van | bus | trailer | bike | motorbike | tram | "
+    "object_type": "none | obstacle | car | pole | tree | vegetation | barrier | building | parkingSpace | patch | "
+    "railing | "
+    "trafficIsland | crosswalk | streetLamp | gantry | soundBarrier | truck@1.5 | van | bus | trailer | bike | "
+    "motorbike | tram | "
     "train | pedestrian | wind | roadMark@1.6- | roadSurface@1.8-",
     "orientation": "+ | - | none",
     "parameter_range": "arcLength | normalized",
@@ -57,7 +67,8 @@ WORDS = {
     "quality_processing": "raw | cleaned | processed | fused",
     "quality_source": "sensor | cadaster | custom",
     "reference_kind": "object | signal",
-    "road_type": "unknown | rural | motorway | town | lowSpeed | pedestrian | bicycle | townExpressway@1.5- | townCollector@1.5- | "
+    "road_type": "unknown | rural | motorway | town | lowSpeed | pedestrian | bicycle | townExpressway@1.5- | "
+    "townCollector@1.5- | "
     "townArterial@1.5- | townPrivate@1.5- | townLocal@1.5- | townPlayStreet@1.5-",
     "same_or_opposite": "same | opposite",
     "segment_type": "joint | lane",
@@ -136,6 +147,7 @@ KINDS: dict[str, tuple[str, Test]] = {
     "fraction": ("a number from 0 to 1", _limited(_number, lambda value: 0.0 <= value <= 1.0)),
     "int": ("an integer", _integer),
     "count": ("an integer of at least 0", _limited(_integer, lambda value: value >= 0.0)),
+    "zero_int": ("0", _limited(_integer, lambda value: value == 0.0)),
     "positive_int": ("an integer above 0", _limited(_integer, lambda value: value > 0.0)),
     "negative_int": ("an integer below 0", _limited(_integer, lambda value: value < 0.0)),
     "road_speed": ("a speed, 'no limit' or 'undefined'", _road_speed),
