@@ -5,7 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine.driver import SIGHT, VIEW, drive_by_hand
 from scenario_compiler.engine.following import idm_acceleration, leader_gap
 from scenario_compiler.engine.lane_confidence import ideal_confidence
-from scenario_compiler.engine.lane_keeping import command_acceleration, command_angle, pursuit_angle
+from scenario_compiler.engine.lane_keeping import come_to_rest, command_acceleration, command_angle, pursuit_angle
 from scenario_compiler.engine.merging import consider_merge
 from scenario_compiler.engine.opcodes import (
     CAUSE_LANE_ENDS,
@@ -76,12 +76,12 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Keep lane and distance by the map, or pass on the controller's commands."""
     steer_automated(n, p, st, i)
     if p.perception[0] == PERCEPTION_IDEAL:
-        gap, lead = leader_gap(p, st, i, 0.0, 1)
+        gap, lead = leader_gap(p, st, i, 0.0, 1, -FAR)
         wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], gap, lead)
         if st.lane_end_distance[0] < FAR and st.merging[0] == 0:
             rest = st.lane_end_distance[0]
             wanted = min(wanted, idm_acceleration(p, i, st.v[i], st.target_speed[0], rest, 0.0))
-        command_acceleration(p, st, i, wanted)
+        command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
     else:
         st.command_throttle[0] = st.auto_throttle[0]
         st.command_brake[0] = st.auto_brake[0]

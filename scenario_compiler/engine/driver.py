@@ -9,13 +9,14 @@ from __future__ import annotations
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.following import idm_acceleration, leader_gap
 from scenario_compiler.engine.lane_keeping import (
+    come_to_rest,
     command_acceleration,
     command_angle,
     plan_shift,
     pursuit_angle,
     shift_distance,
 )
-from scenario_compiler.engine.numbers import clip
+from scenario_compiler.engine.numbers import clip, safe_sqrt
 from scenario_compiler.engine.opcodes import (
     EVENT_BRAKE,
     EVENT_EVADE,
@@ -55,8 +56,11 @@ BRAKE_JERK = 12.65
 LATE_BRAKE = 2.5
 """Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2."""
 
-STANDOFF = 2.5
-"""Distance that a driver keeps to what blocks the path, m."""
+STANDOFF = 5.0
+"""Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out later."""
+
+PULL_OUT_ACCELERATION = 1.0
+"""Acceleration that a driver counts on when judging how long the way past takes, m/s2."""
 
 CLEARANCE = 0.3
 """Distance that a driver keeps to both sides when passing, m."""
@@ -69,6 +73,9 @@ STEER_ACCELERATION = 6.0
 
 MEETING_TIME = 1.5
 """Time to spare before an oncoming vehicle is met, s."""
+
+ONCOMING = -0.5
+"""Speed along the way below which a vehicle is oncoming, m/s."""
 
 SWAY = 0.012
 """Greatest error of the front wheels' angle with no awareness at all, rad."""
@@ -110,14 +117,32 @@ def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
-def meets_oncoming(p: Program, st: State, i: int, centre: float, front: float, exposed: float) -> int:
-    """Return 1 where a seen vehicle comes towards the corridor about `centre` within the time that the ego needs it."""
-    half = 0.5 * p.const[p.entity_const[i] + E_WIDTH] + CLEARANCE
+def passing_distance(st: State, i: int, size: float) -> float:
+    """Return how far the ego, `size` long, goes until it is past what blocks the path and back in its corridor."""
+    return st.blocked_far[0] + size + 0.5 * shift_distance(st.v[i], 3.0, EVADE_ACCELERATION)
+
+
+@compiled
+def passing_time(st: State, i: int, distance: float) -> float:
+    """Return the time for a distance, speeding up gently from the present speed."""
+    v = st.v[i]
+    return (safe_sqrt(v * v + 2.0 * PULL_OUT_ACCELERATION * distance) - v) / PULL_OUT_ACCELERATION
+
+
+@compiled
+def meets_oncoming(p: Program, st: State, i: int, centre: float) -> int:
+    """Return 1 where a seen vehicle comes towards the corridor about `centre` and would be met before the ego is past."""
+    base = p.entity_const[i]
+    size = p.const[base + E_LENGTH]
+    front = p.const[base + E_CENTER] + 0.5 * size
+    half = 0.5 * p.const[base + E_WIDTH] + CLEARANCE
+    distance = passing_distance(st, i, size)
+    time = passing_time(st, i, distance) + MEETING_TIME
     for j in range(p.entity_count[0]):
-        if j == i or st.seen[j] == 0 or st.on_way[j] == 0 or st.along[j] > -0.5 or st.far[j] < front:
+        if j == i or st.seen[j] == 0 or st.on_way[j] == 0 or st.along[j] > ONCOMING or st.far[j] < front:
             continue
         if st.low[j] < centre + half and st.high[j] > centre - half:
-            if max(st.near[j] - front, 0.0) < (st.v[i] - st.along[j]) * (exposed + MEETING_TIME):
+            if max(st.near[j] - front, 0.0) < distance - st.along[j] * time:
                 return 1
     return 0
 
@@ -139,14 +164,12 @@ def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> 
 
 
 @compiled
-def corridor_safe(n: RoadTables, p: Program, st: State, i: int, centre: float, side: int, exposed: float) -> int:
-    """Return 1 where the corridor about `centre` is free for the time that the ego needs it.
+def corridor_safe(n: RoadTables, p: Program, st: State, i: int, centre: float, side: int) -> int:
+    """Return 1 where the corridor about `centre` is free for as long as the ego needs it.
 
     Oncoming vehicles are looked at everywhere; a lane of the same direction beside must have a free gap.
     """
-    base = p.entity_const[i]
-    front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
-    if meets_oncoming(p, st, i, centre, front, exposed) == 1:
+    if meets_oncoming(p, st, i, centre) == 1:
         return 0
     if side == 0 or same_direction(n, st.path_road[0], st.path_lane[0], st.path_s[0], side) == 0:
         return 1
@@ -171,7 +194,6 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     need = p.const[base + E_WIDTH] + 2.0 * CLEARANCE
     distance = st.blocked_distance[0]
     road, lane, s, _ = advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], distance + front)
-    exposed = (st.blocked_far[0] + size + front) / max(st.v[i], 2.0)
     for choice in range(3):
         side = 0 if choice == 0 else 3 - 2 * choice
         left = st.border_left[blocker]
@@ -187,7 +209,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
             continue
         if shift_distance(st.v[i], centre - st.path_off[0], EVADE_ACCELERATION) > distance - 1.0:
             continue
-        if corridor_safe(n, p, st, i, centre, side, exposed) == 1:
+        if corridor_safe(n, p, st, i, centre, side) == 1:
             return 1, centre
     return 0, 0.0
 
@@ -213,10 +235,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
             plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], 1.5))
             st.manoeuvre[0] = MANOEUVRE_KEEP
         elif st.odometer[i] < st.evade_commit[0] and blocker >= 0:
-            base = p.entity_const[i]
-            front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
-            exposed = (st.blocked_far[0] + front) / max(st.v[i], 2.0)
-            if meets_oncoming(p, st, i, st.shift_to[0], front, exposed) == 1:
+            if meets_oncoming(p, st, i, st.shift_to[0]) == 1:
                 plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], 1.5))
                 st.manoeuvre[0] = MANOEUVRE_BRAKE
         return
@@ -233,11 +252,11 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
 
 
 @compiled
-def stop_within(p: Program, st: State, i: int, distance: float) -> float:
+def stop_within(p: Program, st: State, i: int, distance: float, standoff: float) -> float:
     """Return the acceleration that stops the ego before something a distance ahead: smoothly while there is time."""
     v = st.v[i]
-    smooth = idm_acceleration(p, i, v, max(st.target_speed[0], 1.0), max(distance, 0.1), 0.0)
-    needed = 0.5 * v * v / max(distance - STANDOFF, 0.1)
+    smooth = idm_acceleration(p, i, v, max(st.target_speed[0], 1.0), max(distance - standoff, 0.1), 0.0)
+    needed = 0.5 * v * v / max(distance - 1.0, 0.1)
     if needed >= LATE_BRAKE:
         smooth = min(smooth, -needed)
     return smooth
@@ -245,19 +264,24 @@ def stop_within(p: Program, st: State, i: int, distance: float) -> float:
 
 @compiled
 def press_pedals(p: Program, st: State, i: int) -> None:
-    """Follow the leader in the corridor, stop before a block or the lane's end, with limited jerk."""
+    """Follow the leader in the corridor, stop before a block or the lane's end, with limited jerk.
+
+    While evading, oncoming vehicles are not followed: the driver has judged that there is time, and drives on.
+    """
     corridor = 0.0
+    slowest = -FAR
     if st.manoeuvre[0] == MANOEUVRE_EVADE:
         corridor = st.shift_to[0]
-    gap, lead = leader_gap(p, st, i, corridor, 1)
+        slowest = ONCOMING
+    gap, lead = leader_gap(p, st, i, corridor, 1, slowest)
     wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], gap, lead)
     if st.manoeuvre[0] == MANOEUVRE_BRAKE and st.blocked_distance[0] < FAR:
-        wanted = min(wanted, stop_within(p, st, i, st.blocked_distance[0]))
+        wanted = min(wanted, stop_within(p, st, i, st.blocked_distance[0], STANDOFF))
     if st.lane_end_distance[0] < FAR and st.merging[0] == 0:
-        wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0]))
+        wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0], 0.0))
     step = BRAKE_JERK * p.const[K_STEP] * p.control_every[0]
     wanted = clip(wanted, max(-HARDEST_BRAKE, st.pedal[0] - step), st.pedal[0] + step)
-    command_acceleration(p, st, i, wanted)
+    command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
 
 
 @compiled

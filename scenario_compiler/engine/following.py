@@ -49,10 +49,11 @@ def idm_acceleration(p: Program, i: int, v: float, desired: float, gap: float, l
 
 
 @compiled
-def leader_gap(p: Program, st: State, i: int, centre: float, watched: int) -> tuple[float, float]:
+def leader_gap(p: Program, st: State, i: int, centre: float, watched: int, slowest: float) -> tuple[float, float]:
     """Return (gap, speed) of the nearest entity on the way whose box overlaps the corridor of i about `centre`.
 
-    The gap is from i's front; FAR without one. With `watched` 1 only seen entities count. The columns of the last look are read.
+    The gap is from i's front; FAR without one. With `watched` 1 only seen entities count, and none slower along the way
+    than `slowest`. The columns of the last look are read.
     """
     base = p.entity_const[i]
     front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
@@ -61,6 +62,8 @@ def leader_gap(p: Program, st: State, i: int, centre: float, watched: int) -> tu
     speed = 0.0
     for j in range(p.entity_count[0]):
         if j == i or st.on_way[j] == 0 or (watched == 1 and st.seen[j] == 0):
+            continue
+        if st.along[j] < slowest:
             continue
         ahead = st.near[j] - front
         if st.far[j] > front and ahead < gap and st.low[j] < centre + half and st.high[j] > centre - half:
@@ -80,6 +83,6 @@ def follow_leader(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
         st.on_way[j] = 0
         if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < FOLLOW_HORIZON:
             measure_on_way(n, p, st, j)
-    gap, speed = leader_gap(p, st, i, st.facing[i] * st.off[i], 0)
+    gap, speed = leader_gap(p, st, i, st.facing[i] * st.off[i], 0, -FAR)
     desired = p.const[p.entity_const[i] + E_DESIRED_SPEED]
     st.v[i] = max(0.0, st.v[i] + dt * idm_acceleration(p, i, st.v[i], desired, gap, speed))

@@ -22,6 +22,11 @@ PREVIEW_LEAST = 5.0
 PREVIEW_MOST = 25.0
 """Distance to the point that is steered for: this time ahead, within these bounds, s and m."""
 
+CREEP = 0.2
+HOLD = 0.1
+HOLD_BRAKE = 1.0
+"""Below this speed, m/s, a wish for less than HOLD, m/s2, is a wish to stand, and HOLD_BRAKE is applied."""
+
 SHIFT_PEAK = 4.934802200544679
 """pi^2 / 2: peak lateral acceleration of a cosine move of 1 m in 1 s, m/s2."""
 
@@ -86,6 +91,14 @@ def command_angle(p: Program, st: State, i: int, angle: float) -> None:
     """Ask for an angle of the front wheels."""
     limit = p.const[p.entity_const[i] + E_MAX_STEER]
     st.command_steer[0] = clip(angle / limit, -1.0, 1.0) if limit > 0.0 else 0.0
+
+
+@compiled
+def come_to_rest(v: float, wanted: float) -> float:
+    """Return the acceleration to ask for: a creeping vehicle that is not to speed up is stopped and held."""
+    if v < CREEP and wanted < HOLD:
+        return -HOLD_BRAKE
+    return wanted
 
 
 @compiled
