@@ -1,14 +1,25 @@
 """How far a detected boundary can be trusted: a calibrated probability, and apart from it the sensor's health.
 
-`p_geom` is the probability that the boundary lies within 0.25 m of the true one from 6 to 18 m ahead and
-that its paint can be seen (quality times the contrast that the weather leaves over 0.15 on more than 60 % of that stretch). It is a logistic function of
-`features`, fitted on rendered roads; weights, table and errors are in `lane_confidence.json` beside this
-module (`Calibration`), made by `python -m scenario_compiler.perception.calibration`.
+`p_geom` is the probability that the boundary lies within 0.25 m of the true one from 6 to 18 m ahead and that its
+paint can be seen there (quality times the contrast that the weather leaves is over 0.15 on more than 60 % of that
+stretch). It is a logistic function of `features`, fitted on rendered roads: radii from 100 m, lanes of 2.9 to 4 m,
+solid and broken lines, all wear, all CARLA weathers, noise up to 90 grey levels, kerbs, seams, other cars. Weights,
+table and errors are in `lane_confidence.json` beside this module, made by
+`python -m scenario_compiler.perception.calibration`. In short, mean over both sides of single frames:
 
-`health` falls with the noise that is measured in the image: 1 / (1 + exp((sigma_hat - 30) / 4)). The 30 and
-4 grey levels are policy, not measurement: the geometry stays right under far more noise, but a sensor like
-that is broken. sigma_hat is Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a
-median in place of the mean, so that edges, paint and rain do not count.
+    paint quality   1.0  0.98   0.6  0.94   0.4  0.89   0.3  0.83   0.2  0.72   0.1  0.33   0.0  0.05
+    noise sigma       0  0.98     5  0.98    20  0.90    25  0.75    30  0.48    40  0.08    60  0.00   (health included)
+    weather         WetNoon 0.98   HardRainNoon 0.88   MidRainSunset 0.92   HardRainSunset 0.06   ClearNight 0.97
+
+Stated error: by frame-disjoint cross-validation over 8000 boundaries the mean probability of a bin differs from the
+observed frequency by 0.05 at most (accuracy 0.93, area under the curve 0.98, Brier score 0.050). Without any paint
+both sides are below 0.3 in 86 % of single frames; kerbs and rims of the asphalt make the rest. Trained, calibrated and
+tested with one renderer, the figures say nothing about photographs.
+
+`health` falls with the noise that is measured in the image: 1 / (1 + exp((sigma_hat - 30) / 4)). The 30 and 4 grey
+levels are policy, not measurement: the geometry stays right under far more noise, but a sensor like that is broken.
+sigma_hat is Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a median in place of the
+mean, so that edges, paint and rain do not count.
 """
 
 from __future__ import annotations

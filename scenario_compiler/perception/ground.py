@@ -60,7 +60,7 @@ class Ground:
         self.camera = camera
         self.relief = scene.relief
         horizon = min(max(math.ceil(camera.horizon) + 1, 0), camera.height)
-        self.top = max(0, horizon - camera.height // 7) if self.relief else min(horizon, camera.height - 1)
+        self.top = 0 if self.relief else min(horizon, camera.height - 1)
         self.sky_rows = horizon - self.top
         x, y = camera.ground_coordinates(self.top)
         self.x, self.y = x.astype(np.float32), y.astype(np.float32)

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ TABLE = load_calibration()
 
 
 def falling(rows: tuple[tuple[float, float], ...]) -> bool:
-    return all(a[1] >= b[1] - TABLE.error for a, b in zip(rows, rows[1:], strict=False))
+    return all(a[1] >= b[1] - TABLE.error for a, b in pairwise(rows))
 
 
 def test_the_table_says_what_the_confidence_is_for() -> None:

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -53,7 +55,7 @@ def test_confidence_falls_steadily_with_wear() -> None:
         means.append(np.mean([(r.p_left + r.p_right) / 2 for r in results]))
     assert means[0] > 0.9
     assert means[-1] < 0.3
-    assert all(a > b - 0.02 for a, b in zip(means, means[1:], strict=False))
+    assert all(a > b - 0.02 for a, b in pairwise(means))
 
 
 def test_sensor_health_falls_with_noise_and_takes_the_probabilities_with_it() -> None:

@@ -1,4 +1,5 @@
 import re
+from itertools import pairwise
 
 import pytest
 
@@ -23,7 +24,7 @@ def test_rain_hides_paint_more_than_wetness_and_a_low_sun_more_than_a_high_one()
 
 def test_contrast_falls_steadily_with_rain() -> None:
     values = [paint_contrast(1, rain / 20, 15) for rain in range(21)]
-    assert all(a > b for a, b in zip(values, values[1:], strict=False))
+    assert all(a > b for a, b in pairwise(values))
 
 
 def test_unset_numbers_look_like_a_clear_noon() -> None:
