@@ -1,0 +1,212 @@
+"""Distributions of a parameter, from their spelling to their quantiles.
+
+A distribution is written as a call: `uniform(5, 40)`, `choice(10, 20, 30)`, `grid(1, 10, 4)`. It is drawn from by its
+quantile function alone, so that every sampling method works with every distribution.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Literal
+
+from scenario_compiler.expressions import Value, format_value
+
+ValueKind = Literal["number", "boolean", "text"]
+
+GREATEST_MEAN = 500.0
+"""Greatest mean of a Poisson distribution: its quantiles are summed up from exp(-mean)."""
+
+
+class SweepError(ValueError):
+    """A sweep that cannot be done as it is asked for; the message says why."""
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """What values a parameter takes.
+
+    Attributes:
+        text: Its spelling, normalised.
+        kind: Type of its values.
+        quantile: The value at a probability in the open interval (0, 1).
+        points: All its values in order, for those that are a list of values; empty otherwise.
+        listed: The values are tried one by one rather than drawn: a grid.
+    """
+
+    text: str
+    kind: ValueKind
+    quantile: Callable[[float], Value]
+    points: tuple[Value, ...] = ()
+    listed: bool = False
+
+
+def parse_distribution(text: str) -> Distribution:
+    """Parse the spelling of a distribution; SweepError when it is none."""
+    match = re.fullmatch(r"\s*([a-z]+)\s*\((.*)\)\s*", text, re.DOTALL)
+    if match is None or match.group(1) not in DISTRIBUTIONS:
+        raise SweepError(f"'{text}' is no distribution; known are {', '.join(DISTRIBUTIONS)}")
+    name, inside = match.groups()
+    parts = tuple(part.strip() for part in inside.split(","))
+    if parts == ("",):
+        raise SweepError(f"{name}() needs arguments: {USAGE[name]}")
+    normalised = f"{name}({', '.join(parts)})"
+    if name == "choice":
+        return _choice(normalised, parts)
+    try:
+        numbers = [float(part) for part in parts]
+    except ValueError:
+        raise SweepError(f"the arguments of '{normalised}' are not all numbers: {USAGE[name]}") from None
+    if not all(math.isfinite(number) for number in numbers):
+        raise SweepError(f"the arguments of '{normalised}' are not all finite")
+    return DISTRIBUTIONS[name](normalised, numbers)
+
+
+def value_of(text: str) -> Value:
+    """Return what a text means as the value of a parameter: a truth value, a number, else the text."""
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        number = float(text)
+    except ValueError:
+        return text
+    return number if math.isfinite(number) else text
+
+
+def _need(good: bool, text: str) -> None:
+    if not good:
+        raise SweepError(f"'{text}' is not possible: {USAGE[text.partition('(')[0]]}")
+
+
+def _choice(text: str, parts: Sequence[str]) -> Distribution:
+    values = tuple(value_of(part) for part in parts)
+    _need("" not in parts, text)
+    kinds = {type(value) for value in values}
+    if kinds == {float}:
+        kind: ValueKind = "number"
+    elif kinds == {bool}:
+        kind = "boolean"
+    else:
+        kind, values = "text", tuple(parts)
+
+    def quantile(u: float) -> Value:
+        return values[min(int(u * len(values)), len(values) - 1)]
+
+    return Distribution(text, kind, quantile, values)
+
+
+def _grid(text: str, numbers: Sequence[float]) -> Distribution:
+    _need(len(numbers) == 3 and numbers[2] == int(numbers[2]) and 1 <= numbers[2] <= 1e7, text)
+    low, high, count = numbers[0], numbers[1], int(numbers[2])
+    values = tuple(low + (high - low) * k / max(count - 1, 1) for k in range(count))
+
+    def quantile(u: float) -> Value:
+        return values[min(int(u * count), count - 1)]
+
+    return Distribution(text, "number", quantile, values, listed=True)
+
+
+def _uniform(text: str, numbers: Sequence[float]) -> Distribution:
+    _need(len(numbers) == 2 and numbers[0] <= numbers[1], text)
+    low, high = numbers
+    return Distribution(text, "number", lambda u: low + (high - low) * u)
+
+
+def _bounded(normal: NormalDist, limits: Sequence[float]) -> Callable[[float], float]:
+    """Return the quantiles of a normal distribution cut off at limits."""
+    if not limits:
+        return normal.inv_cdf
+    low, high = normal.cdf(limits[0]), normal.cdf(limits[1])
+
+    def quantile(u: float) -> float:
+        inside = min(max(low + (high - low) * u, 1e-300), 1.0 - 1e-16)
+        return min(max(normal.inv_cdf(inside), limits[0]), limits[1])
+
+    return quantile
+
+
+def _normal(text: str, numbers: Sequence[float]) -> Distribution:
+    _need(len(numbers) in (2, 4) and numbers[1] > 0 and (len(numbers) == 2 or numbers[2] < numbers[3]), text)
+    return Distribution(text, "number", _bounded(NormalDist(numbers[0], numbers[1]), numbers[2:]))
+
+
+def _lognormal(text: str, numbers: Sequence[float]) -> Distribution:
+    _need(len(numbers) in (2, 4) and numbers[1] > 0 and (len(numbers) == 2 or 0 < numbers[2] < numbers[3]), text)
+    inner = _bounded(NormalDist(numbers[0], numbers[1]), [math.log(limit) for limit in numbers[2:]])
+    return Distribution(text, "number", lambda u: math.exp(inner(u)))
+
+
+def _triangular(text: str, numbers: Sequence[float]) -> Distribution:
+    _need(len(numbers) == 3 and numbers[0] <= numbers[1] <= numbers[2] and numbers[0] < numbers[2], text)
+    low, mode, high = numbers
+    span, share = high - low, (mode - low) / (high - low)
+
+    def quantile(u: float) -> Value:
+        if u < share:
+            return low + math.sqrt(u * span * (mode - low))
+        return high - math.sqrt((1.0 - u) * span * (high - mode))
+
+    return Distribution(text, "number", quantile)
+
+
+def _poisson(text: str, numbers: Sequence[float]) -> Distribution:
+    _need(len(numbers) == 1 and 0 < numbers[0] <= GREATEST_MEAN, text)
+    mean = numbers[0]
+
+    def quantile(u: float) -> Value:
+        k, term = 0, math.exp(-mean)
+        total = term
+        while total < u and k < 10 * (mean + 10):
+            k += 1
+            term *= mean / k
+            total += term
+        return float(k)
+
+    return Distribution(text, "number", quantile)
+
+
+def _histogram(text: str, numbers: Sequence[float]) -> Distribution:
+    edges, weights = list(numbers[::2]), list(numbers[1::2])
+    good = len(numbers) >= 3 and len(numbers) % 2 == 1 and sorted(set(edges)) == edges
+    _need(good and min(weights) >= 0 and sum(weights) > 0, text)
+    whole = sum(weights)
+
+    def quantile(u: float) -> Value:
+        below = u * whole
+        filled = [k for k, weight in enumerate(weights) if weight > 0]
+        for k in filled[:-1]:
+            if below < weights[k]:
+                return edges[k] + (edges[k + 1] - edges[k]) * below / weights[k]
+            below -= weights[k]
+        k = filled[-1]
+        return edges[k] + (edges[k + 1] - edges[k]) * min(below / weights[k], 1.0)
+
+    return Distribution(text, "number", quantile)
+
+
+DISTRIBUTIONS: dict[str, Callable[[str, Sequence[float]], Distribution]] = {
+    "uniform": _uniform,
+    "normal": _normal,
+    "lognormal": _lognormal,
+    "triangular": _triangular,
+    "poisson": _poisson,
+    "histogram": _histogram,
+    "choice": lambda text, numbers: _choice(text, [format_value(number) for number in numbers]),
+    "grid": _grid,
+}
+"""The distributions by name."""
+
+USAGE = {
+    "uniform": "uniform(least, greatest)",
+    "normal": "normal(mean, deviation) or normal(mean, deviation, least, greatest), the deviation above 0",
+    "lognormal": "lognormal(mu, sigma) of the logarithm, or with limits above 0: lognormal(mu, sigma, least, greatest)",
+    "triangular": "triangular(least, most likely, greatest)",
+    "poisson": f"poisson(mean), the mean above 0 and at most {GREATEST_MEAN:g}",
+    "histogram": "histogram(edge, weight, edge, weight, ..., edge) with rising edges",
+    "choice": "choice(value, value, ...)",
+    "grid": "grid(first, last, count)",
+}
+"""How each distribution is written."""

@@ -1,0 +1,168 @@
+"""Samples of the parameters: grid, random, Latin hypercube and Sobol, each reproducible from a seed.
+
+A grid axis is crossed with everything else: with `speed=grid(10, 20, 3)` each of the `samples` draws of the other axes
+is tried at three speeds. A random variant's values depend on nothing but the seed and its index; a Latin hypercube's on
+the number of samples too.
+"""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from scenario_compiler.batch.distributions import Distribution, SweepError
+from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
+from scenario_compiler.randomness import hash_bits, uniform
+from scenario_compiler.recording.recording import Floats
+
+ATTEMPTS = 10_000
+"""Draws after which a constraint counts as impossible to fulfil."""
+
+Sample = dict[str, Value]
+
+
+@dataclass
+class Sampler:
+    """The variants of a sweep by index: `total` of them, 0 to total - 1.
+
+    Attributes:
+        crossed: Grid axes by name; the last one varies fastest.
+        drawn: The other axes by name.
+        units: For Latin hypercube and Sobol the points in the unit cube, (samples, drawn axes); None for random.
+        samples: Number of draws.
+        seed: The seed.
+        where: Constraints.
+        fixed: Values of the parameters that do not vary, which constraints may name.
+        chosen: Numbers of the points that fulfil the constraints; None when all do or points are drawn again.
+    """
+
+    crossed: dict[str, Distribution]
+    drawn: dict[str, Distribution]
+    units: Floats | None
+    samples: int
+    seed: int
+    where: tuple[Expression, ...] = ()
+    fixed: Sample = field(default_factory=dict)
+    chosen: array[int] | None = None
+
+    @property
+    def points(self) -> int:
+        """Number of points before constraints."""
+        return self.samples * math.prod(len(axis.points) for axis in self.crossed.values())
+
+    @property
+    def total(self) -> int:
+        """Number of variants."""
+        return self.points if self.chosen is None else len(self.chosen)
+
+    def sample(self, index: int) -> Sample:
+        """Return the values of a variant, in the order of the axes.
+
+        Raises:
+            SweepError: No draw fulfils the constraints, or one of them has no value.
+        """
+        if self.chosen is not None:
+            return self._point(self.chosen[index], 0)
+        if not self.where:
+            return self._point(index, 0)
+        for attempt in range(ATTEMPTS):
+            values = self._point(index, attempt)
+            if self._holds(values):
+                return values
+        raise SweepError(f"no sample fulfils {self._shown}: {ATTEMPTS} draws for one variant did not")
+
+    def choose(self) -> None:
+        """Keep the points that fulfil the constraints, where points are not drawn again.
+
+        Raises:
+            SweepError: None does, or a constraint has no value.
+        """
+        if not self.where or (self.units is None and self.drawn):
+            return
+        good = (number for number in range(self.points) if self._holds(self._point(number, 0)))
+        self.chosen = array("q", good)
+        if not len(self.chosen):
+            raise SweepError(f"no sample fulfils {self._shown}")
+
+    @property
+    def _shown(self) -> str:
+        return " and ".join(expression.text for expression in self.where)
+
+    def _point(self, number: int, attempt: int) -> Sample:
+        values: Sample = {}
+        left = number
+        for name, axis in reversed(self.crossed.items()):
+            left, at = divmod(left, len(axis.points))
+            values[name] = axis.points[at]
+        for column, (name, axis) in enumerate(self.drawn.items()):
+            if self.units is None:
+                unit = uniform(self.seed, number, f"sweep/{name}/{attempt}")
+            else:
+                unit = float(self.units[left, column])
+            values[name] = axis.quantile(unit)
+        return values
+
+    def _holds(self, values: Sample) -> bool:
+        try:
+            return all(expression.evaluate({**self.fixed, **values}) for expression in self.where)
+        except ExpressionError as fault:
+            raise SweepError(f"the constraint cannot be evaluated: {fault}") from None
+
+
+def make_sampler(spec: SweepSpec, fixed: Sample | None = None) -> Sampler:
+    """Return the variants of a sweep; `fixed` holds the other parameters, for the constraints.
+
+    Raises:
+        SweepError: The sweep is not possible as it is asked for.
+    """
+    axes = spec.axes
+    listed = {name: axis for name, axis in axes.items() if axis.listed or (spec.method == "grid" and axis.points)}
+    drawn = {name: axis for name, axis in axes.items() if name not in listed}
+    if spec.method == "grid" and drawn:
+        name, axis = next(iter(drawn.items()))
+        raise SweepError(f"a grid needs points: '{name}={axis.text}' has none; write {name}=grid(first, last, count)")
+    samples = spec.samples if drawn or not listed else 1
+    units = None
+    if drawn and spec.method == "latin":
+        units = latin_hypercube(list(drawn), samples, spec.seed)
+    elif drawn and spec.method == "sobol":
+        units = sobol(list(drawn), samples, spec.seed)
+    try:
+        where = tuple(parse_expression(text) for text in spec.where)
+    except ExpressionError as fault:
+        raise SweepError(f"the constraint cannot be read: {fault}") from None
+    sampler = Sampler(listed, drawn, units, samples, spec.seed, where, fixed or {})
+    sampler.choose()
+    return sampler
+
+
+def latin_hypercube(names: Sequence[str], samples: int, seed: int) -> Floats:
+    """Return points in the unit cube, (samples, names): each axis has one point in each of `samples` equal strata.
+
+    McKay, Beckman and Conover (1979). An axis depends on the seed and its name alone.
+    """
+    columns = []
+    for name in names:
+        keys = np.fromiter((hash_bits(seed, k, f"latin/{name}/order") for k in range(samples)), np.uint64, samples)
+        inside = np.fromiter((uniform(seed, k, f"latin/{name}/inside") for k in range(samples)), np.float64, samples)
+        columns.append((np.argsort(keys, kind="stable") + inside) / samples)
+    return np.stack(columns, axis=-1)
+
+
+def sobol(names: Sequence[str], samples: int, seed: int) -> Floats:
+    """Return the first points of Sobol's sequence, (samples, names), turned by a random shift of each axis.
+
+    The shift is that of Cranley and Patterson (1976): it keeps the evenness and takes the points off the cube's edges.
+    """
+    from scipy.stats import qmc
+
+    power = max(0, math.ceil(math.log2(samples)))
+    points = np.asarray(qmc.Sobol(len(names), scramble=False).random_base2(power))[:samples]
+    shift = np.array([uniform(seed, 0, f"sobol/{name}") for name in names])
+    turned = np.mod(points + shift, 1.0)
+    return np.clip(turned, 1e-12, 1.0 - 1e-12)

@@ -1,0 +1,71 @@
+"""What a sweep is asked to do, as one frozen value that can be written down and compared."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.batch.distributions import Distribution, SweepError, parse_distribution
+from scenario_compiler.compiler import Overrides
+from scenario_compiler.plan.lower import Perception
+
+Method = Literal["random", "grid", "latin", "sobol"]
+
+
+class SweepSpec(BaseModel):
+    """A sweep: which parameters vary, how they are sampled, and how the variants run."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    vary: tuple[str, ...] = Field(description="NAME=DISTRIBUTION of each parameter that varies.")
+    method: Method = Field(default="random", description="How the distributions are sampled.")
+    samples: int = Field(default=1, ge=1, description="Number of samples; at each point of the grid axes, if any.")
+    seed: int = Field(default=1, description="Seed of the samples and, with a variant's index, of its run.")
+    where: tuple[str, ...] = Field(default=(), description="Expressions that every variant fulfils.")
+    settings: dict[str, str] = Field(default={}, description="Fixed values of other parameters.")
+    perception: Perception | None = Field(default=None, description="In place of what the lane confidence comes from.")
+    controller: str | None = Field(default=None, description="In place of the scenario's controller.")
+    step: float | None = Field(default=None, description="In place of the scenario's time step, s.")
+    duration: float | None = Field(default=None, description="In place of the scenario's duration, s.")
+    traces: str = Field(default="", description="Which variants' traces are kept: worst:K, random:K, all or none.")
+    time_limit: float | None = Field(default=None, gt=0, description="Greatest time that a variant may take, s.")
+    form: Literal["auto", "interpreted", "compiled"] = Field(
+        default="auto", description="Form of the engine for variants without a camera."
+    )
+
+    @property
+    def overrides(self) -> Overrides:
+        """What is set in place of the scenario."""
+        return Overrides(self.perception, self.controller, self.step, self.duration)
+
+    @property
+    def axes(self) -> dict[str, Distribution]:
+        """The distributions by the parameter's name; SweepError when one cannot be read."""
+        axes: dict[str, Distribution] = {}
+        for text in self.vary:
+            name, equals, written = (part.strip() for part in text.partition("="))
+            if not equals or not re.fullmatch(r"[A-Za-z_]\w*", name):
+                raise SweepError(f"'{text}' is not NAME=DISTRIBUTION, such as gap=uniform(5,40)")
+            if name in axes or name in self.settings:
+                raise SweepError(f"the parameter '{name}' is given twice")
+            axes[name] = parse_distribution(written)
+        return axes
+
+    def traces_wanted(self) -> tuple[str, int]:
+        """Return which traces are kept: "", "worst", "random" or "all", and how many (0 for all)."""
+        kind, _, count = self.traces.partition(":")
+        if kind in ("", "none") and not count:
+            return "", 0
+        if kind == "all" and not count:
+            return "all", 0
+        if kind in ("worst", "random") and count.isdigit() and int(count) > 0:
+            return kind, int(count)
+        raise SweepError(f"traces '{self.traces}': give worst:K, random:K or all")
+
+    def results_hash(self) -> str:
+        """Return the SHA-256 of all that decides the rows: everything but which traces are kept and the time limit."""
+        text = self.model_dump_json(exclude={"traces", "time_limit"})
+        return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,130 @@
+"""Samples: the distributions' moments, the methods' evenness, and what a sample depends on."""
+
+from __future__ import annotations
+
+import math
+import statistics
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from scenario_compiler.batch.distributions import SweepError, parse_distribution
+from scenario_compiler.batch.sampling import latin_hypercube, make_sampler, sobol
+from scenario_compiler.batch.spec import SweepSpec
+
+
+def _values(text: str, count: int = 4001) -> list[float]:
+    quantile = parse_distribution(text).quantile
+    return [float(quantile((k + 0.5) / count)) for k in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("text", "mean", "deviation"),
+    [
+        ("uniform(5, 40)", 22.5, 35 / math.sqrt(12)),
+        ("normal(10, 2)", 10.0, 2.0),
+        ("lognormal(0.5, 0.4)", math.exp(0.58), math.exp(0.58) * math.sqrt(math.exp(0.16) - 1)),
+        ("triangular(0, 1, 4)", 5 / 3, math.sqrt((0 + 1 + 16 - 0 - 0 - 4) / 18)),
+        ("poisson(3.5)", 3.5, math.sqrt(3.5)),
+        ("histogram(0, 1, 10, 3, 20)", 12.5, math.sqrt(100 / 12 + 100 * 3 / 16)),
+        ("choice(10, 20, 30)", 20.0, 10 * math.sqrt(2 / 3)),
+    ],
+)
+def test_a_distribution_has_its_moments(text: str, mean: float, deviation: float) -> None:
+    values = _values(text)
+    assert statistics.fmean(values) == pytest.approx(mean, rel=5e-3)
+    assert statistics.pstdev(values) == pytest.approx(deviation, rel=2e-2)
+
+
+def test_limits_cut_a_distribution_off() -> None:
+    values = _values("normal(0, 1, -1, 2)")
+    assert -1.0 <= min(values) < -0.99
+    assert 1.9 < max(values) <= 2.0
+    assert all(1.0 <= value <= 3.0 for value in _values("lognormal(0, 2, 1, 3)"))
+
+
+@pytest.mark.parametrize("text", ["poisson(3.5)", "histogram(0, 1, 10, 0, 15, 3, 20)", "triangular(2, 2, 5)"])
+@given(low=st.floats(1e-12, 1 - 1e-12), high=st.floats(1e-12, 1 - 1e-12))
+def test_quantiles_rise(text: str, low: float, high: float) -> None:
+    quantile = parse_distribution(text).quantile
+    assert float(quantile(min(low, high))) <= float(quantile(max(low, high)))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["uniform", "uniform()", "uniform(3)", "uniform(4, 3)", "normal(0, 0)", "poisson(0)", "grid(1, 2, 2.5)",
+     "histogram(0, 1)", "histogram(0, 1, 0)", "choice()", "choice(1,,2)", "gauss(1, 2)", "uniform(1, x)",
+     "lognormal(0, 1, -1, 2)", "uniform(1, inf)", "triangular(3, 1, 2)"],
+)  # fmt: skip
+def test_a_wrong_distribution_is_refused(text: str) -> None:
+    with pytest.raises(SweepError):
+        parse_distribution(text)
+
+
+def test_choices_keep_their_type() -> None:
+    assert parse_distribution("choice(1, 2.5)").points == (1.0, 2.5)
+    assert parse_distribution("choice(true, false)").points == (True, False)
+    assert parse_distribution("choice(a, 2)").points == ("a", "2")
+
+
+def test_a_random_sample_depends_on_seed_and_index_alone() -> None:
+    short = make_sampler(SweepSpec(vary=("a=uniform(0, 1)",), samples=3))
+    long = make_sampler(SweepSpec(vary=("b=normal(0, 1)", "a=uniform(0, 1)"), samples=300))
+    assert [short.sample(k)["a"] for k in range(3)] == [long.sample(k)["a"] for k in range(3)]
+    other = make_sampler(SweepSpec(vary=("a=uniform(0, 1)",), samples=3, seed=2))
+    assert short.sample(1) != other.sample(1)
+
+
+def test_a_grid_axis_is_crossed_with_the_draws() -> None:
+    sampler = make_sampler(SweepSpec(vary=("a=grid(1, 3, 3)", "b=grid(0, 10, 2)", "c=uniform(0, 1)"), samples=4))
+    assert sampler.total == 24
+    pairs = [(sampler.sample(k)["a"], sampler.sample(k)["b"]) for k in range(6)]
+    assert pairs == [(1.0, 0.0), (1.0, 10.0), (2.0, 0.0), (2.0, 10.0), (3.0, 0.0), (3.0, 10.0)]
+
+
+def test_a_grid_of_choices_needs_no_number_of_samples() -> None:
+    sampler = make_sampler(SweepSpec(vary=("a=choice(x, y)", "n=grid(1, 10, 4)"), method="grid", samples=7))
+    assert [tuple(sampler.sample(k).values()) for k in range(3)] == [(1.0, "x"), (4.0, "x"), (7.0, "x")]
+    assert sampler.total == 8
+    with pytest.raises(SweepError, match="a grid needs points"):
+        make_sampler(SweepSpec(vary=("a=uniform(1, 2)",), method="grid"))
+
+
+def test_a_latin_hypercube_has_one_point_a_stratum() -> None:
+    points = latin_hypercube(["a", "b"], 50, 1)
+    for axis in (0, 1):
+        assert sorted((points[:, axis] * 50).astype(int).tolist()) == list(range(50))
+
+
+def test_sobol_is_evener_than_chance() -> None:
+    points = sobol(["a", "b"], 256, 3)
+    counts = [0] * 16
+    for x, y in points:
+        counts[int(x * 4) * 4 + int(y * 4)] += 1
+    assert max(counts) - min(counts) <= 4
+    assert (sobol(["a", "b"], 100, 3) == points[:100]).all()
+
+
+@pytest.mark.parametrize("method", ["random", "latin", "sobol"])
+def test_every_sample_fulfils_the_constraints(method: str) -> None:
+    vary = ("a=uniform(0, 10)", "b=uniform(0, 10)")
+    spec = SweepSpec.model_validate({"vary": vary, "samples": 64, "method": method, "where": ("a < b", "a + c > 3")})
+    sampler = make_sampler(spec, {"c": 1.0})
+    assert (sampler.total == 64) == (method == "random")
+    for index in range(sampler.total):
+        a, b = (float(value) for value in sampler.sample(index).values())
+        assert a < b
+        assert a > 2
+
+
+@pytest.mark.parametrize("where", ["a > 20", "a >", "a > nothing"])
+def test_an_impossible_constraint_is_refused(where: str) -> None:
+    with pytest.raises(SweepError, match=r"constraint|no sample"):
+        make_sampler(SweepSpec(vary=("a=uniform(0, 10)",), samples=8, where=(where,))).sample(0)
+
+
+@pytest.mark.parametrize("vary", [("gap",), ("=uniform(1,2)",), ("a=uniform(0,1)", "a=uniform(0,1)")])
+def test_a_wrong_axis_is_refused(vary: tuple[str, ...]) -> None:
+    with pytest.raises(SweepError):
+        make_sampler(SweepSpec(vary=vary))
