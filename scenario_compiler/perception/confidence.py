@@ -8,7 +8,7 @@ table and errors are in `lane_confidence.json` beside this module, made by
 `python -m scenario_compiler.perception.calibration`. In short, mean over both sides of single frames:
 
     paint quality   1.0  0.98   0.6  0.94   0.4  0.89   0.3  0.83   0.2  0.72   0.1  0.33   0.0  0.05
-    noise sigma       0  0.98     5  0.98    20  0.90    25  0.75    30  0.48    40  0.08    60  0.00   (health included)
+    noise sigma       0  0.98     5  0.98    20  0.90    25  0.75    30  0.48    40  0.08    60  0.00  (health included)
     weather         WetNoon 0.98   HardRainNoon 0.88   MidRainSunset 0.92   HardRainSunset 0.06   ClearNight 0.97
 
 Stated error: by frame-disjoint cross-validation over 8000 boundaries the mean probability of a bin differs from the

@@ -162,5 +162,5 @@ def _panel(picture: Image, width: int, height: int) -> None:
 
 def _text(picture: Image, text: str, place: tuple[int, int], colour: Colour, scale: float) -> None:
     thick = 1 if scale < 0.8 else 2
-    cv2.putText(picture, text, place, _FONT, scale, (20, 20, 20), thick + 2, cv2.LINE_AA)
+    cv2.putText(picture, text, (place[0] + thick, place[1] + thick), _FONT, scale, (20, 20, 20), thick, cv2.LINE_AA)
     cv2.putText(picture, text, place, _FONT, scale, colour, thick, cv2.LINE_AA)

@@ -1,4 +1,5 @@
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,10 +7,12 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.scenes import Reference, Strip, make_scene
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.ground import SURFACE_DISTANCE
+from scenario_compiler.perception.road_camera import RoadCamera, scene_of
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.roads.mesh import Marks, Material, Surface
+from scenario_compiler.roads.network import load_network
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
 from tests.perception.scenery import CLEAR, bend, two_lanes, weather
@@ -157,3 +160,15 @@ def test_a_bridge_is_seen_from_below_and_a_road_below_is_hidden() -> None:
     horizon = round(Camera().horizon)
     assert np.any(over[: horizon - 5] != level[: horizon - 5])
     assert np.array_equal(over[horizon + 40 :], level[horizon + 40 :])
+
+
+def test_a_town_costs_no_more_than_what_is_near(corpus: Path) -> None:
+    network = load_network(corpus / "Scenic/assets/maps/CARLA/Town04.xodr")
+    assert network is not None
+    scene = scene_of(network)
+    camera = Camera()
+    for road in network.road_ids[::60]:
+        pose = network.road_pose(road, network.road(road).length / 2, 0.0)
+        view = camera.view(pose)
+        assert len(scene.surface_grid.ahead(view, SURFACE_DISTANCE)) < 0.2 * len(scene.surface_grid.quads)
+        assert RoadCamera(scene, camera).frame(pose, [], CLEAR, 0.0, 0).std() > 5.0
