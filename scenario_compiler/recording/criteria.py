@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenario_compiler.expressions import Expression
 from scenario_compiler.recording.measures import time_to_collision
 from scenario_compiler.recording.recording import Booleans, Recording
 from scenario_compiler.recording.traces import Traces
@@ -18,7 +17,7 @@ from scenario_compiler.vocabulary.criteria import (
     ReachDestination,
     StayOnRoad,
 )
-from scenario_compiler.vocabulary.word import Number
+from scenario_compiler.vocabulary.word import number_value
 
 
 class CriterionResult(BaseModel):
@@ -67,7 +66,7 @@ def _reach_destination(criterion: ReachDestination, recording: Recording, traces
 
 
 def _minimum_ttc(criterion: MinimumTimeToCollision, recording: Recording, traces: Traces) -> _Judged:
-    limit = bound(criterion.at_least, recording.header.parameters)
+    limit = number_value(criterion.at_least, recording.header.parameters)
     ttc = time_to_collision(traces)
     when = _first_time(traces, ttc < limit)
     least = float(np.fmin.reduce(ttc, initial=np.nan))
@@ -81,11 +80,6 @@ _JUDGES: dict[type[Criterion], Callable[..., _Judged]] = {
     ReachDestination: _reach_destination,
     MinimumTimeToCollision: _minimum_ttc,
 }
-
-
-def bound(number: Number, parameters: Mapping[str, float | bool | str]) -> float:
-    """Return a number of the plan with the run's parameters filled in."""
-    return number.number(parameters) if isinstance(number, Expression) else float(number)
 
 
 def _first_time(traces: Traces, where: Booleans) -> float | None:

@@ -20,7 +20,7 @@ from scenario_compiler.report.wording import (
     classification,
     command,
     conditions,
-    decimal,
+    fixed,
     outcome_words,
     summary_of,
 )
@@ -74,7 +74,8 @@ def render(runs: Sequence[Run], *, title: str = "") -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["number"] = decimal
+    environment.filters["number"] = fixed
+    environment.filters["unit"] = lambda unit: unit.replace("2", "²") if unit != "1" else ""
     environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
     environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
     sections = [_section(run, f"run-{number}") for number, run in enumerate(runs, start=1)]

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from scenario_compiler.recording.boxes import corners
-from scenario_compiler.recording.criteria import bound
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import traces_of
 from scenario_compiler.report.palette import (
@@ -41,6 +40,8 @@ from scenario_compiler.report.palette import (
 )
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.surroundings import Surroundings, Window, surroundings
+from scenario_compiler.vocabulary.word import number_value
+from scenario_compiler.worlds.kinematic import mark_stretches
 
 STYLE: Any = {
     "svg.hashsalt": "scenario-compiler",
@@ -66,6 +67,9 @@ WIDTH = 9.0
 
 CLOSE_UP = 50.0
 """How far ahead of the request a close-up reaches at least, m; at most three times as far."""
+
+FURNITURE = 0.055
+"""Height of the strip below a map for its scale and its axes, relative to the map's width."""
 
 NEAR = 60.0
 """Distance from the ego vehicle's way at which other entities are still brought into a map, m."""
@@ -103,7 +107,15 @@ def timeline_plot(run: Run, prefix: str) -> str:
 def _state_bar(axis: Axes, run: Run) -> None:
     for interval in run.outcome.timeline:
         colour = STATE_COLOURS[interval.state]
-        axis.barh(0, interval.end - interval.begin, left=interval.begin, color=colour, edgecolor=PAPER, height=1)
+        axis.barh(
+            0,
+            interval.end - interval.begin,
+            left=interval.begin,
+            color=colour,
+            edgecolor=PAPER,
+            linewidth=0.4,
+            height=1,
+        )
     states = dict.fromkeys(interval.state for interval in run.outcome.timeline)
     patches = [Patch(facecolor=STATE_COLOURS[state], label=WORDS[state]) for state in states]
     axis.legend(handles=patches, loc="lower left", bbox_to_anchor=(0, 1), ncols=len(patches), handlelength=1)
@@ -124,7 +136,7 @@ def _confidence_panel(axis: Axes, run: Run) -> None:
     for name in ("warning_below", "request_below"):
         level = getattr(cause, name, None)
         if level is not None:
-            value = bound(level, recording.header.parameters)
+            value = number_value(level, recording.header.parameters)
             axis.axhline(value, color=QUIET, linewidth=0.9, linestyle=(0, (1, 2)))
             axis.annotate(
                 name.replace("_", " "), (1, value), xycoords=("axes fraction", "data"), fontsize=7.5, color=QUIET,
@@ -188,14 +200,15 @@ def _others_near(run: Run, way: Floats, turn: float, row: int) -> Floats:
 def _map(run: Run, prefix: str, turn: float, frame: Floats, margin: tuple[float, float]) -> str:
     """Draw what lies within `frame`, points in axes turned by `-turn`, and a margin along and across."""
     low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
-    across = max(high[1] - low[1], 0.12 * (high[0] - low[0]))
+    across = max(high[1] - low[1], 0.07 * (high[0] - low[0]))
     middle = 0.5 * (low[1] + high[1])
-    low[1], high[1] = middle - 0.5 * across, middle + 0.5 * across
+    low[1], high[1] = middle - 0.5 * across - FURNITURE * (high[0] - low[0]), middle + 0.5 * across
     size = high - low
     outline = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
     box = _turned(outline, turn)
     window = Window(*box.min(axis=0).tolist(), *box.max(axis=0).tolist())
-    around = surroundings(run.network, window, spacing=max(1.0, float(size.max()) / 250))
+    painted = run.network.with_mark_quality(mark_stretches(run.plan))
+    around = surroundings(painted, window, spacing=max(1.0, float(size.max()) / 250))
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, min(WIDTH * float(size[1] / size[0]) + 0.45, 7.0)), layout="constrained")
         axis = figure.subplots()
@@ -243,14 +256,21 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
     moments = run.moments
     rows = [_row_at(recording.t, t) for _, t in moments]
     seen = rows[next((i for i, (kind, _) in enumerate(moments) if kind == "request"), -1)] if rows else -1
+    labelled: list[Floats] = []
     for i in range(1, len(names)):
-        _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET)
+        _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET, label="others" if i == 1 else "")
+        if not recording.present[seen, i]:
+            continue
         box = _turned(np.stack([x[seen, i], y[seen, i]], axis=-1), -turn)
-        if recording.present[seen, i]:
-            axis.fill(*box.T, facecolor=VERMILION, edgecolor=PAPER, linewidth=0.7, zorder=7)
+        middle = box.mean(axis=0)
+        axis.fill(*box.T, facecolor=VERMILION, edgecolor=PAPER, linewidth=0.7, zorder=7)
+        name = names[i].rpartition(".")[2]
+        apart = 5.5 * len(name) / points_per_metre
+        if all(np.abs(middle - other).max() > apart for other in labelled):
+            labelled.append(middle)
             axis.annotate(
-                names[i], box.mean(axis=0), (0, 7), textcoords="offset points", fontsize=7.5, ha="center",
-                va="bottom", zorder=9, annotation_clip=True,
+                name, middle, (0, 7), textcoords="offset points", fontsize=7.5, ha="center", va="bottom", zorder=9,
+                annotation_clip=True,
             )  # fmt: skip
     _draw_way(axis, recording.x[:, 0], recording.y[:, 0], turn, BLUE, label=names[0])
     marker = float(np.clip(1.2 * points_per_metre, 4.0, 7.0))
@@ -277,19 +297,24 @@ def _draw_way(axis: Axes, x: Floats, y: Floats, turn: float, colour: str, label:
 
 
 def _draw_scale(axis: Axes, turn: float, low: Floats, high: Floats) -> None:
-    """Draw a bar of a round length and an arrow along the map's y axis, which is north."""
-    width, height = (high - low).tolist()
+    """Draw a bar of a round length and the directions of OpenDRIVE's axes."""
+    width = float(high[0] - low[0])
     length = _round_length(0.15 * width)
-    left, bottom = low[0] + 0.015 * width, low[1] + 0.06 * height
+    left, bottom = low[0] + 0.015 * width, low[1] + 0.014 * width
     axis.plot([left, left + length], [bottom, bottom], color=INK, linewidth=2.2, zorder=10, solid_capstyle="butt")
     place: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "ha": "center", "zorder": 10}
     axis.annotate(f"{length:g} m", (left + 0.5 * length, bottom), (0, 3), va="bottom", **place)
-    north = np.array([math.sin(turn), math.cos(turn)])
-    foot = np.array([high[0] - 0.03 * width, high[1] - 0.5 * min(height, 0.12 * width)])
-    tip = foot + north * 0.028 * width
-    arrow = {"arrowstyle": "-|>", "color": QUIET, "linewidth": 1}
-    axis.annotate("", tip, foot - north * 0.018 * width, arrowprops=arrow, zorder=10)
-    axis.annotate("y", tip, tuple(6 * north), color=QUIET, va="center", **place)
+    foot = np.array([high[0] - 0.04 * width, low[1] + 0.028 * width])
+    for name, angle in (("x", -turn), ("y", 0.5 * math.pi - turn)):
+        way = 0.017 * width * np.array([math.cos(angle), math.sin(angle)])
+        arrow = {"arrowstyle": "-|>", "color": QUIET, "linewidth": 1, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
+        axis.annotate("", _point(foot + way), _point(foot), arrowprops=arrow, zorder=10)
+        tip = _point(foot + 1.4 * way)
+        axis.annotate(name, tip, color=QUIET, fontsize=7, ha="center", va="center", zorder=10)
+
+
+def _point(point: Floats) -> tuple[float, float]:
+    return float(point[0]), float(point[1])
 
 
 def _round_length(wanted: float) -> float:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from scenario_compiler.recording.criteria import bound
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.takeover import Cause, Driver
-from scenario_compiler.vocabulary.word import Number
+from scenario_compiler.vocabulary.word import Number, number_value
 
 SCHEMES = {"gold2018": "Gold et al. 2018"}
 
@@ -85,13 +84,18 @@ def outcome_words(outcome: Outcome) -> str:
 def measured(outcome: Outcome, name: str) -> str:
     """Return a measure as text, a dash where it has no value."""
     measure = outcome.measures.get(name)
-    return "–" if measure is None or measure.value is None else decimal(measure.value)
+    return "–" if measure is None or measure.value is None else fixed(measure.value)
+
+
+def fixed(value: float) -> str:
+    """Return a number with two decimals, for columns of numbers."""
+    text = f"{value:.2f}"
+    return "0.00" if text == "-0.00" else text.replace("-", "−")
 
 
 def decimal(value: float) -> str:
     """Return a number with two decimals, fewer where they are 0."""
-    text = f"{value:.2f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text.replace("-", "−")
+    return fixed(value).rstrip("0").rstrip(".")
 
 
 def conditions(run: Run) -> list[tuple[str, str]]:
@@ -100,7 +104,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
     policy = plan.takeover
 
     def number(value: Number, unit: str) -> str:
-        return f"{decimal(bound(value, header.parameters))} {unit}".rstrip()
+        return f"{decimal(number_value(value, header.parameters))} {unit}".rstrip()
 
     rows = [
         ("Map", plan.map.name),
@@ -110,7 +114,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         ("Desired speed", number(plan.ego.desired_speed, "m/s")),
         ("Controller", plan.controller.model),
         ("Lane confidence from", "the camera image" if header.perception == "camera" else "the map's marks (ideal)"),
-        ("Camera noise", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
+        ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
         ("Other actors", ", ".join(f"{e.id} ({e.vehicle.name})" for e in plan.entities[1:]) or "none"),
         ("Markings changed", ", ".join(f"road {m.road}" for m in plan.markings) or "none"),
         ("Time budget", number(policy.budget, "s")),
@@ -153,7 +157,7 @@ def _driver(run: Run) -> str:
     driver = run.plan.takeover.driver
     if isinstance(driver, Driver):
         if driver.takeover_time is not None:
-            return f"answers after {decimal(bound(driver.takeover_time, run.recording.header.parameters))} s"
+            return f"answers after {decimal(number_value(driver.takeover_time, run.recording.header.parameters))} s"
         return driver.preset
     spread = f"lognormal takeover time, median {decimal(math.exp(driver.mu))} s, σ {decimal(driver.sigma)}"
     return f"{driver.name}: {spread}, {driver.lapse:.0%} no answer"

@@ -91,7 +91,7 @@ def test_elements_close_and_ids_are_unique_and_found(name: str, request: pytest.
     "words",
     [
         *("obstacle_ahead", "Gold et al. 2018, no. 9, urgency 3, response 1-3", "driver took over, stopped safely"),
-        *("path blocked", "Takeover request, 4 s", "Driver takes over, 6.4 s", "5f" * 32),
+        *("path blocked", "Takeover request, 4.00 s", "Driver takes over, 6.40 s", "5f" * 32),
         *("takeover time", "Time from the request to the driver's response", "no collision", "nothing was touched"),
         *("Take over: the lane ahead is blocked", "<slow down>", "lognormal takeover time, median 2.4 s"),
         *("path blocked (range 100 m, field of view 60 °, margin 0.4 m)", "warning below 0.6", "5 of 8 control steps"),

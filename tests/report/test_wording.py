@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from scenario_compiler.report.run import Run
-from scenario_compiler.report.wording import command, decimal, outcome_words, summary_of
+from scenario_compiler.report.wording import command, decimal, fixed, outcome_words, summary_of
 
 
 @pytest.mark.parametrize(
@@ -15,10 +15,14 @@ def test_numbers(value: float, text: str) -> None:
     assert decimal(value) == text
 
 
+def test_columns_of_numbers() -> None:
+    assert [fixed(value) for value in (4.0, -0.001, -1.5)] == ["4.00", "0.00", "−1.50"]
+
+
 def test_a_run_in_one_row(finished: Run) -> None:
     row = summary_of(finished)
     assert (row.name, row.number, row.urgency, row.cause) == ("obstacle_ahead", "9", "3", "path blocked")
-    assert (row.request_time, row.takeover_time, row.result) == ("4", "2.4", "pass")
+    assert (row.request_time, row.takeover_time, row.result) == ("4.00", "2.40", "pass")
 
 
 @pytest.mark.parametrize(
