@@ -165,4 +165,4 @@ def sobol(names: Sequence[str], samples: int, seed: int) -> Floats:
     points = np.asarray(qmc.Sobol(len(names), scramble=False).random_base2(power))[:samples]
     shift = np.array([uniform(seed, 0, f"sobol/{name}") for name in names])
     turned = np.mod(points + shift, 1.0)
-    return np.clip(turned, 1e-12, 1.0 - 1e-12)
+    return np.asarray(np.clip(turned, 1e-12, 1.0 - 1e-12), dtype=np.float64)

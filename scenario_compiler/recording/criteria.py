@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from scenario_compiler.expressions import Value
 from scenario_compiler.recording.measures import time_to_collision
-from scenario_compiler.recording.recording import Booleans, Recording
+from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
     Criterion,
@@ -31,56 +33,74 @@ class CriterionResult(BaseModel):
     why: str = Field(description="A sentence on what was found.")
 
 
+def broken_at(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+    """Return when each run first broke a criterion, s, (...); NaN where it holds.
+
+    Args:
+        criterion: The criterion.
+        traces: The runs.
+        reached: Which runs ended at their destination, (...).
+        limit: The criterion's number for each run, as `limit_of` gives it, (...).
+    """
+    if isinstance(criterion, NoCollision):
+        return traces.times["collision"]
+    if isinstance(criterion, StayOnRoad):
+        off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
+        return _first_time(traces, off & traces.present[..., 0])
+    if isinstance(criterion, ReachDestination):
+        return np.where(reached, np.nan, np.fmax.reduce(traces.t, axis=-1, initial=0.0))
+    return _first_time(traces, time_to_collision(traces) < limit[..., None])
+
+
+def limit_of(criterion: Criterion, parameters: Mapping[str, Value]) -> float:
+    """Return the number that a criterion compares with; NaN for those that have none."""
+    return number_value(criterion.at_least, parameters) if isinstance(criterion, MinimumTimeToCollision) else math.nan
+
+
 def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) -> CriterionResult:
     """Return how a run fares by a criterion."""
-    passed, when, why = _JUDGES[type(criterion)](criterion, recording, traces)
-    return CriterionResult(criterion=criterion.word, passed=passed, when=when, why=why)
+    limit = limit_of(criterion, recording.header.parameters)
+    reached = np.asarray(recording.stop_reason == "destination")
+    broken = float(broken_at(criterion, traces, reached, np.asarray(limit)))
+    when = None if math.isnan(broken) else broken
+    why = _FOUND[type(criterion)](recording, traces, when, limit)
+    return CriterionResult(criterion=criterion.word, passed=when is None, when=when, why=why)
 
 
-_Judged = tuple[bool, float | None, str]
-
-
-def _no_collision(criterion: NoCollision, recording: Recording, traces: Traces) -> _Judged:
-    del criterion, traces
-    crash = next((event for event in recording.events if event.kind == "collision"), None)
-    if crash is None:
-        return True, None, "nothing was touched"
-    with_whom = f" with {crash.entity}" if crash.entity else ""
-    return False, crash.t, f"collision{with_whom} at {crash.t:.2f} s"
-
-
-def _stay_on_road(criterion: StayOnRoad, recording: Recording, traces: Traces) -> _Judged:
-    del criterion, recording
-    when = _first_time(traces, (traces.road[:, 0] < 0) | (traces.lane[:, 0] == 0))
+def _collision_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del traces, limit
     if when is None:
-        return True, None, "the reference point stayed on a lane"
-    return False, when, f"off the lanes from {when:.2f} s"
+        return "nothing was touched"
+    whom = next((event.entity for event in recording.events if event.kind == "collision"), "")
+    return f"collision{f' with {whom}' if whom else ''} at {when:.2f} s"
 
 
-def _reach_destination(criterion: ReachDestination, recording: Recording, traces: Traces) -> _Judged:
-    del criterion
-    if recording.stop_reason == "destination":
-        return True, None, f"reached after {traces.t[-1]:.2f} s"
-    end = float(traces.t[-1]) if len(traces.t) else None
-    return False, end, f"the run ended before the destination: {recording.stop_reason or 'no reason given'}"
+def _lanes_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording, traces, limit
+    return "the reference point stayed on a lane" if when is None else f"off the lanes from {when:.2f} s"
 
 
-def _minimum_ttc(criterion: MinimumTimeToCollision, recording: Recording, traces: Traces) -> _Judged:
-    limit = number_value(criterion.at_least, recording.header.parameters)
-    ttc = time_to_collision(traces)
-    when = _first_time(traces, ttc < limit)
-    least = float(np.fmin.reduce(ttc, initial=np.nan))
-    found = "nothing was closed in on" if np.isnan(least) else f"the least was {least:.2f} s"
-    return when is None, when, f"{found}, at least {limit:g} s is asked for"
+def _destination_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del limit
+    if when is None:
+        return f"reached after {traces.t[-1]:.2f} s"
+    return f"the run ended before the destination: {recording.stop_reason or 'no reason given'}"
 
 
-_JUDGES: dict[type[Criterion], Callable[..., _Judged]] = {
-    NoCollision: _no_collision,
-    StayOnRoad: _stay_on_road,
-    ReachDestination: _reach_destination,
-    MinimumTimeToCollision: _minimum_ttc,
+def _least_time_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording, when
+    least = float(np.fmin.reduce(time_to_collision(traces), initial=np.nan))
+    found = "nothing was closed in on" if math.isnan(least) else f"the least was {least:.2f} s"
+    return f"{found}, at least {limit:g} s is asked for"
+
+
+_FOUND: dict[type[Criterion], Callable[[Recording, Traces, float | None, float], str]] = {
+    NoCollision: _collision_found,
+    StayOnRoad: _lanes_found,
+    ReachDestination: _destination_found,
+    MinimumTimeToCollision: _least_time_found,
 }
 
 
-def _first_time(traces: Traces, where: Booleans) -> float | None:
-    return float(traces.t[np.argmax(where)]) if where.any() else None
+def _first_time(traces: Traces, where: Booleans) -> Floats:
+    return np.asarray(np.fmin.reduce(np.where(where, traces.t, np.nan), axis=-1, initial=np.nan))
