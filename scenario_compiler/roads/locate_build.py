@@ -24,13 +24,16 @@ POLYNOMIAL_CHUNK_TURN = 0.2
 PART_LIMIT = 1000
 """Most chunks of one piece for the sake of its turning."""
 
-CHUNK_LIMIT = 1_000_000
+CHUNK_LIMIT = 100_000
 """Rough bound on the number of chunks of one network; chunks of a network of more than 10 000 km are
 longer."""
 
 CELLS_LIMIT = 400
 """Most cells that a chunk is entered into; a wider one (hundreds of metres of lanes) goes to the list that
 is always looked at."""
+
+ENTRIES_LIMIT = 1_000_000
+"""Most entries of chunks into cells; a bound on memory for absurdly long roads."""
 
 JOINT_TURN_LIMIT = 0.05
 """Largest kink of a reference line, rad, that a point beside it is still located across."""
@@ -45,12 +48,15 @@ def build_index(n: RoadTables) -> None:
     for road in range(len(n.road_length)):
         _add_road(n, road, stretch)
     cells: dict[int, list[int]] = {}
+    entries = 0
     for chunk in range(len(n.chunk_s)):
         x0, x1 = floor(n.chunk_x0[chunk] / CELL), floor(n.chunk_x1[chunk] / CELL)
         y0, y1 = floor(n.chunk_y0[chunk] / CELL), floor(n.chunk_y1[chunk] / CELL)
-        if (x1 - x0 + 1) * (y1 - y0 + 1) > CELLS_LIMIT:
+        touched = (x1 - x0 + 1) * (y1 - y0 + 1)
+        if touched > CELLS_LIMIT or entries + touched > ENTRIES_LIMIT:
             n.wide_chunk.append(chunk)
             continue
+        entries += touched
         for ix in range(x0, x1 + 1):
             for iy in range(y0, y1 + 1):
                 cells.setdefault(cell_key_of(ix, iy), []).append(chunk)

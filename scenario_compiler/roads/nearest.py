@@ -27,10 +27,10 @@ def nearest_lane(n: RoadTables, x: float, y: float) -> tuple[int, float, float] 
     for ring in range(RINGS + 1):
         best = _closest(n, _ring(n, x, y, ring), x, y, best)
         if best is not None and best[0] <= ring * CELL:
+            best = _closest(n, n.wide_chunk, x, y, best)
             break
     else:
         best = _closest(n, range(len(n.chunk_s)), x, y, best)
-    best = _closest(n, n.wide_chunk, x, y, best)
     return None if best is None else best[1:]
 
 

@@ -47,7 +47,7 @@ def test_poses_equal_carla(town: Network, golden: Path) -> None:
 
 
 def test_locate_contains_carlas_answer(town: Network, golden: Path) -> None:
-    """CARLA looks for the nearest of straight chords, so its s may be decimetres off; ours is never further from the point."""
+    """CARLA searches straight chords, so its s may be decimetres off; ours is never further from the point."""
     inside = found = 0
     for row in rows(golden / "carla" / f"{town.name}_waypoints.csv.gz"):
         if not row["inside_driving"]:

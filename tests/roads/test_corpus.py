@@ -70,6 +70,9 @@ def check_round_trip(network: Network, road: int, lane: int, s: float, t: float)
         closed = False
         for place in places:
             px, py, *_ = lane_pose(n, road, place.lane, place.s, place.offset)
+            there = sum(lane_borders(n, road, place.lane, place.s)) / 2.0 + place.offset
+            if 1.0 - road_reference(n, road, place.s)[3] * there < 0.05:
+                continue
             assert math.hypot(px - x, py - y) < 1e-6, at
             closed = closed or abs(place.s - s) < 1e-6
         assert closed, at

@@ -1,0 +1,70 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.roads import cache as road_cache
+from scenario_compiler.roads import load_network
+from tests.roads.make import lane, network, road, section
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("SCENARIO_COMPILER_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "roads"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    network(tmp_path, road(lanes=section(lane(1), lane(-1, kind="lorry"))), sink=Diagnostics())
+    return tmp_path / "made.xodr"
+
+
+def load(path: Path) -> tuple[dict[str, object], list[str]]:
+    sink = Diagnostics()
+    made = load_network(path, sink=sink)
+    assert made is not None
+    return {name: getattr(made.tables, name) for name in made.tables.__slots__}, [d.message for d in sink]
+
+
+def test_the_second_load_gives_the_same_tables_and_findings(folder: Path, path: Path) -> None:
+    first = load(path)
+    assert len(list(folder.iterdir())) == 1
+    stamp = next(folder.iterdir()).stat().st_mtime_ns
+    assert load(path) == first
+    assert next(folder.iterdir()).stat().st_mtime_ns == stamp
+    assert first[1] == ["unknown lane type 'lorry'; 'none' is used"]
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "other"])
+def test_a_damaged_file_is_made_again(folder: Path, path: Path, damage: str) -> None:
+    first = load(path)
+    file = next(folder.iterdir())
+    good = file.read_bytes()
+    flipped = good[:-9] + bytes([good[-9] ^ 1]) + good[-8:]
+    file.write_bytes({"cut": good[:-8], "flipped": flipped, "empty": b"", "other": b"SCROADS1" + good}[damage])
+    assert load(path) == first
+    assert file.read_bytes() == good
+
+
+def test_a_changed_map_is_read_anew(folder: Path, path: Path) -> None:
+    load(path)
+    path.write_text(path.read_text(encoding="utf-8").replace('a="3.5"', 'a="3.0"'), encoding="utf-8")
+    assert load(path)[0]["cubic_a"] == [3.0, 3.0]
+    assert len(list(folder.iterdir())) == 2
+
+
+def test_a_cache_that_cannot_be_written_is_no_fault(
+    tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    monkeypatch.setenv("SCENARIO_COMPILER_CACHE", str(tmp_path / "file"))
+    assert load(path)[0]["road_length"] == [100.0]
+
+
+def test_the_folder_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv("SCENARIO_COMPILER_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert road_cache.cache_folder() == tmp_path / "scenario-compiler"
