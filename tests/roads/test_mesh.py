@@ -5,6 +5,7 @@ import pytest
 
 from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface, road_marks, road_surface
 from scenario_compiler.roads.network import Network, load_network
+from scenario_compiler.roads.quality import MarkStretch
 
 ROAD = """<OpenDRIVE><header revMajor="1" revMinor="4"/>
 <road name="" length="{length}" id="1" junction="-1">
@@ -187,3 +188,13 @@ def test_towns_are_covered_and_every_quad_is_finite(corpus: Path, town: str) -> 
     assert {int(r) for r in surface.road} == set(range(len(net.road_ids)))
     assert len(marks.quads) > 3000
     assert 0.05 < marks.width.min() <= marks.width.max() < 1.0
+
+
+def test_overridden_quality_reaches_the_paint(tmp_path: Path) -> None:
+    net = network(tmp_path, centre="solid").with_mark_quality([MarkStretch("1", None, 40.0, 80.0, 1.0, 0.0)])
+    marks = road_marks(net)
+    middle = marks.s.mean(axis=1)
+    inside = (middle > 40.0) & (middle < 80.0)
+    assert marks.quality[inside] == pytest.approx(1 - (middle[inside] - 40) / 40, abs=1e-3)
+    assert marks.quality[middle < 40.0] == pytest.approx(1.0)
+    assert area(of_lane(marks, 0)) == pytest.approx(120 * 0.12, rel=1e-3)
