@@ -31,6 +31,7 @@ from scenario_compiler.report.palette import (
     PAINT,
     PAPER,
     PAVEMENT,
+    PURPLE,
     QUIET,
     STATE_COLOURS,
     THEME,
@@ -70,6 +71,9 @@ CLOSE_UP = 50.0
 
 FURNITURE = 0.055
 """Height of the strip below a map for its scale and its axes, relative to the map's width."""
+
+HEALTHY = 0.98
+"""Sensor health from which on it is not worth a line."""
 
 NEAR = 60.0
 """Distance from the ego vehicle's way at which other entities are still brought into a map, m."""
@@ -130,6 +134,8 @@ def _confidence_panel(axis: Axes, run: Run) -> None:
     recording = run.recording
     axis.plot(recording.t, recording.confidence_left, color=BLUE, label="left")
     axis.plot(recording.t, recording.confidence_right, color=VERMILION, linestyle=(0, (4, 2)), label="right")
+    if (recording.sensor_health < HEALTHY).any():
+        axis.plot(recording.t, recording.sensor_health, color=PURPLE, linestyle=(0, (1, 1)), label="sensor health")
     axis.set_ylim(-0.03, 1.05)
     axis.set_ylabel("lane confidence")
     cause = next((c for c in run.plan.takeover.causes if c.kind == "lane_confidence"), None)
@@ -142,7 +148,7 @@ def _confidence_panel(axis: Axes, run: Run) -> None:
                 name.replace("_", " "), (1, value), xycoords=("axes fraction", "data"), fontsize=7.5, color=QUIET,
                 xytext=(-3, 1), textcoords="offset points", ha="right", va="bottom",
             )  # fmt: skip
-    axis.legend(loc="lower left", ncols=2)
+    axis.legend(loc="lower left", ncols=3)
 
 
 def _speed_panel(axis: Axes, run: Run) -> None:
