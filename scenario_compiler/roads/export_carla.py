@@ -10,9 +10,11 @@ use:
   predecessor and its lanes name theirs.
 * A lane link that only one of two joined lanes states is stated by both: 0.9.16 follows no other.
 * In a ring of one road or of two, 0.9.16 joins nothing. Such a ring gets one or two roads more, of `JOINT_LENGTH` each.
+* Both take a link to a junction for one to the road of the same id. Such a junction gets an id of its own.
 * A connection that names no connecting road at all (those of virtual junctions) is left out: both clients die of it.
-* A signal reference to a signal that does not exist, and a lane link to a lane that does not exist inside a road, are
-  left out: both clients die of them.
+* A signal reference to a signal that does not exist, and a lane link to a lane that does not exist, are left out: the
+  clients die of them.
+* A junction without a connection into one of its connecting roads gets it: 0.9.15 does not follow road links there.
 
 What the clients do was found by trying them (wheels of both versions, no server).
 """
@@ -26,7 +28,9 @@ from lxml import etree
 
 from scenario_compiler.document import Document
 from scenario_compiler.roads.connecting_road import Stretch, build_road
+from scenario_compiler.roads.distinct_ids import separate_junction_ids
 from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.junction_repair import add_missing_connections, dead_lane_links, lanes_at_ends
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.missing_links import complete_lane_links
 from scenario_compiler.roads.network import Network
@@ -79,8 +83,9 @@ def export_for_carla(document: Document, network: Network) -> bytes:
         start, end = cuts.get((index, AT_START), 0.0), cuts.get((index, AT_END), 0.0)
         if start > 0.0 or end > 0.0:
             shorten_road(edits, roads[road], n, index, start, end)
-    taken = set(network.road_ids) | set(roads)
-    written = _replace_junctions(edits, network, roads, junctions, cuts, taken)
+    taken = set(roads) | set(network.junction_ids)
+    renamed = separate_junction_ids(edits, root, taken)
+    written = _replace_junctions(edits, network, roads, junctions, cuts, taken, renamed)
     for index, pieces in rings.items():
         written += break_ring(edits, network, roads, index, pieces, cuts[index, AT_END], taken)
     if written:
@@ -89,7 +94,8 @@ def export_for_carla(document: Document, network: Network) -> bytes:
     for element in root.iterfind("{*}junction/{*}connection"):
         if element.get("connectingRoad") is None and element.get("linkedRoad") is None:
             edits.remove(element)
-    for element in _dead_references(root):
+    add_missing_connections(edits, root, network)
+    for element in (*_dead_references(root), *dead_lane_links(root, lanes_at_ends(network))):
         edits.remove(element)
     encoding = root.getroottree().docinfo.encoding or "utf-8"
     return edits.result().encode(encoding, "xmlcharrefreplace")
@@ -201,11 +207,13 @@ def _replace_junctions(
     junctions: list[_Junction],
     cuts: dict[End, float],
     taken: set[str],
+    renamed: dict[str, str],
 ) -> list[etree._Element]:
     """Write the junctions' connections anew; return the connecting roads."""
     written: list[etree._Element] = []
     for junction in junctions:
         name = str(junction.element.get("id"))
+        name = renamed.get(name, name)
         edits.set(junction.element, "type", "default")
         connections: list[str] = []
         for stretch in _stretches(network, junction, cuts):

@@ -1,0 +1,46 @@
+"""Junction ids that no road has: CARLA's clients take a link to a junction for one to the road of the same id."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from scenario_compiler.roads.shorten import free_id
+from scenario_compiler.roads.text_edits import TextEdits
+
+
+def separate_junction_ids(edits: TextEdits, root: etree._Element, taken: set[str]) -> dict[str, str]:
+    """Give each junction whose id is also a road's a new one, everywhere it is named.
+
+    Args:
+        edits: Where the changes go.
+        root: The document's root.
+        taken: The ids of roads and junctions; the new ones are added.
+
+    Returns:
+        The new ids by the old ones, of the junctions that were renamed.
+    """
+    roads = {one.get("id") for one in root.iterfind("{*}road")}
+    renamed: dict[str, str] = {}
+    for junction in root.iterfind("{*}junction"):
+        name = junction.get("id")
+        if name is not None and name in roads:
+            renamed.setdefault(name, "")
+    for name in renamed:
+        renamed[name] = free_id(taken)
+    if not renamed:
+        return renamed
+    for element in root.iter("{*}junction", "{*}road", "{*}predecessor", "{*}successor", "{*}junctionReference"):
+        attribute = _JUNCTION_ATTRIBUTES[etree.QName(element).localname]
+        named = element.get(attribute)
+        if named in renamed and not (attribute == "elementId" and element.get("elementType") != "junction"):
+            edits.set(element, attribute, renamed[named])
+    return renamed
+
+
+_JUNCTION_ATTRIBUTES = {
+    "junction": "id",
+    "road": "junction",
+    "predecessor": "elementId",
+    "successor": "elementId",
+    "junctionReference": "junction",
+}
