@@ -29,9 +29,9 @@ _STATE_COLOURS = {
     "warning": AMBER,
     "request": RED,
     "escalation": RED,
-    "response": AMBER,
     "manual": WHITE,
-    "minimum-risk": RED,
+    "minimum_risk": RED,
+    "collision": RED,
 }
 
 
@@ -85,11 +85,17 @@ def compose(
             points = np.asarray(path, np.float64).reshape(-1, 2)
             _polyline(image, camera, points[:, 0] + shift, points[:, 1], PURPLE)
         if lane is not None:
-            for boundary, p in ((lane.left, lane.p_left), (lane.right, lane.p_right)):
-                _boundary(image, camera, boundary, p, shift)
+            _draw_boundaries(image, camera, lane, shift)
     _set_in(picture, inset)
     _write(picture, lane, caption)
     return picture
+
+
+def draw_lanes(image: Image, lane: LaneResult, camera: Camera) -> Image:
+    """Return the camera's image with the detected boundaries drawn in; the image is left as it is."""
+    drawn = image.copy()
+    _draw_boundaries(drawn, camera, lane, 0.0)
+    return drawn
 
 
 def encode_png(image: Image) -> bytes:
@@ -98,6 +104,11 @@ def encode_png(image: Image) -> bytes:
     if not good:
         raise ValueError(f"an image of shape {image.shape} cannot be encoded")
     return data.tobytes()
+
+
+def _draw_boundaries(image: Image, camera: Camera, lane: LaneResult, shift: float) -> None:
+    for boundary, p in ((lane.left, lane.p_left), (lane.right, lane.p_right)):
+        _boundary(image, camera, boundary, p, shift)
 
 
 def _boundary(image: Image, camera: Camera, boundary: Boundary, p: float, shift: float) -> None:
@@ -128,7 +139,7 @@ def _set_in(picture: Image, inset: Image) -> None:
 
 def _write(picture: Image, lane: LaneResult | None, caption: Caption) -> None:
     lines: list[tuple[str, Colour]] = [
-        (caption.state.upper(), _STATE_COLOURS.get(caption.state, WHITE)),
+        (caption.state.replace("_", " ").upper(), _STATE_COLOURS.get(caption.state, WHITE)),
         (f"t {caption.time:6.2f} s   v {caption.speed:5.1f} m/s ({caption.speed * 3.6:.0f} km/h)", WHITE),
     ]
     if lane is not None:

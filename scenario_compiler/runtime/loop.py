@@ -195,9 +195,12 @@ class _Execution:
 
     def _picture(self, kind: str, cause: str) -> None:
         """Keep the first picture of each kind of event that reports show."""
-        if self.seen is None or kind not in PICTURED or kind in self.pictured:
+        if self.seen is None or self.control is None or self.controller is None:
+            return
+        if kind not in PICTURED or kind in self.pictured:
             return
         self.pictured.add(kind)
         view = self.world.picture(self.snapshot())
-        png = picture_of(self.plan, view, self.seen, self.control, self.state.v[0], kind, cause)
+        speed = self.state.v[0]
+        png = picture_of(self.plan, view, self.seen, self.controller, self.control, speed, kind, cause)
         self.builder.frame(self.state.clock[0], kind, png)

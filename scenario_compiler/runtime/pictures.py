@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from scenario_compiler.controllers import CameraMounting, Control, SensorData
+from scenario_compiler.controllers import CameraMounting, Control, ControllerModel, SensorData
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.runtime.messages import message_text
 
@@ -23,7 +23,8 @@ def picture_of(
     plan: Plan,
     view: NDArray[np.uint8],
     seen: SensorData,
-    control: Control | None,
+    controller: ControllerModel,
+    control: Control,
     speed: float,
     kind: str,
     cause: str,
@@ -34,23 +35,27 @@ def picture_of(
         plan: The plan of the run.
         view: The driver's view, BGR.
         seen: The camera's latest image.
-        control: The controller's latest answer.
+        controller: The controller, for what it draws and says.
+        control: Its latest answer.
         speed: Speed of the ego vehicle, m/s.
         kind: Kind of the event.
         cause: Cause of the request, empty without one.
     """
     from scenario_compiler.perception.overlay import Caption, compose, encode_png
 
+    said = [text for text in [message_text(kind, cause, ("what", "why"))] if text]
+    notes = [] if control.lanes else [f"{label} {value}" for label, value in controller.display_info().items()]
     caption = Caption(
         time=seen.t,
         speed=speed,
         state=STATES.get(kind, kind),
-        warnings=[message_text(kind, cause, ("what", "why"))] if kind == "warning" else [],
-        alarms=[message_text(kind, cause, ("what", "why"))] if kind not in ("warning", "response") else [],
+        notes=notes,
+        warnings=(said if kind == "warning" else []) + controller.warning_messages(),
+        alarms=(said if kind != "warning" else []) or controller.critical_messages()[:1],
     )
-    path = None if control is None else camera_path(control, seen.camera, plan.ego.vehicle.center)
-    lanes = None if control is None else control.lanes
-    return encode_png(compose(view, seen.image, lanes, path, caption, sensor=seen.camera.camera()))
+    inset = controller.overlay_image(seen.image)
+    path = camera_path(control, seen.camera, plan.ego.vehicle.center)
+    return encode_png(compose(view, inset, control.lanes, path, caption, sensor=seen.camera.camera()))
 
 
 def camera_path(control: Control, camera: CameraMounting, center: float) -> list[tuple[float, float]] | None:
