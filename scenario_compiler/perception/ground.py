@@ -7,6 +7,7 @@ on evenly graded roads, and slides a little, far ahead, where the grade changes.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -113,7 +114,7 @@ class Ground:
             cv2.fillConvexPoly(codes, ground.polygons[k], DECK, cv2.LINE_8, SUBPIXEL)
         for below in (True, False):
             level = ~ground.from_below & ((ground.height < -STOREY) == below)
-            self._fill(ground, np.nonzero(level)[0], codes, paint if paint.any() else None)
+            self._fill(ground, np.nonzero(level)[0], codes, (paint, colours) if paint.any() else ())
             level = ~lines.from_below & ((lines.height < -STOREY) == below)
             self._mark(lines, np.nonzero(level)[0], paint, colours)
 
@@ -124,14 +125,14 @@ class Ground:
         if solid.any():
             strip[np.logical_or.accumulate(solid, axis=0) & (strip == SKY)] = Material.VERGE
 
-    def _fill(self, ground: Projected, chosen: NDArray[np.int64], codes: Image, covered: Image | None = None) -> None:
+    def _fill(self, ground: Projected, chosen: NDArray[np.int64], codes: Image, covered: Sequence[Image] = ()) -> None:
         """Draw surfaces, the lower layers first; they cover paint that lies below them, on a road underneath."""
         index = ground.index[chosen]
         order = np.argsort(self.scene.layer[index], kind="stable")
         for k, material in zip(chosen[order].tolist(), self.scene.material[index[order]].tolist(), strict=True):
             cv2.fillConvexPoly(codes, ground.polygons[k], material, cv2.LINE_8, SUBPIXEL)
-            if covered is not None:
-                cv2.fillConvexPoly(covered, ground.polygons[k], (0, 0), cv2.LINE_8, SUBPIXEL)
+            for image in covered:
+                cv2.fillConvexPoly(image, ground.polygons[k], (0, 0), cv2.LINE_8, SUBPIXEL)
 
     def _mark(self, lines: Projected, chosen: NDArray[np.int64], paint: Image, colours: Image) -> None:
         """Draw into `paint` coverage and coverage times quality, whose ratio is quality up to the rim."""

