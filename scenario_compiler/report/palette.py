@@ -25,6 +25,7 @@ ASPHALT = "#050607"
 VERGE = "#060708"
 PAVEMENT = "#070809"
 PAINT = "#08090a"
+EGO = "#090a0b"
 THEME = {
     INK: "var(--ink)",
     QUIET: "var(--quiet)",
@@ -34,6 +35,7 @@ THEME = {
     VERGE: "var(--verge)",
     PAVEMENT: "var(--pavement)",
     PAINT: "var(--paint)",
+    EGO: "var(--ego)",
 }
 """Colours that plots are drawn in, and the page's variables that take their place."""
 

@@ -24,6 +24,7 @@ from scenario_compiler.recording.traces import traces_of
 from scenario_compiler.report.palette import (
     ASPHALT,
     BLUE,
+    EGO,
     INK,
     LINE,
     MOMENT_COLOURS,
@@ -100,7 +101,7 @@ def timeline_plot(run: Run, prefix: str) -> str:
         _confidence_panel(axes[1], run)
         _speed_panel(axes[2], run)
         if len(panels) == 3:
-            axes[3].plot(recording.t, limit, color=BLUE)
+            axes[3].plot(recording.t, limit, color=EGO)
             axes[3].set_ylabel("distance to\nthe limit (m)")
             axes[3].set_ylim(bottom=0)
         axes[-1].set_xlabel("time (s)")
@@ -132,7 +133,7 @@ def _state_bar(axis: Axes, run: Run) -> None:
 
 def _confidence_panel(axis: Axes, run: Run) -> None:
     recording = run.recording
-    axis.plot(recording.t, recording.confidence_left, color=BLUE, label="left")
+    axis.plot(recording.t, recording.confidence_left, color=EGO, label="left")
     axis.plot(recording.t, recording.confidence_right, color=VERMILION, linestyle=(0, (4, 2)), label="right")
     if (recording.sensor_health < HEALTHY).any():
         axis.plot(recording.t, recording.sensor_health, color=PURPLE, linestyle=(0, (1, 1)), label="sensor health")
@@ -153,7 +154,7 @@ def _confidence_panel(axis: Axes, run: Run) -> None:
 
 def _speed_panel(axis: Axes, run: Run) -> None:
     recording = run.recording
-    axis.plot(recording.t, recording.v[:, 0], color=BLUE)
+    axis.plot(recording.t, recording.v[:, 0], color=EGO)
     axis.set_ylabel("speed (m/s)")
     axis.set_ylim(bottom=min(0.0, float(np.fmin.reduce(recording.v[:, 0], initial=0.0))))
     kilometres = axis.secondary_yaxis("right", functions=(_kilometres_per_hour, _metres_per_second))
@@ -278,7 +279,7 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
                 name, middle, (0, 7), textcoords="offset points", fontsize=7.5, ha="center", va="bottom", zorder=9,
                 annotation_clip=True,
             )  # fmt: skip
-    _draw_way(axis, recording.x[:, 0], recording.y[:, 0], turn, BLUE, label=names[0])
+    _draw_way(axis, recording.x[:, 0], recording.y[:, 0], turn, EGO, label=names[0])
     marker = float(np.clip(1.2 * points_per_metre, 4.0, 7.0))
     for row, (kind, t) in zip(rows, moments, strict=True):
         box = _turned(np.stack([x[row, 0], y[row, 0]], axis=-1), -turn)
@@ -294,7 +295,7 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
         axis.plot(*box.mean(axis=0)[:, None], "X" if kind == "collision" else "o", zorder=9, label=label, **style)
     if len(recording.t):
         last = _turned(np.stack([x[-1, 0], y[-1, 0]], axis=-1), -turn)
-        axis.fill(*last.T, facecolor=BLUE, edgecolor=PAPER, linewidth=0.7, zorder=7)
+        axis.fill(*last.T, facecolor=EGO, edgecolor=PAPER, linewidth=0.7, zorder=7)
 
 
 def _draw_way(axis: Axes, x: Floats, y: Floats, turn: float, colour: str, label: str = "") -> None:
