@@ -6,7 +6,7 @@ entity along the path with the speed of that moment, so what it moves to the sid
 
 from __future__ import annotations
 
-from math import atan, atan2
+from math import atan, atan2, pi
 
 from scenario_compiler.engine.motion import glide, place_scripted
 from scenario_compiler.engine.numbers import safe_sqrt
@@ -25,6 +25,7 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import action_done
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_centre
 from scenario_compiler.roads.tables import RoadTables
 
 
@@ -44,56 +45,59 @@ def step_speed(p: Program, st: State, k: int, dt: float) -> int:
 
 
 @compiled
-def shift_to(st: State, k: int, i: int, progress: float, offset: float) -> int:
+def shift_to(n: RoadTables, st: State, k: int, i: int, progress: float, offset: float) -> int:
     """Write the progress and offset of a lane change; return 1 when it is done, with the heading along the lane."""
     st.action_progress[k] = progress
     st.kept_off[i] = offset
+    done = 0
     if progress >= st.action_span[k] - TOLERANCE:
         st.kept_off[i] = st.action_from[k] + st.action_change[k]
         st.turn[i] = 0.0
-        return 1
-    return 0
+        done = 1
+    centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
+    st.t[i] = centre + st.kept_off[i]
+    return done
 
 
 @compiled
 def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
     """Move an entity through a lane change whose progress is the distance ahead; return 1 when it is done."""
-    span = st.action_span[k]
+    span = max(st.action_span[k], TOLERANCE)
     progress = st.action_progress[k]
     slope = st.action_change[k] * shape_slope(p.action_shape[k], progress / span) / span
     ahead = st.v[i] * dt / safe_sqrt(1.0 + slope * slope)
-    glide(n, p, st, i, ahead)
     st.turn[i] = st.facing[i] * atan(slope)
     progress = min(progress + abs(ahead), span)
     offset = st.action_from[k] + st.action_change[k] * shape_value(st, p.action_shape[k], progress / span)
-    return shift_to(st, k, i, progress, offset)
+    done = shift_to(n, st, k, i, progress, offset)
+    glide(n, p, st, i, ahead)
+    return done
 
 
 @compiled
 def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
     """Move an entity through a lane change whose progress is time; return 1 when it is done.
 
-    Where the change asks for more than the entity moves in the step, it goes sideways as far as it can.
+    Where the change asks for more than the entity moves in the step, it goes straight sideways as far as it can, with
+    the share done as if the shape were linear. The offset is shifted first: on a curve s moves by the new offset.
     """
-    span = st.action_span[k]
+    span = max(st.action_span[k], TOLERANCE)
     progress = st.action_progress[k]
     change = st.action_change[k]
     side = dt * abs(change) * shape_slope(p.action_shape[k], progress / span) / span
     path = abs(st.v[i]) * dt
     left = 1.0 if change > 0.0 else -1.0
     if side > path:
-        st.turn[i] = st.facing[i] * left * atan2(1.0, 0.0)
-        rest = change + st.action_from[k] - st.kept_off[i]
-        offset = st.kept_off[i] + left * path
-        if abs(rest) <= path:
-            return shift_to(st, k, i, span, st.kept_off[i])
-        return shift_to(st, k, i, min(progress + dt * path / side, span - 2.0 * TOLERANCE), offset)
+        st.turn[i] = st.facing[i] * left * 0.5 * pi
+        progress = min(progress + span * path / max(abs(change), TOLERANCE), span)
+        return shift_to(n, st, k, i, progress, st.action_from[k] + change * progress / span)
     ahead = safe_sqrt(path * path - side * side)
-    glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
     st.turn[i] = st.facing[i] * left * atan2(side, ahead) if side > 0.0 else 0.0
     progress = min(progress + dt, span)
     offset = st.action_from[k] + change * shape_value(st, p.action_shape[k], progress / span)
-    return shift_to(st, k, i, progress, offset)
+    done = shift_to(n, st, k, i, progress, offset)
+    glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
+    return done
 
 
 @compiled

@@ -215,7 +215,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
 
 
 @compiled
-def evade(st: State, p: Program, i: int, centre: float) -> None:
+def evade(p: Program, st: State, i: int, centre: float) -> None:
     """Plan the move to a corridor, and how far it is kept."""
     base = p.entity_const[i]
     room = st.blocked_distance[0] - 1.0
@@ -244,7 +244,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
         return
     found, centre = find_corridor(n, p, st, i, blocker)
     if found == 1:
-        evade(st, p, i, centre)
+        evade(p, st, i, centre)
         return
     st.manoeuvre[0] = MANOEUVRE_BRAKE
     if before != MANOEUVRE_BRAKE:

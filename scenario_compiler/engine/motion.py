@@ -54,7 +54,7 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
         stretch = 0.1
     sense = st.facing[i] * lane_direction(n, road, lane)
     to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, -1)
-    if rest > 0.0:
+    if rest > TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:
         st.facing[i] = sense * lane_direction(n, to_road, to_lane)
@@ -121,7 +121,7 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     speed = clip(st.v[i] + (gain - loss) * dt, 0.0, p.const[base + E_MAX_SPEED])
     wanted = clip(st.command_steer[0], -1.0, 1.0) * p.const[base + E_MAX_STEER]
     st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -STEER_RATE * dt, STEER_RATE * dt)
-    swing = speed * tan(st.steer[i]) / p.const[base + E_WHEELBASE] * dt
+    swing = speed * tan(st.steer[i]) / max(p.const[base + E_WHEELBASE], 0.1) * dt
     middle = st.h[i] + 0.5 * swing
     st.x[i] += speed * dt * cos(middle)
     st.y[i] += speed * dt * sin(middle)

@@ -17,6 +17,9 @@ from typing import Any
 BUILTINS = frozenset({"abs", "float", "int", "len", "max", "min", "range"})
 """Built-in functions that mean the same in both forms."""
 
+SIZE = "_size"
+"""Ending of the field that holds a column's length: `len(n.road_length)` becomes `n.road_length_size`."""
+
 CompiledFunction = Callable[..., Any]
 
 
@@ -62,6 +65,13 @@ class _Plain(ast.NodeTransformer):
             return None
         return self.visit(ast.Assign([node.target], node.value, lineno=node.lineno))  # type: ignore[no-any-return]
 
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        argument = node.args[0] if node.args else None
+        if isinstance(node.func, ast.Name) and node.func.id == "len" and isinstance(argument, ast.Attribute):
+            return ast.copy_location(ast.Attribute(argument.value, argument.attr + SIZE, ast.Load()), node)
+        self.generic_visit(node)
+        return node
+
     def visit_Name(self, node: ast.Name) -> ast.AST:
         if isinstance(node.ctx, ast.Load) and node.id in self.numbers:
             return ast.copy_location(_number(self.numbers[node.id]), node)
@@ -74,8 +84,19 @@ def _number(value: float) -> ast.expr:
     return ast.Constant(value)
 
 
+def measured_columns(functions: Iterable[CompiledFunction]) -> list[str]:
+    """Return the columns whose length some function asks for, sorted."""
+    found = set()
+    for function in functions:
+        for node in ast.walk(function_tree(function)):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "len":
+                if isinstance(node.args[0], ast.Attribute):
+                    found.add(node.args[0].attr)
+    return sorted(found)
+
+
 def module_text(functions: Iterable[CompiledFunction]) -> str:
-    """Return the source of all functions, each under `@njit`.
+    """Return the source of all functions, each under `@njit`, with `len` of a column as a field of its container.
 
     Raises:
         TypeError: Two functions share a name, or one uses something else than marked functions, finite numbers, functions

@@ -100,7 +100,7 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
         return 0
     st.frame[0] += 1
     play_story(n, p, st, p.const[K_STEP])
-    if drives_ego(p) == 1 and (st.frame[0] - 1) % p.control_every[0] == 0:
+    if drives_ego(p) == 1 and (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
         control_ego(n, p, st, p.ego[0])
     if st.flag[0] != FAULT_NONE:
         return 0
