@@ -1,7 +1,7 @@
 """The structure of a road file by ASAM's own schemas, where the user has them.
 
-The schemas are not redistributed with this package. Schemas up to 1.7 are XSD 1.0 and are read with lxml; those of 1.8 need XSD 1.1 and the package xmlschema, imported
-here alone.
+The schemas are not redistributed with this package. Those up to 1.7 are XSD 1.0 and are read with lxml; those of 1.8
+need XSD 1.1 and the package xmlschema, imported here alone.
 """
 
 from __future__ import annotations

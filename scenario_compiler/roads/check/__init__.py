@@ -1,0 +1,64 @@
+"""What real road files get wrong, beyond their structure: `CHECKS`, one function a family of rules.
+
+What enters: a document and the network that was read from it. What leaves: diagnostics with places
+(`check_network`); all of them are
+warnings or notes, because the rest of the file can be used. Each check gets the file as filed (`filed.Filed`) and
+reports into
+`Findings`. Imports the hall and the modules of `roads` that read files and evaluate geometry.
+
+Sources of the rules: the ASAM quality checker for OpenDRIVE and openMSL's, named by their rule UIDs in the codes'
+explanations.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.roads.check.filed import read_filed
+from scenario_compiler.roads.check.joints import check_joints
+from scenario_compiler.roads.check.junctions import check_junctions
+from scenario_compiler.roads.check.links import check_lane_links, check_road_links
+from scenario_compiler.roads.check.objects import check_objects
+from scenario_compiler.roads.check.shapes import check_shapes
+from scenario_compiler.roads.check.traffic import check_traffic
+from scenario_compiler.roads.findings import Findings
+from scenario_compiler.roads.network import Network, load_network
+from scenario_compiler.roads.structure import check_structure
+
+CHECKS = (
+    check_road_links,
+    check_lane_links,
+    check_junctions,
+    check_shapes,
+    check_joints,
+    check_traffic,
+    check_objects,
+)
+"""In the order in which they run; the sink sorts what they find."""
+
+
+def check_network(document: Document, network: Network | None, sink: Diagnostics) -> None:
+    """Report what is wrong in a road file beyond its structure and beyond what reading it reports.
+
+    Args:
+        document: The file.
+        network: What was read from it; None when it gave no network, then only what stands in the file is checked.
+        sink: Where the findings go.
+    """
+    filed = read_filed(document, network)
+    findings = Findings(document, sink)
+    for check in CHECKS:
+        check(filed, findings)
+    findings.close()
+
+
+def check_file(path: str | Path, sink: Diagnostics) -> None:
+    """Report everything that is wrong in a road file: form, structure, what reading it finds, and `CHECKS`."""
+    document = read_document(path, sink)
+    if document is None:
+        return
+    check_structure(document, sink)
+    network = load_network(path, cache=False, sink=sink)
+    check_network(document, network, sink)

@@ -1,0 +1,180 @@
+"""A road file as filed: its roads, lane sections, lanes, links and junctions by id, with their elements.
+
+The tables of a network hold what can be used; checks ask what stands in the file, and where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import NamedTuple
+
+from lxml import etree
+
+from scenario_compiler.document import Document
+from scenario_compiler.roads.network import Network
+
+START, END = "start", "end"
+OTHER_END = {START: END, END: START}
+LINK_AT = {START: "predecessor", END: "successor"}
+
+
+class Link(NamedTuple):
+    """A road's predecessor or successor: its element, the kind ("road", "junction"), id and contact that it names."""
+
+    element: etree._Element
+    kind: str
+    id: str
+    contact: str
+
+
+@dataclass(slots=True)
+class Section:
+    """A lane section: where it starts, its lanes by id (the first of each), its row in the tables or -1."""
+
+    element: etree._Element
+    s: float
+    lanes: dict[int, etree._Element]
+    row: int = -1
+
+
+@dataclass(slots=True)
+class Road:
+    """A road: its sections in ascending order of s, its links by end, its index in the tables or -1."""
+
+    element: etree._Element
+    id: str
+    length: float
+    rule: str
+    junction: str
+    sections: list[Section]
+    links: dict[str, Link]
+    index: int = -1
+
+    @property
+    def in_junction(self) -> bool:
+        """Whether the road lies in a junction."""
+        return self.junction not in {"-1", ""}
+
+    def section(self, end: str) -> Section | None:
+        """Return the lane section at an end."""
+        if not self.sections:
+            return None
+        return self.sections[0] if end == START else self.sections[-1]
+
+    def section_at(self, s: float) -> Section | None:
+        """Return the lane section that holds s."""
+        return next((one for one in reversed(self.sections) if one.s <= s), None)
+
+
+@dataclass(slots=True)
+class Connection:
+    """A junction's connection: its roads ("" where it names none) and its lane links (from, to, element)."""
+
+    element: etree._Element
+    incoming: str
+    connecting: str
+    contact: str
+    lanes: list[tuple[int, int, etree._Element]]
+
+
+@dataclass(slots=True)
+class Filed:
+    """The file and the network that was read from it (None when it gave none)."""
+
+    document: Document
+    network: Network | None
+    roads: dict[str, Road] = field(default_factory=dict)
+    junctions: list[etree._Element] = field(default_factory=list)
+
+
+def read_filed(document: Document, network: Network | None) -> Filed:
+    """Collect what a document files; elements that cannot be told apart (no id, an id twice) count once."""
+    filed = Filed(document, network, {}, list(document.root.iterfind("junction")))
+    for element in document.root.iterfind("road"):
+        name = element.get("id")
+        if name is not None and name not in filed.roads:
+            filed.roads[name] = _road(element, name)
+    if network is not None:
+        for index, name in enumerate(network.road_ids):
+            if name in filed.roads:
+                _join(filed.roads[name], index, network)
+    return filed
+
+
+def number(element: etree._Element, name: str, default: float = 0.0) -> float:
+    """Return an attribute as a finite number, else the default: what is no number is reported where it is read."""
+    try:
+        value = float(element.get(name, ""))
+    except ValueError:
+        return default
+    return value if isfinite(value) else default
+
+
+def whole(element: etree._Element, name: str) -> int | None:
+    """Return an attribute as an integer, None where it is none."""
+    text = element.get(name, "")
+    try:
+        return int(text) if len(text) < 16 else None
+    except ValueError:
+        return None
+
+
+def lane_links(lane: etree._Element, end: str) -> Iterator[tuple[int, etree._Element]]:
+    """Yield (lane id, element) of a lane's predecessors (at the start) or successors (at the end)."""
+    for element in lane.iterfind(f"link/{LINK_AT[end]}"):
+        name = whole(element, "id")
+        if name is not None:
+            yield name, element
+
+
+def connections(junction: etree._Element) -> Iterator[Connection]:
+    """Yield the connections of a junction; those without a physical road ("virtual") are left out."""
+    for element in junction.iterfind("connection"):
+        if element.get("type") == "virtual":
+            continue
+        lanes = []
+        for link in element.iterfind("laneLink"):
+            first, last = whole(link, "from"), whole(link, "to")
+            if first is not None and last is not None:
+                lanes.append((first, last, link))
+        connecting = element.get("connectingRoad") or element.get("linkedRoad") or ""
+        yield Connection(element, element.get("incomingRoad", ""), connecting, element.get("contactPoint", ""), lanes)
+
+
+def _road(element: etree._Element, name: str) -> Road:
+    sections = [
+        Section(section, number(section, "s"), _lanes(section)) for section in element.iterfind("lanes/laneSection")
+    ]
+    sections.sort(key=lambda one: one.s)
+    links = {}
+    for end, tag in LINK_AT.items():
+        link = element.find(f"link/{tag}")
+        if link is not None:
+            kind, target = link.get("elementType", "road"), link.get("elementId", "")
+            links[end] = Link(link, kind, target, link.get("contactPoint", ""))
+    junction = element.get("junction", "-1")
+    rule = element.get("rule", "RHT")
+    return Road(element, name, number(element, "length"), rule, junction, sections, links)
+
+
+def _lanes(section: etree._Element) -> dict[int, etree._Element]:
+    found: dict[int, etree._Element] = {}
+    for side in ("left", "center", "right"):
+        for lane in section.iterfind(f"{side}/lane"):
+            name = whole(lane, "id")
+            if name is not None:
+                found.setdefault(name, lane)
+    return found
+
+
+def _join(road: Road, index: int, network: Network) -> None:
+    """Find the rows of the road's sections in the tables, by s."""
+    n = network.tables
+    road.index = index
+    rows = {n.section_s[row]: row for row in range(n.road_section[index], n.road_section[index + 1])}
+    for i, section in enumerate(road.sections):
+        section.row = rows.get(section.s, -1)
+        if i == 0 and section.row < 0:
+            section.row = rows.get(min(section.s, 0.0), -1)

@@ -1,0 +1,239 @@
+"""Joints: gaps and kinks of reference lines and lane borders, within roads, between roads and into junctions."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from math import cos, degrees, hypot, pi, sin
+from typing import NamedTuple
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.check.filed import (
+    END,
+    OTHER_END,
+    START,
+    Filed,
+    Road,
+    Section,
+    connections,
+    lane_links,
+    number,
+)
+from scenario_compiler.roads.check.junctions import touched_ends
+from scenario_compiler.roads.findings import Findings
+from scenario_compiler.roads.geometry import piece_point, road_elevation, road_reference, wrap_angle
+from scenario_compiler.roads.lanes import lane_row_in, row_inner_border, row_width
+from scenario_compiler.roads.tables import RoadTables
+
+GAP = Code(
+    "SC344",
+    "road-gap",
+    "A reference line or a lane does not go on where the next one begins. Vehicles jump there, the surface has a "
+    "hole or an "
+    "overlap, and a position near the joint lies on no lane or on two. Rules: "
+    "asam.net:xodr:1.7.0:lane_smoothness.contact_point_no_horizontal_gaps, "
+    "asam.net:xodr:1.4.0:road.geometry.contact_point.",
+    Severity.WARNING,
+)
+KINK = Code(
+    "SC345",
+    "road-kink",
+    "The reference line changes its direction at a joint. Vehicles turn there at once, and the surface beside it "
+    "overlaps on the "
+    "inner side and is open on the outer.",
+    Severity.WARNING,
+)
+STEP = Code(
+    "SC363",
+    "road-step",
+    "The height of a road jumps at a joint. Vehicles jump there, and the surface has a step.",
+    Severity.WARNING,
+)
+COVERAGE = Code(
+    "SC364",
+    "road-length",
+    "The lengths of a road's geometries do not add up to the places where the next ones start, or to the length of "
+    "the road. The "
+    "line is drawn on beyond its end, or cut. Rule: openmsl.net:xodr:1.4.0:road.geometry.length.",
+    Severity.WARNING,
+)
+
+GAP_TOLERANCE = 0.01
+"""Largest gap that is not reported, m (the ASAM quality checker's)."""
+
+KINK_TOLERANCE = 0.02
+"""Largest change of direction at a joint that is not reported, rad (1.1 degrees)."""
+
+STEP_TOLERANCE = 0.05
+"""Largest step in height at a joint that is not reported, m."""
+
+LENGTH_TOLERANCE = 0.01
+"""Largest difference of lengths along s that is not reported, m."""
+
+
+class _Borders(NamedTuple):
+    """The left and the right border of a lane at an end, as seen along s: points in the plane."""
+
+    left: tuple[float, float]
+    right: tuple[float, float]
+
+
+def check_joints(filed: Filed, findings: Findings) -> None:
+    """Report gaps, kinks, steps and lengths that do not add up."""
+    if filed.network is None:
+        return
+    n = filed.network.tables
+    for road in filed.roads.values():
+        if road.index >= 0:
+            _check_reference_line(n, road, findings)
+            _check_sections(n, road, findings)
+            for end in road.links:
+                _check_road_joint(n, filed, road, end, findings)
+    for junction in filed.junctions:
+        _check_connections(n, filed, junction, findings)
+
+
+def _check_reference_line(n: RoadTables, road: Road, findings: Findings) -> None:
+    """Compare each geometry with the end of the one before."""
+    geometries = sorted(
+        ((number(one, "s"), one) for one in road.element.iterfind("planView/geometry")), key=lambda pair: pair[0]
+    )
+    first, last = n.road_piece[road.index], n.road_piece[road.index + 1]
+    stations = n.piece_s[first:last]
+    end = 0.0
+    for i, (s, element) in enumerate(geometries):
+        if i > 0 and abs(s - end) > LENGTH_TOLERANCE:
+            message = f"the geometry starts at s = {s:.6g}, the one before ends at s = {end:.6g}"
+            findings.report(COVERAGE, message, element, "s")
+        end = s + number(element, "length")
+        piece = first + bisect_left(stations, s)
+        if i == 0 or piece >= last or piece == first or n.piece_s[piece] != s:
+            continue
+        x, y, h, *_ = piece_point(n, piece - 1, s)
+        start = n.piece_x[piece], n.piece_y[piece], n.piece_h[piece]
+        _compare(findings, element, (x, y, h), start, "the geometry before")
+    if geometries and road.length > 0.0 and abs(road.length - end) > LENGTH_TOLERANCE:
+        message = f"the road is {road.length:.6g} m long, its last geometry ends at s = {end:.6g}"
+        findings.report(COVERAGE, message, road.element, "length")
+
+
+def _compare(
+    findings: Findings,
+    element: etree._Element,
+    before: tuple[float, float, float],
+    after: tuple[float, float, float],
+    what: str,
+) -> None:
+    """Compare two points with headings."""
+    gap = hypot(after[0] - before[0], after[1] - before[1])
+    if gap > GAP_TOLERANCE:
+        findings.report(GAP, f"a gap of {gap:.3g} m to {what}", element)
+    turn = abs(wrap_angle(after[2] - before[2]))
+    if turn > KINK_TOLERANCE:
+        findings.report(KINK, f"a kink of {degrees(turn):.3g} degrees against {what}", element)
+
+
+def _check_sections(n: RoadTables, road: Road, findings: Findings) -> None:
+    """Compare the borders of linked lanes where lane sections meet."""
+    for before, after in zip(road.sections, road.sections[1:], strict=False):
+        if before.row < 0 or after.row < 0:
+            continue
+        s = n.section_s[after.row]
+        for name, lane in before.lanes.items():
+            targets = [target for target, _ in lane_links(lane, END) if target in after.lanes]
+            if name == 0 or not targets:
+                continue
+            here = _t_borders(n, road, before, name, s)
+            there = [_t_borders(n, road, after, target, s) for target in targets]
+            left, right = max(one[0] for one in there), min(one[1] for one in there)
+            gap = max(abs(here[0] - left), abs(here[1] - right))
+            if gap > GAP_TOLERANCE:
+                linked = " and ".join(str(target) for target in targets)
+                message = f"a gap of {gap:.3g} m between lane {name} and lane {linked} at s = {s:.6g}"
+                findings.report(GAP, message, lane)
+
+
+def _t_borders(n: RoadTables, road: Road, section: Section, lane: int, s: float) -> tuple[float, float]:
+    """Return (t of the left border, t of the right border) of a lane of a section at s, which may be its end."""
+    row = lane_row_in(n, section.row, lane)
+    if row < 0:
+        return 0.0, 0.0
+    inner, width = row_inner_border(n, road.index, row, s), row_width(n, row, s)
+    return (inner + width, inner) if lane > 0 else (inner, inner - width)
+
+
+def _check_road_joint(n: RoadTables, filed: Filed, road: Road, end: str, findings: Findings) -> None:
+    """Compare a road's end with the road that it is linked to; each joint once, at the road that stands first."""
+    link = road.links[end]
+    other = filed.roads.get(link.id) if link.kind == "road" else None
+    if other is None or other.index < 0 or link.contact not in OTHER_END or link.element.get("elementS") is not None:
+        return
+    back = other.links.get(link.contact)
+    if back is not None and (back.kind, back.id, back.contact) == ("road", road.id, end) and other.index < road.index:
+        return
+    within = road.in_junction or other.in_junction
+    here, there = _end_pose(n, road, end), _end_pose(n, other, link.contact)
+    turned = pi if end == link.contact else 0.0
+    if not within:
+        _compare(findings, link.element, here[:3], (there[0], there[1], there[2] + turned), f"road {other.id}")
+        step = abs(there[3] - here[3])
+        if step > STEP_TOLERANCE:
+            findings.report(STEP, f"a step of {step:.3g} m to road {other.id}", link.element)
+    pairs = []
+    section = road.section(end)
+    for name, lane in section.lanes.items() if section is not None else ():
+        targets = [target for target, _ in lane_links(lane, end)]
+        if name != 0 and len(targets) == 1:
+            pairs.append((name, targets[0], lane))
+    _compare_lanes(n, (road, end), (other, link.contact), pairs, findings)
+
+
+def _end_pose(n: RoadTables, road: Road, end: str) -> tuple[float, float, float, float]:
+    """Return (x, y, heading, z) of the reference line at an end."""
+    s = 0.0 if end == START else n.road_length[road.index]
+    x, y, h, _ = road_reference(n, road.index, s)
+    return x, y, h, road_elevation(n, road.index, s)
+
+
+def _compare_lanes(
+    n: RoadTables,
+    here: tuple[Road, str],
+    there: tuple[Road, str],
+    pairs: list[tuple[int, int, etree._Element]],
+    findings: Findings,
+) -> None:
+    for name, target, element in pairs:
+        mine, other = _borders(n, *here, name), _borders(n, *there, target)
+        if mine is None or other is None:
+            continue
+        left, right = (other.right, other.left) if here[1] == there[1] else (other.left, other.right)
+        gap = max(
+            hypot(mine.left[0] - left[0], mine.left[1] - left[1]),
+            hypot(mine.right[0] - right[0], mine.right[1] - right[1]),
+        )
+        if gap > GAP_TOLERANCE:
+            lanes = f"lane {name} of road {here[0].id} and lane {target} of road {there[0].id}"
+            message = f"a gap of {gap:.3g} m between {lanes}"
+            findings.report(GAP, message, element)
+
+
+def _borders(n: RoadTables, road: Road, end: str, lane: int) -> _Borders | None:
+    section = road.section(end)
+    if section is None or section.row < 0 or lane_row_in(n, section.row, lane) < 0:
+        return None
+    s = 0.0 if end == START else n.road_length[road.index]
+    x, y, h, _ = road_reference(n, road.index, s)
+    left, right = _t_borders(n, road, section, lane, s)
+    return _Borders((x - left * sin(h), y + left * cos(h)), (x - right * sin(h), y + right * cos(h)))
+
+
+def _check_connections(n: RoadTables, filed: Filed, junction: etree._Element, findings: Findings) -> None:
+    """Compare the borders of lanes that a junction links."""
+    for connection in connections(junction):
+        ends = touched_ends(filed, junction, connection)
+        if ends is None or ends[0].index < 0 or ends[2].index < 0:
+            continue
+        single = {first for first, _, _ in connection.lanes}
+        if len(single) == len(connection.lanes):
+            _compare_lanes(n, ends[:2], ends[2:], connection.lanes, findings)

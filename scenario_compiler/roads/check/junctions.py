@@ -1,0 +1,176 @@
+"""Junctions: connections that lead somewhere, by the end that they name, lane by lane."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.check.filed import (
+    END,
+    OTHER_END,
+    Connection,
+    Filed,
+    Road,
+    connections,
+)
+from scenario_compiler.roads.findings import Findings
+from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, is_drivable
+
+LOST_CONNECTION = Code(
+    "SC338",
+    "lost-connection",
+    "A connection of a junction leads nowhere: it names no roads, its connecting road does not lie in the junction, "
+    "or the end of "
+    "it that the connection names (contactPoint) is not linked to the incoming road. Traffic cannot enter there, or "
+    "enters at the "
+    "wrong end. Rules: asam.net:xodr:1.7.0:junctions.connection.start_along_linkage and end_opposite_linkage, "
+    "openmsl.net:xodr:1.4.0:road.semantic.junction_connection_road_linkage.",
+    Severity.WARNING,
+)
+UNKNOWN_LINKED_LANE = Code(
+    "SC339",
+    "unknown-connected-lane",
+    "A lane link of a junction names a lane that the incoming or the connecting road does not have where they touch. "
+    "Traffic "
+    "cannot go on there. Rule: openmsl.net:xodr:1.4.0:road.semantic.junction_connection_lane_link_id.",
+    Severity.WARNING,
+)
+UNORDERED_LINKS = Code(
+    "SC340",
+    "unordered-lane-links",
+    "The lane links of a connection do not stand from left to right (descending ids of the incoming lanes). Nothing "
+    "is wrong with "
+    "them; they are harder to read. Rule: openmsl.net:xodr:1.4.0:road.semantic.junction_connection_lane_linkage_order.",
+    Severity.NOTE,
+)
+UNCONNECTED_LANE = Code(
+    "SC341",
+    "unconnected-lane",
+    "A lane on which traffic drives into a junction has no connection there, so it ends at the junction. Rule: "
+    "openmsl.net:xodr:1.4.0:road.semantic.junction_driving_lanes_continue.",
+    Severity.WARNING,
+)
+REPEATED_CONNECTION = Code(
+    "SC342",
+    "repeated-connection",
+    "A junction connects the same two roads twice. Each connecting road has one connection for each incoming road. "
+    "Rules: "
+    "asam.net:xodr:1.7.0:junctions.connection.one_connection_element, "
+    "asam.net:xodr:1.8.0:junctions.connection.one_link_to_incoming.",
+    Severity.WARNING,
+)
+CONNECTING_AS_INCOMING = Code(
+    "SC343",
+    "connecting-road-as-incoming",
+    "A road within a junction is named as an incoming road of it. Roads come in from outside. Rule: "
+    "asam.net:xodr:1.4.0:junctions.connection.connect_road_no_incoming_road.",
+    Severity.WARNING,
+)
+
+
+def check_junctions(filed: Filed, findings: Findings) -> None:
+    """Report what is wrong with the connections of each junction."""
+    for junction in filed.junctions:
+        found = list(connections(junction))
+        direct = junction.get("type") == "direct"
+        inner = set() if direct else {one.connecting for one in found}
+        pairs: set[tuple[str, str]] = set()
+        for connection in found:
+            if connection.incoming in inner:
+                message = f"road {connection.incoming} lies within the junction and is named as incoming"
+                findings.report(CONNECTING_AS_INCOMING, message, connection.element, "incomingRoad")
+            pair = (connection.incoming, connection.connecting)
+            if pair in pairs:
+                message = f"roads {pair[0]} and {pair[1]} are connected a second time"
+                findings.report(REPEATED_CONNECTION, message, connection.element)
+            pairs.add(pair)
+            _check_roads(filed, junction, connection, direct, findings)
+            _check_lanes(filed, junction, connection, findings)
+        _check_incoming_lanes(filed, junction, found, findings)
+
+
+def _check_roads(
+    filed: Filed, junction: etree._Element, connection: Connection, direct: bool, findings: Findings
+) -> None:
+    incoming, inner = filed.roads.get(connection.incoming), filed.roads.get(connection.connecting)
+    if not connection.connecting or not connection.incoming:
+        findings.report(LOST_CONNECTION, "the connection does not name both of its roads", connection.element)
+        return
+    if incoming is None or inner is None:
+        return
+    name = junction.get("id", "")
+    if not direct and inner.junction != name:
+        message = f"road {inner.id} connects in junction {name}, but says that it lies in '{inner.junction[:40]}'"
+        findings.report(LOST_CONNECTION, message, connection.element, "connectingRoad")
+    if connection.contact not in OTHER_END:
+        return
+    link = inner.links.get(connection.contact)
+    if direct:
+        fits = link is not None and link.kind == "junction" and link.id == name
+    else:
+        fits = link is not None and link.kind == "road" and link.id == incoming.id
+    if not fits and junction.get("type") != "virtual":
+        message = f"the {connection.contact} of road {inner.id} is not linked to "
+        message += f"junction {name}" if direct else f"road {incoming.id}"
+        findings.report(LOST_CONNECTION, message, connection.element, "contactPoint")
+
+
+def touched_ends(filed: Filed, junction: etree._Element, connection: Connection) -> tuple[Road, str, Road, str] | None:
+    """Return (incoming road, its end, connecting road, its end) where they touch, None where the file does not say."""
+    incoming, inner = filed.roads.get(connection.incoming), filed.roads.get(connection.connecting)
+    if incoming is None or inner is None or connection.contact not in OTHER_END:
+        return None
+    link = inner.links.get(connection.contact)
+    if link is not None and link.kind == "road" and link.id == incoming.id and link.contact in OTHER_END:
+        return incoming, link.contact, inner, connection.contact
+    name = junction.get("id")
+    ends = [end for end, one in incoming.links.items() if one.kind == "junction" and one.id == name]
+    return (incoming, ends[0], inner, connection.contact) if len(ends) == 1 else None
+
+
+def _check_lanes(filed: Filed, junction: etree._Element, connection: Connection, findings: Findings) -> None:
+    last: int | None = None
+    for first, _, element in connection.lanes:
+        if last is not None and first >= last:
+            findings.report(UNORDERED_LINKS, f"the link of lane {first} follows that of lane {last}", element)
+            break
+        last = first
+    ends = touched_ends(filed, junction, connection)
+    if ends is None:
+        return
+    incoming, end, inner, contact = ends
+    sections = incoming.section(end), inner.section(contact)
+    for first, second, element in connection.lanes:
+        for attribute, lane, road, section in (
+            ("from", first, incoming, sections[0]),
+            ("to", second, inner, sections[1]),
+        ):
+            if section is not None and lane not in section.lanes:
+                message = f"road {road.id} has no lane {lane} where the roads touch"
+                findings.report(UNKNOWN_LINKED_LANE, message, element, attribute)
+
+
+def _check_incoming_lanes(filed: Filed, junction: etree._Element, found: list[Connection], findings: Findings) -> None:
+    """Report lanes of incoming roads on which traffic drives into the junction and which go on nowhere."""
+    name = junction.get("id", "")
+    linked: dict[str, set[int]] = {}
+    for connection in found:
+        linked.setdefault(connection.incoming, set()).update(first for first, _, _ in connection.lanes)
+        if not connection.lanes:
+            linked[connection.incoming].update(range(-100, 100))
+    if junction.get("type") in {"virtual", "crossing"}:
+        return
+    for road_name, lanes in linked.items():
+        road = filed.roads.get(road_name)
+        if road is None:
+            continue
+        for end, link in road.links.items():
+            section = road.section(end)
+            if link.kind != "junction" or link.id != name or section is None:
+                continue
+            towards = -1 if (end == END) == (road.rule != "LHT") else 1
+            for lane, element in section.lanes.items():
+                code = LANE_TYPE_CODES.get(element.get("type", "none"), -1)
+                if lane * towards > 0 and code >= 0 and is_drivable(code) and lane not in lanes:
+                    message = f"lane {lane} of road {road.id} leads into junction {name} and has no connection there"
+                    findings.report(UNCONNECTED_LANE, message, element)

@@ -1,0 +1,188 @@
+"""Links of roads and lanes: back and forth, unambiguous, to lanes that exist."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.check.filed import (
+    END,
+    OTHER_END,
+    START,
+    Filed,
+    Road,
+    Section,
+    connections,
+    lane_links,
+)
+from scenario_compiler.roads.findings import Findings
+from scenario_compiler.roads.lanes import lane_row_in, row_width
+
+ONE_SIDED_LINK = Code(
+    "SC333",
+    "one-sided-road-link",
+    "A road is linked to another one that is not linked back to it, or at another end. Traffic can go one way over "
+    "the joint and "
+    "not the other; programs differ in which of the two they believe. "
+    "Rule: openmsl.net:xodr:1.4.0:road.semantic.road_link_backward.",
+    Severity.WARNING,
+)
+AMBIGUOUS_LINK = Code(
+    "SC334",
+    "ambiguous-road-link",
+    "Several roads are linked directly to the same end of one road. Which of them goes on there is not said; a "
+    "junction is "
+    "needed. Rule: asam.net:xodr:1.4.0:road.linkage.is_junction_needed.",
+    Severity.WARNING,
+)
+UNKNOWN_LANE = Code(
+    "SC335",
+    "unknown-linked-lane",
+    "A lane is linked to a lane that does not exist in the next lane section or road. The link is ignored, so "
+    "traffic on this lane "
+    "cannot go on there. Rules: openmsl.net:xodr:1.4.0:road.semantic.lane_link_id, "
+    "asam.net:xodr:1.4.0:road.lane.link.lanes_across_lane_sections.",
+    Severity.WARNING,
+)
+ONE_SIDED_LANE = Code(
+    "SC336",
+    "one-sided-lane-link",
+    "A lane is linked to a lane that is not linked back to it. Rule: "
+    "asam.net:xodr:1.4.0:road.lane.link.lanes_across_lane_sections.",
+    Severity.WARNING,
+)
+ZERO_WIDTH_LINK = Code(
+    "SC337",
+    "zero-width-lane-link",
+    "A lane with no width at an end is linked there. A lane that begins or ends within the road has no predecessor "
+    "or successor. "
+    "Rules: asam.net:xodr:1.7.0:road.lane.link.zero_width_at_start, "
+    "asam.net:xodr:1.7.0:road.lane.link.zero_width_at_end, "
+    "asam.net:xodr:1.4.0:road.lane.link.new_lane_appear.",
+    Severity.WARNING,
+)
+
+ZERO_WIDTH = 1e-6
+"""Width below which a lane counts as having none, m (the ASAM quality checker's)."""
+
+
+def check_road_links(filed: Filed, findings: Findings) -> None:
+    """Report links that are not returned and ends that several roads are linked to."""
+    taken: dict[tuple[str, str], etree._Element] = {}
+    for road in filed.roads.values():
+        for end, link in road.links.items():
+            if link.kind == "junction":
+                _check_junction_link(filed, road, end, findings)
+                continue
+            other = filed.roads.get(link.id)
+            if other is None or link.contact not in OTHER_END:
+                continue
+            back = other.links.get(link.contact)
+            if not road.in_junction:
+                place = (link.id, link.contact)
+                if place in taken:
+                    message = f"another road is linked to the {link.contact} of road {link.id}, too"
+                    findings.report(AMBIGUOUS_LINK, message, link.element)
+                taken.setdefault(place, link.element)
+                returned = back is not None and back.kind == "road" and (back.id, back.contact) == (road.id, end)
+                leads_in = back is not None and back.kind == "junction"
+                if not returned and not leads_in:
+                    message = f"the {link.contact} of road {link.id} is not linked back to the {end} of road {road.id}"
+                    findings.report(ONE_SIDED_LINK, message, link.element)
+
+
+def _check_junction_link(filed: Filed, road: Road, end: str, findings: Findings) -> None:
+    """A road that leads into a junction has a connection there."""
+    link = road.links[end]
+    junction = next((one for one in filed.junctions if one.get("id") == link.id), None)
+    if junction is None or junction.get("type") in {"virtual", "crossing"}:
+        return
+    known: set[str] = set()
+    for connection in connections(junction):
+        known.update((connection.incoming, connection.connecting))
+        inner = filed.roads.get(connection.connecting)
+        if inner is not None:
+            known.update(one.id for one in inner.links.values() if one.kind == "road")
+    if road.id not in known:
+        message = f"junction {link.id} has no connection from or to road {road.id}"
+        findings.report(ONE_SIDED_LINK, message, link.element)
+
+
+class _Joint(NamedTuple):
+    """Where a lane section meets another: its end, the other one and the end of that; the junction files its lane links."""
+
+    section: Section
+    end: str
+    other: Section
+    contact: str
+    in_junction: bool
+
+
+def check_lane_links(filed: Filed, findings: Findings) -> None:
+    """Report lane links to lanes that do not exist, that are not returned, and of lanes without width."""
+    for road in filed.roads.values():
+        for joint in _joints(filed, road):
+            for name, lane in joint.section.lanes.items():
+                for target, element in lane_links(lane, joint.end):
+                    _check_lane_link(joint, name, target, element, findings)
+        _check_ends_without_neighbour(road, findings)
+        _check_zero_widths(filed, road, findings)
+
+
+def _check_lane_link(joint: _Joint, name: int, target: int, element: etree._Element, findings: Findings) -> None:
+    linked = joint.other.lanes.get(target)
+    if linked is None:
+        message = f"lane {name} is linked to lane {target}, which does not exist there"
+        findings.report(UNKNOWN_LANE, message, element, "id")
+    elif name != 0 and not joint.in_junction and name not in {back for back, _ in lane_links(linked, joint.contact)}:
+        message = f"lane {name} is linked to lane {target}, which is not linked back to it"
+        findings.report(ONE_SIDED_LANE, message, element)
+
+
+def _joints(filed: Filed, road: Road) -> Iterator[_Joint]:
+    """Yield the joints at both ends of each lane section of a road."""
+    for before, after in zip(road.sections, road.sections[1:], strict=False):
+        yield _Joint(before, END, after, START, False)
+        yield _Joint(after, START, before, END, False)
+    for end, link in road.links.items():
+        section = road.section(end)
+        other = filed.roads.get(link.id) if link.kind == "road" and link.contact in OTHER_END else None
+        there = other.section(link.contact) if other is not None else None
+        if section is not None and other is not None and there is not None:
+            yield _Joint(section, end, there, link.contact, road.in_junction or other.in_junction)
+
+
+def _check_ends_without_neighbour(road: Road, findings: Findings) -> None:
+    """Lanes at an end that no road is linked to have no links there."""
+    for end in (START, END):
+        section = road.section(end)
+        if section is None or end in road.links:
+            continue
+        for name, lane in section.lanes.items():
+            for target, element in lane_links(lane, end):
+                message = (
+                    f"lane {name} is linked to lane {target}, but road {road.id} is linked to no road at its {end}"
+                )
+                findings.report(UNKNOWN_LANE, message, element, "id")
+
+
+def _check_zero_widths(filed: Filed, road: Road, findings: Findings) -> None:
+    if filed.network is None or road.index < 0:
+        return
+    n = filed.network.tables
+    for section in road.sections:
+        if section.row < 0:
+            continue
+        ends = {START: n.section_s[section.row], END: n.section_end[section.row]}
+        for name, lane in section.lanes.items():
+            row = lane_row_in(n, section.row, name)
+            if name == 0 or row < 0:
+                continue
+            for end, s in ends.items():
+                link = next(lane_links(lane, end), None)
+                if link is not None and row_width(n, row, s) < ZERO_WIDTH:
+                    message = f"lane {name} has no width at its {end} and is linked there to lane {link[0]}"
+                    findings.report(ZERO_WIDTH_LINK, message, link[1])

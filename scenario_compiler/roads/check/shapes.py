@@ -1,0 +1,212 @@
+"""The shape of single roads: lane widths, lane sections, the order of lanes and records, polynomials."""
+
+from __future__ import annotations
+
+from math import hypot, sqrt
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.check.filed import Filed, Road, Section, number, whole
+from scenario_compiler.roads.findings import Findings
+from scenario_compiler.roads.lanes import lane_row_in
+from scenario_compiler.roads.tables import RoadTables
+
+NEGATIVE_WIDTH = Code(
+    "SC346",
+    "negative-lane-width",
+    "A lane's width falls below 0, or its border crosses that of the lane beside it. The width counts as 0 there. "
+    "Rules: "
+    "openmsl.net:xodr:1.4.0:road.semantic.lane_width, asam.net:xodr:1.4.0:road.lane.border.overlap_with_inner_lanes.",
+    Severity.WARNING,
+)
+CURVE_LENGTH = Code(
+    "SC347",
+    "curve-length",
+    "The curve of a paramPoly3 is not as long as its geometry says. Positions along it are stretched or squeezed. "
+    "Rules: "
+    "asam.net:xodr:1.7.0:road.geometry.parampoly3.length_match, arclength_range and normalized_range.",
+    Severity.WARNING,
+)
+CURVE_START = Code(
+    "SC348",
+    "curve-start",
+    "A paramPoly3 does not start where its geometry says (aU, aV are not 0) or not in its direction (bV is not 0, bU "
+    "is not "
+    "positive). Rule: openmsl.net:xodr:1.4.0:road.geometry.parampoly3_attributes.",
+    Severity.WARNING,
+)
+SECTION_START = Code(
+    "SC349",
+    "lane-section-start",
+    "The lane sections of a road do not cover it: the first one does not start at 0, or one starts beyond the road's "
+    "end or where "
+    "another one starts. Rule: openmsl.net:xodr:1.4.0:road.semantic.lanesection_s.",
+    Severity.WARNING,
+)
+LANE_ORDER = Code(
+    "SC350",
+    "lane-order",
+    "The ids of the lanes of a section do not descend from left to right without a gap (..., 2, 1, 0, -1, -2, ...). "
+    "Lanes are "
+    "placed by their ids, so a gap or an exchange puts a lane where it does not belong. Rule: "
+    "openmsl.net:xodr:1.4.0:road.semantic.lane_id_order.",
+    Severity.WARNING,
+)
+RECORD_OFFSET = Code(
+    "SC351",
+    "record-offset",
+    "The records of a lane (widths, borders, heights, marks, speeds) do not ascend in sOffset, start beyond the end "
+    "of their "
+    "section, or, for widths, borders and heights, do not start at 0. Rule: "
+    "openmsl.net:xodr:1.4.0:road.semantic.lane_property_sOffset.",
+    Severity.WARNING,
+)
+LANE_WITHOUT_TYPE = Code(
+    "SC352",
+    "lane-without-type",
+    "A lane has the type 'none': it is there, and nothing may use it. Often the type was forgotten. Rule: "
+    "openmsl.net:xodr:1.4.0:road.semantic.lane_type_none.",
+    Severity.NOTE,
+)
+
+LENGTH_TOLERANCE = 0.001
+"""Largest difference of a curve's length that is not reported, m (the ASAM quality checker's)."""
+
+WIDTH_TOLERANCE = 1e-6
+"""How far a width may fall below 0 unreported, m: rounding of written decimals."""
+
+OFFSET_TOLERANCE = 1e-3
+"""How far a record may start beyond its section unreported, m."""
+
+START_TOLERANCE = 1e-6
+"""Largest coefficient of a curve's start that counts as 0."""
+
+CURVE_STEPS = 200
+"""Steps of Simpson's rule over a curve; its error is below 1e-6 m for curves that roads have."""
+
+RECORDS = ("width", "border", "roadMark", "material", "visibility", "speed", "access", "height", "rule")
+WHOLE_LENGTH = {"width", "border", "height"}
+"""Records that must cover their section from its start."""
+
+
+def check_shapes(filed: Filed, findings: Findings) -> None:
+    """Report faults in the shape of single roads."""
+    for road in filed.roads.values():
+        _check_curves(road, findings)
+        _check_sections(road, findings)
+        for i, section in enumerate(road.sections):
+            end = road.sections[i + 1].s if i + 1 < len(road.sections) else road.length
+            _check_lane_order(section, findings)
+            for name, lane in section.lanes.items():
+                _check_lane(name, lane, end - section.s, findings)
+        if filed.network is not None and road.index >= 0:
+            _check_widths(filed.network.tables, road, findings)
+
+
+def _check_curves(road: Road, findings: Findings) -> None:
+    for geometry in road.element.iterfind("planView/geometry"):
+        curve = geometry.find("paramPoly3")
+        if curve is None:
+            continue
+        if any(abs(number(curve, name)) > START_TOLERANCE for name in ("aU", "aV", "bV")) or number(curve, "bU") <= 0.0:
+            findings.report(CURVE_START, "the curve does not start at its geometry's start, in its direction", curve)
+        length = number(geometry, "length")
+        curved = _curve_length(curve, 1.0 if curve.get("pRange") == "normalized" else length)
+        if abs(curved - length) > LENGTH_TOLERANCE:
+            message = f"the curve is {curved:.6g} m long, its geometry {length:.6g} m"
+            findings.report(CURVE_LENGTH, message, geometry, "length")
+
+
+def _curve_length(curve: etree._Element, last: float) -> float:
+    """Return the length of a paramPoly3 over 0 .. last by Simpson's rule."""
+    bu, cu, du = (number(curve, name) for name in ("bU", "cU", "dU"))
+    bv, cv, dv = (number(curve, name) for name in ("bV", "cV", "dV"))
+    step = last / CURVE_STEPS
+    total = 0.0
+    for i in range(CURVE_STEPS + 1):
+        p = i * step
+        speed = hypot(bu + p * (2.0 * cu + 3.0 * du * p), bv + p * (2.0 * cv + 3.0 * dv * p))
+        total += speed * (1 if i in {0, CURVE_STEPS} else 4 if i % 2 else 2)
+    return total * step / 3.0
+
+
+def _check_sections(road: Road, findings: Findings) -> None:
+    last: float | None = None
+    for section in road.sections:
+        if last is None:
+            if section.s != 0.0:
+                message = f"the first lane section starts at s = {section.s:g}, not at 0"
+                findings.report(SECTION_START, message, section.element, "s")
+        elif section.s == last:
+            findings.report(SECTION_START, f"a second lane section starts at s = {section.s:g}", section.element, "s")
+        elif section.s >= road.length:
+            message = f"the lane section starts at s = {section.s:g}, beyond the road's end at {road.length:g}"
+            findings.report(SECTION_START, message, section.element, "s")
+        last = section.s
+
+
+def _check_lane_order(section: Section, findings: Findings) -> None:
+    """Ids descend by one from left to right, and each side starts beside the centre."""
+    for side, sign in (("left", 1), ("right", -1)):
+        ids = [whole(lane, "id") for lane in section.element.iterfind(f"{side}/lane")]
+        elements = section.element.findall(f"{side}/lane")
+        count = len(ids)
+        expected = list(range(count, 0, -1)) if sign > 0 else list(range(-1, -count - 1, -1))
+        for name, wanted, element in zip(ids, expected, elements, strict=True):
+            if name != wanted:
+                message = f"lane {element.get('id', '')[:20]} stands where lane {wanted} should"
+                findings.report(LANE_ORDER, message, element, "id")
+                break
+
+
+def _check_lane(name: int, lane: etree._Element, length: float, findings: Findings) -> None:
+    if name != 0 and lane.get("type") == "none":
+        findings.report(LANE_WITHOUT_TYPE, f"lane {name} has the type 'none'", lane, "type")
+    for tag in RECORDS:
+        last: float | None = None
+        for record in lane.iterfind(tag):
+            s = number(record, "sOffset")
+            if last is None and tag in WHOLE_LENGTH and s != 0.0:
+                findings.report(
+                    RECORD_OFFSET, f"the first <{tag}> starts at sOffset = {s:g}, not at 0", record, "sOffset"
+                )
+            elif last is not None and s < last:
+                message = f"<{tag}> starts at sOffset = {s:g}, before the one above it"
+                findings.report(RECORD_OFFSET, message, record, "sOffset")
+            if s > length + OFFSET_TOLERANCE:
+                message = f"<{tag}> starts at sOffset = {s:g}, beyond its section, which is {length:g} m long"
+                findings.report(RECORD_OFFSET, message, record, "sOffset")
+            last = s
+
+
+def _check_widths(n: RoadTables, road: Road, findings: Findings) -> None:
+    for section in road.sections:
+        if section.row < 0:
+            continue
+        end = n.section_end[section.row]
+        for name, lane in section.lanes.items():
+            row = lane_row_in(n, section.row, name)
+            if row < 0 or name == 0:
+                continue
+            first, last = n.lane_width_first[row], n.lane_width_last[row]
+            for i in range(first, last):
+                stop = min(n.cubic_s[i + 1], end) if i + 1 < last else end
+                low, s = _lowest(n, i, max(0.0, n.section_s[section.row] - n.cubic_s[i]), stop - n.cubic_s[i])
+                if low < -WIDTH_TOLERANCE:
+                    message = f"the width of lane {name} falls to {low:.3g} m at s = {n.cubic_s[i] + s:.6g}"
+                    findings.report(NEGATIVE_WIDTH, message, lane)
+                    break
+
+
+def _lowest(n: RoadTables, i: int, start: float, stop: float) -> tuple[float, float]:
+    """Return (the lowest value, where) of a cubic over start .. stop."""
+    a, b, c, d = n.cubic_a[i], n.cubic_b[i], n.cubic_c[i], n.cubic_d[i]
+    places = [start, max(start, stop)]
+    if d != 0.0:
+        inside = c * c - 3.0 * b * d
+        if inside >= 0.0:
+            places.extend(((-c + sqrt(inside)) / (3.0 * d), (-c - sqrt(inside)) / (3.0 * d)))
+    elif c != 0.0:
+        places.append(-b / (2.0 * c))
+    return min((a + s * (b + s * (c + s * d)), s) for s in places if start <= s <= max(start, stop))

@@ -1,0 +1,143 @@
+"""What lanes say about traffic: access, level, speed limits against the road's type."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.check.filed import (
+    OTHER_END,
+    Filed,
+    Road,
+    Section,
+    connections,
+    lane_links,
+    number,
+)
+from scenario_compiler.roads.check.junctions import touched_ends
+from scenario_compiler.roads.findings import Findings
+from scenario_compiler.roads.reading import SPEED_UNITS
+
+MIXED_ACCESS = Code(
+    "SC354",
+    "mixed-lane-access",
+    "A lane allows and denies access at the same place. Either is complete alone: what is not allowed is denied, "
+    "what is not denied "
+    "is allowed. Rule: asam.net:xodr:1.7.0:road.lane.access.no_mix_of_deny_or_allow.",
+    Severity.WARNING,
+)
+LEVEL = Code(
+    "SC353",
+    "lane-level",
+    "A lane that follows the road's cross slope lies outside one that is level, or a level lane goes on in one that "
+    "is not. Lanes are "
+    "level from one of them out to the road's border. Rule: asam.net:xodr:1.7.0:road.lane.level_true_one_side.",
+    Severity.WARNING,
+)
+SPEED_OF_TYPE = Code(
+    "SC358",
+    "speed-against-road-type",
+    "The speed limit of a lane is not one that roads of this type have. The type or the unit is probably wrong. Rule: "
+    "openmsl.net:xodr:1.4.0:road.road_type_vs_speed_limit.",
+    Severity.NOTE,
+)
+
+SAME_PLACE = 1e-6
+"""Distance below which two records stand at the same place, m (the ASAM quality checker's)."""
+
+SPEEDS = {
+    "rural": (50, 100),
+    "motorway": (80, 999),
+    "town": (10, 100),
+    "lowSpeed": (10, 30),
+    "pedestrian": (1, 20),
+    "bicycle": (1, 40),
+    "townExpressway": (80, 130),
+    "townCollector": (50, 100),
+    "townArterial": (50, 90),
+    "townPrivate": (10, 30),
+    "townLocal": (10, 30),
+    "townPlayStreet": (10, 30),
+}
+"""Lowest and highest usual speed limit of each type of road, km/h (the openMSL quality checker's)."""
+
+
+def check_traffic(filed: Filed, findings: Findings) -> None:
+    """Report access, level and speed that do not fit."""
+    for road in filed.roads.values():
+        kind = road.element.find("type")
+        speeds = SPEEDS.get("" if kind is None else kind.get("type", ""))
+        for section in road.sections:
+            _check_access(section, findings)
+            _check_level(section, findings)
+            if speeds is not None:
+                _check_speeds(section, speeds, findings)
+        _check_level_along(filed, road, findings)
+    for junction in filed.junctions:
+        for connection in connections(junction):
+            ends = touched_ends(filed, junction, connection)
+            if ends is not None:
+                here, there = ends[0].section(ends[1]), ends[2].section(ends[3])
+                for first, second, element in connection.lanes:
+                    if here is not None and there is not None and _levels_differ(here, first, there, second):
+                        lanes = f"lane {first} of road {ends[0].id} and lane {second} of road {ends[2].id}"
+                        message = f"{lanes} differ in level"
+                        findings.report(LEVEL, message, element)
+
+
+def _check_access(section: Section, findings: Findings) -> None:
+    for lane in section.lanes.values():
+        records = sorted(
+            ((number(one, "sOffset"), one.get("rule", "deny"), one) for one in lane.iterfind("access")),
+            key=lambda record: record[0],
+        )
+        for i, (s, rule, element) in enumerate(records):
+            if any(other != rule and s - at < SAME_PLACE for at, other, _ in records[:i]):
+                findings.report(MIXED_ACCESS, f"access is allowed and denied at sOffset = {s:g}", element)
+
+
+def _check_level(section: Section, findings: Findings) -> None:
+    for sign in (1, -1):
+        level = False
+        for name in sorted((one for one in section.lanes if one * sign > 0), key=abs):
+            here = _is_level(section, name)
+            if level and not here:
+                message = f"lane {name} is not level, but lies outside a lane that is"
+                findings.report(LEVEL, message, section.lanes[name])
+            level = level or here
+
+
+def _is_level(section: Section, lane: int) -> bool:
+    return section.lanes[lane].get("level") in {"true", "1"}
+
+
+def _levels_differ(here: Section, first: int, there: Section, second: int) -> bool:
+    if first not in here.lanes or second not in there.lanes:
+        return False
+    return _is_level(here, first) != _is_level(there, second)
+
+
+def _check_level_along(filed: Filed, road: Road, findings: Findings) -> None:
+    """Compare lanes with those that they are linked to."""
+    joints = [(a, "end", b) for a, b in zip(road.sections, road.sections[1:], strict=False)]
+    for end, link in road.links.items():
+        other = filed.roads.get(link.id) if link.kind == "road" and link.contact in OTHER_END else None
+        here, there = road.section(end), other.section(link.contact) if other is not None else None
+        if here is not None and there is not None:
+            joints.append((here, end, there))
+    for here, end, there in joints:
+        for name, lane in here.lanes.items():
+            for target, element in lane_links(lane, end):
+                if name != 0 and _levels_differ(here, name, there, target):
+                    findings.report(
+                        LEVEL, f"lane {name} and lane {target}, which it is linked to, differ in level", element
+                    )
+
+
+def _check_speeds(section: Section, usual: tuple[int, int], findings: Findings) -> None:
+    for lane in section.lanes.values():
+        if lane.get("type") != "driving":
+            continue
+        for speed in lane.iterfind("speed"):
+            limit = 3.6 * number(speed, "max", -1.0) * SPEED_UNITS.get(speed.get("unit", "m/s"), 1.0)
+            if limit >= 0.0 and not usual[0] <= limit <= usual[1]:
+                message = f"the limit is {limit:.3g} km/h; roads of this type have {usual[0]} to {usual[1]} km/h"
+                findings.report(SPEED_OF_TYPE, message, speed, "max")
