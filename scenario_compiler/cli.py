@@ -18,6 +18,7 @@ from scenario_compiler.diagnostics import CODES, Code, Diagnostic, Diagnostics, 
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
+    from scenario_compiler.document import Document
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.recording import Recording
     from scenario_compiler.report.run import Run
@@ -30,7 +31,8 @@ CODE_HOMES = ("compiler",)
 BAD_RECORDING = Code(
     "SC131",
     "unreadable-recording",
-    "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan again.",
+    "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan "
+    "again.",
 )
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED = 0, 1, 2, 3
@@ -115,6 +117,28 @@ def _add_report(commands: _Commands) -> None:
     _add_maps(parser)
     _add_diagnostics(parser)
     parser.set_defaults(command=report_command)
+
+
+def _add_map(commands: _Commands) -> None:
+    actions = commands.add_parser("map", help="look into road files").add_subparsers(required=True, metavar="ACTION")
+    info = actions.add_parser("info", help="sum a map up")
+    info.set_defaults(command=map_info_command)
+    check = actions.add_parser("check", help="find what is wrong in a road file")
+    check.add_argument("--xsd", type=Path, metavar="DIR", help="folder with ASAM's schemas")
+    check.set_defaults(command=map_check_command)
+    plot = actions.add_parser("plot", help="draw a map")
+    plot.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg")
+    plot.set_defaults(command=map_plot_command)
+    export = actions.add_parser("export", help="write a map for another program")
+    form = export.add_mutually_exclusive_group(required=True)
+    form.add_argument("--for", choices=("carla",), dest="client", help="OpenDRIVE that the CARLA clients load")
+    form.add_argument("--mesh", action="store_true", help="surfaces and marks as .gltf, .glb or .obj")
+    export.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE")
+    export.set_defaults(command=map_export_command)
+    for parser in (info, check, plot, export):
+        parser.add_argument("file", metavar="FILE", help="OpenDRIVE file, or the name of a map on the search path")
+        _add_maps(parser)
+        _add_diagnostics(parser)
 
 
 def _add_explain(commands: _Commands) -> None:
@@ -344,6 +368,96 @@ def report_command(options: argparse.Namespace) -> int:
         return AT_FAULT
     write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
     print(f"report: {options.folder / 'report.html'}")
+    return FINE
+
+
+def _map_file(options: argparse.Namespace) -> Path:
+    from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
+
+    try:
+        return find_map(options.file, folders=options.maps)
+    except MapNotFoundError as missing:
+        raise WrongUse(f"{missing} ({did_you_mean(options.file, known_maps(options.maps))})") from None
+
+
+def _loaded_map(options: argparse.Namespace) -> tuple[Document, Network] | None:
+    from scenario_compiler.document import read_document
+    from scenario_compiler.roads import load_network
+
+    sink = Diagnostics()
+    path = _map_file(options)
+    document = read_document(path, sink)
+    network = None if document is None else load_network(path, sink=sink)
+    show(sink, options)
+    return None if document is None or network is None else (document, network)
+
+
+def map_info_command(options: argparse.Namespace) -> int:
+    """Print what a map holds."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from scenario_compiler.roads.describe import describe
+
+    loaded = _loaded_map(options)
+    if loaded is None:
+        return AT_FAULT
+    table = Table(show_header=False, box=None, pad_edge=False)
+    for label, value in describe(*loaded):
+        table.add_row(label, value)
+    Console().print(table)
+    return FINE
+
+
+def map_check_command(options: argparse.Namespace) -> int:
+    """Print everything that is wrong in a road file."""
+    from scenario_compiler.document import read_document
+    from scenario_compiler.roads.check import check_file
+    from scenario_compiler.roads.xsd import validate_with_xsd
+
+    sink = Diagnostics()
+    path = _map_file(options)
+    check_file(path, sink)
+    document = None if options.xsd is None else read_document(path, sink)
+    if document is not None:
+        validate_with_xsd(document, options.xsd, sink)
+    return AT_FAULT if show(sink, options) else FINE
+
+
+def map_plot_command(options: argparse.Namespace) -> int:
+    """Draw a map."""
+    from scenario_compiler.report.map_plot import plot_map
+    from scenario_compiler.roads.spawn_points import read_spawn_points
+
+    if options.output.suffix not in (".png", ".svg"):
+        raise WrongUse(f"{options.output}: a map is drawn as .png or .svg")
+    loaded = _loaded_map(options)
+    if loaded is None:
+        return AT_FAULT
+    sink = Diagnostics()
+    spawn_points = read_spawn_points(loaded[1].path, sink)
+    show(sink, options)
+    plot_map(loaded[1], options.output, spawn_points=spawn_points)
+    return FINE
+
+
+def map_export_command(options: argparse.Namespace) -> int:
+    """Write a map for another program."""
+    loaded = _loaded_map(options)
+    if loaded is None:
+        return AT_FAULT
+    document, network = loaded
+    if options.mesh:
+        from scenario_compiler.roads.export_mesh import FORMATS as MESH_FORMATS
+        from scenario_compiler.roads.export_mesh import export_mesh
+
+        if options.output.suffix not in MESH_FORMATS:
+            raise WrongUse(f"{options.output}: a mesh is written as {', '.join(MESH_FORMATS)}")
+        export_mesh(network, options.output)
+        return FINE
+    from scenario_compiler.roads.export_carla import export_for_carla
+
+    options.output.write_bytes(export_for_carla(document, network))
     return FINE
 
 
