@@ -265,12 +265,13 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
     seen = rows[next((i for i, (kind, _) in enumerate(moments) if kind == "request"), -1)] if rows else -1
     labelled: list[Floats] = []
     for i in range(1, len(names)):
-        _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET, label="others" if i == 1 else "")
+        _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET)
         if not recording.present[seen, i]:
             continue
         box = _turned(np.stack([x[seen, i], y[seen, i]], axis=-1), -turn)
         middle = box.mean(axis=0)
-        axis.fill(*box.T, facecolor=VERMILION, edgecolor=PAPER, linewidth=0.7, zorder=7)
+        others = "_" if labelled else "others, at the request" if "request" in dict(moments) else "others"
+        axis.fill(*box.T, facecolor=VERMILION, edgecolor=PAPER, linewidth=0.7, zorder=7, label=others)
         name = names[i].rpartition(".")[2]
         apart = 5.5 * len(name) / points_per_metre
         if all(np.abs(middle - other).max() > apart for other in labelled):
