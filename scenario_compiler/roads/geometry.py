@@ -7,9 +7,8 @@ s, as CARLA and
 esmini do, although the standard's s is the arc length. Curvature is 0 there only if the polynomial is
 straight.
 
-The cross-section is rolled by superelevation about the reference line, so that a point at t lies t cos(roll)
-beside it and
-t sin(roll) above it. Pitch and roll follow ISO 8855: pitch is positive nose down, roll is positive with the
+The cross-section is rolled by superelevation about the reference line (`lateral_axis`).
+Pitch and roll follow ISO 8855: pitch is positive nose down, roll is positive with the
 left side up.
 """
 
@@ -234,24 +233,52 @@ def lateral_shape(n: RoadTables, road: int, s: float, t: float) -> tuple[float, 
 
 
 @compiled
-def road_surface(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float]:
-    """Return (t in the plane, z, pitch, roll) of the road surface at (s, t)."""
+def lateral_axis(n: RoadTables, road: int, s: float) -> tuple[float, float, float]:
+    """Return the axis of t as (along, across, up) the reference line in the plane; a unit vector.
+
+    The road's frame is turned by its heading, then pitched, then rolled, so on a slope the rolled cross-section also
+    leans along the line, as in esmini. Before the road's start the axis is that of its start. The axis is
+    (sin pitch sin roll, cos roll, cos pitch sin roll).
+    """
+    if n.road_superelevation_first[road] >= n.road_superelevation_last[road]:
+        return 0.0, 1.0, 0.0
+    at = s
+    if at < 0.0:
+        at = 0.0
+    roll = road_superelevation(n, road, at)
+    grade = road_grade(n, road, at)
+    cos_pitch = 1.0 / sqrt(1.0 + grade * grade)
+    sin_roll = sin(roll)
+    return -grade * cos_pitch * sin_roll, cos(roll), cos_pitch * sin_roll
+
+
+@compiled
+def road_frame(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float, float]:
+    """Return (along, across, z, pitch, roll) of the road surface at (s, t).
+
+    Along and across are the way in the plane from the reference line at s, in its direction and to its left.
+    """
     if n.road_flat[road] == 1:
-        return t, 0.0, 0.0, 0.0
-    z = road_elevation(n, road, s)
-    pitch = -atan(road_grade(n, road, s))
-    roll = road_superelevation(n, road, s)
+        return 0.0, t, 0.0, 0.0, 0.0
+    along, across, up = lateral_axis(n, road, s)
     rise, slope = lateral_shape(n, road, s, t)
-    plane_t = t
-    if roll != 0.0:
-        plane_t = t * cos(roll)
-        z = z + t * sin(roll)
-    return plane_t, z + rise, pitch, roll + atan(slope)
+    z = road_elevation(n, road, s) + t * up + rise
+    pitch = -atan(road_grade(n, road, s))
+    return t * along, t * across, z, pitch, road_superelevation(n, road, s) + atan(slope)
+
+
+@compiled
+def road_surface(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float]:
+    """Return (across, z, pitch, roll) of the road surface at (s, t), without the lean along a rolled slope."""
+    _, across, z, pitch, roll = road_frame(n, road, s, t)
+    return across, z, pitch, roll
 
 
 @compiled
 def road_pose(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float, float, float]:
     """Return (x, y, z, heading along s, pitch, roll) of the point (s, t) on the road surface."""
     x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)
-    plane_t, z, pitch, roll = road_surface(n, road, s, t)
-    return x - plane_t * sin(h), y + plane_t * cos(h), z, wrap_heading(h), pitch, roll
+    along, across, z, pitch, roll = road_frame(n, road, s, t)
+    c = cos(h)
+    w = sin(h)
+    return x + along * c - across * w, y + along * w + across * c, z, wrap_heading(h), pitch, roll

@@ -10,8 +10,8 @@ from scenario_compiler.roads.geometry import (
     cubic_slope,
     cubic_value,
     piece_point,
+    road_frame,
     road_piece_at,
-    road_surface,
     wrap_heading,
 )
 from scenario_compiler.roads.lane_types import NONE
@@ -218,13 +218,13 @@ def row_height(n: RoadTables, road: int, row: int, s: float, t: float) -> float:
 
 
 @compiled
-def lane_surface(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[float, float, float, float]:
-    """Return (t in the plane, z, pitch, roll) of a lane's surface at (s, t).
+def lane_frame(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[float, float, float, float, float]:
+    """Return (along, across, z, pitch, roll) of a lane's surface at (s, t), as `geometry.road_frame` does.
 
     A level lane is not rolled: it goes on horizontally from its inner border.
     """
     if n.road_flat[road] == 1:
-        return t, 0.0, 0.0, 0.0
+        return 0.0, t, 0.0, 0.0, 0.0
     if n.lane_level[row] == 1:
         step = 1
         if n.lane_id[row] < 0:
@@ -233,10 +233,17 @@ def lane_surface(n: RoadTables, road: int, row: int, s: float, t: float) -> tupl
         while n.lane_id[at + step] != 0 and n.lane_level[at + step] == 1:
             at = at + step
         inner = row_inner_border(n, road, at, s)
-        plane_t, z, pitch, roll = road_surface(n, road, s, inner)
-        return plane_t + t - inner, z + row_height(n, road, row, s, t), pitch, 0.0
-    plane_t, z, pitch, roll = road_surface(n, road, s, t)
-    return plane_t, z + row_height(n, road, row, s, t), pitch, roll
+        along, across, z, pitch, roll = road_frame(n, road, s, inner)
+        return along, across + t - inner, z + row_height(n, road, row, s, t), pitch, 0.0
+    along, across, z, pitch, roll = road_frame(n, road, s, t)
+    return along, across, z + row_height(n, road, row, s, t), pitch, roll
+
+
+@compiled
+def lane_surface(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[float, float, float, float]:
+    """Return (across, z, pitch, roll) of a lane's surface at (s, t), without the lean along a rolled slope."""
+    _, across, z, pitch, roll = lane_frame(n, road, row, s, t)
+    return across, z, pitch, roll
 
 
 @compiled
@@ -252,14 +259,16 @@ def lane_pose(
     if row < 0:
         t = lane_offset(n, road, s) + offset
         slope = cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
-        plane_t, z, pitch, roll = road_surface(n, road, s, t)
+        along, across, z, pitch, roll = road_frame(n, road, s, t)
     else:
         t, slope = row_centre(n, road, row, s)
-        plane_t, z, pitch, roll = lane_surface(n, road, row, s, t + offset)
+        along, across, z, pitch, roll = lane_frame(n, road, row, s, t + offset)
     heading = h
     if slope != 0.0:
         heading = h + atan(slope)
-    return x - plane_t * sin(h), y + plane_t * cos(h), z, wrap_heading(heading), pitch, roll
+    c = cos(h)
+    w = sin(h)
+    return x + along * c - across * w, y + along * w + across * c, z, wrap_heading(heading), pitch, roll
 
 
 @compiled

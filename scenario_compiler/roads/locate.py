@@ -10,7 +10,7 @@ Newton's method on spirals and polynomials.
 from math import atan2, cos, floor, sin, sqrt
 
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import TAU, piece_point, road_piece_at, road_superelevation
+from scenario_compiler.roads.geometry import TAU, lateral_axis, piece_point, road_piece_at
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import row_at, section_at
 from scenario_compiler.roads.tables import ARC, AT_START, LINE, RoadTables
@@ -26,6 +26,9 @@ PLANE_LIMIT = 1e8
 
 S_TOLERANCE = 1e-7
 """How far beyond the ends of a road or chunk a point may lie and still belong to it, m."""
+
+MIN_ACROSS = 0.01
+"""Least cosine of the roll that is reckoned with; no road is rolled so far."""
 
 NEWTON_LIMIT = 20
 STEP_TOLERANCE = 1e-11
@@ -108,14 +111,39 @@ def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: floa
 
 
 @compiled
-def rolled_t(n: RoadTables, road: int, s: float, lateral: float) -> float:
-    """Return t of a point that lies `lateral` beside the reference line in the plane."""
-    if n.road_flat[road] == 1:
-        return lateral
-    c = cos(road_superelevation(n, road, s))
-    if c < 0.01:
-        c = 0.01
-    return lateral / c
+def lean_on_piece(
+    n: RoadTables, road: int, piece: int, foot: float, lateral: float, x: float, y: float
+) -> tuple[float, float]:
+    """Return (s, t) of a point whose foot on a piece and lateral distance are known.
+
+    Where the road is both rolled and pitched the axis of t leans along the reference line, and s is not the foot's.
+    """
+    along, across, _ = lateral_axis(n, road, foot)
+    if across < MIN_ACROSS:
+        across = MIN_ACROSS
+    if along == 0.0:
+        return foot, lateral / across
+    s = foot
+    t = lateral / across
+    for _ in range(NEWTON_LIMIT):
+        px, py, a, k, speed = piece_point(n, piece, s)
+        c = cos(a)
+        w = sin(a)
+        along, across, _ = lateral_axis(n, road, s)
+        if across < MIN_ACROSS:
+            across = MIN_ACROSS
+        lateral = (y - py) * c - (x - px) * w
+        t = lateral / across
+        bend = 1.0 - k * lateral
+        if bend < 0.2:
+            bend = 0.2
+        if speed < 0.001:
+            speed = 0.001
+        step = ((x - px) * c + (y - py) * w - t * along) / (bend * speed)
+        s = s + step
+        if step < STEP_TOLERANCE and step > -STEP_TOLERANCE:
+            break
+    return s, t
 
 
 @compiled
@@ -129,7 +157,10 @@ def project_on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> tuple[int
         return 0, 0.0, 0.0
     low = n.chunk_s[chunk]
     high = n.chunk_end[chunk]
-    s, lateral = project_on_piece(n, n.chunk_piece[chunk], low, high, x, y)
+    s, t = project_on_piece(n, n.chunk_piece[chunk], low, high, x, y)
+    road = n.chunk_road[chunk]
+    if n.road_superelevation_first[road] < n.road_superelevation_last[road]:
+        s, t = lean_on_piece(n, road, n.chunk_piece[chunk], s, t, x, y)
     found = 1
     if s < low:
         if s < low - S_TOLERANCE:
@@ -143,7 +174,6 @@ def project_on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> tuple[int
             if s > high + n.chunk_after[chunk] + S_TOLERANCE:
                 return 0, 0.0, 0.0
         s = high
-    t = rolled_t(n, n.chunk_road[chunk], s, lateral)
     if t < n.chunk_right[chunk] or t > n.chunk_left[chunk]:
         return 0, 0.0, 0.0
     return found, s, t
@@ -230,17 +260,25 @@ def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -
     if s > length:
         s = length
     t = 0.0
+    rolled = n.road_superelevation_first[road] < n.road_superelevation_last[road]
     for _ in range(NEWTON_LIMIT):
         px, py, a, k, speed = piece_point(n, road_piece_at(n, road, s), s)
         c = cos(a)
         w = sin(a)
         t = (y - py) * c - (x - px) * w
+        ahead = (x - px) * c + (y - py) * w
         bend = 1.0 - k * t
+        if rolled:
+            along, across, _ = lateral_axis(n, road, s)
+            if across < MIN_ACROSS:
+                across = MIN_ACROSS
+            t = t / across
+            ahead = ahead - t * along
         if bend < 0.2:
             bend = 0.2
         if speed < 0.001:
             speed = 0.001
-        step = ((x - px) * c + (y - py) * w) / (bend * speed)
+        step = ahead / (bend * speed)
         s = s + step
         if s < -10.0:
             s = -10.0
@@ -248,7 +286,7 @@ def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -
             s = length + 10.0
         if step < 1e-9 and step > -1e-9:
             break
-    return s, rolled_t(n, road, s, t)
+    return s, t
 
 
 @compiled

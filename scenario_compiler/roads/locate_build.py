@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from math import ceil, cos, floor, sin, sqrt
 
-from scenario_compiler.roads.geometry import piece_point, wrap_angle
+from scenario_compiler.roads.geometry import piece_point, road_grade, wrap_angle
 from scenario_compiler.roads.locate import CELL, cell_key_of
 from scenario_compiler.roads.tables import ARC, LINE, POLYNOMIAL, RoadTables
 
@@ -120,7 +120,7 @@ def _add_part(
         n.chunk_after.append(beyond[1] if i == count - 1 else 0.0)
         n.chunk_left.append(extent[0])
         n.chunk_right.append(extent[1])
-        _add_bounds(n, piece, s0, s1, extent, max(beyond))
+        _add_bounds(n, piece, s0, s1, extent, max(beyond) + _lean(n, road, s0, s1, extent))
 
 
 def _turning(n: RoadTables, piece: int, low: float, high: float) -> float:
@@ -153,6 +153,15 @@ def _add_bounds(n: RoadTables, piece: int, s0: float, s1: float, extent: tuple[f
     n.chunk_x1.append(max(xs) + margin)
     n.chunk_y0.append(min(ys) - margin)
     n.chunk_y1.append(max(ys) + margin)
+
+
+def _lean(n: RoadTables, road: int, s0: float, s1: float, extent: tuple[float, float]) -> float:
+    """Return a bound of how far the surface leans along the reference line on a rolled slope, m."""
+    if n.road_superelevation_first[road] >= n.road_superelevation_last[road]:
+        return 0.0
+    roll = max(abs(v) for v in _range(n, n.road_superelevation_first[road], n.road_superelevation_last[road], s0, s1))
+    samples = (abs(road_grade(n, road, s0 + (s1 - s0) * i / 8)) for i in range(9))
+    return max(abs(extent[0]), abs(extent[1])) * min(1.0, 1.5 * max(samples)) * min(1.0, roll)
 
 
 def _joint(n: RoadTables, road: int, piece: int, left: float, right: float) -> float:

@@ -13,12 +13,14 @@ from scenario_compiler.roads.geometry import (
     GAUSS_NODE,
     GAUSS_OUTER,
     MIN_SPEED,
+    SMALL_ANGLE,
     TAU,
 )
 from scenario_compiler.roads.lanes import BORDER_TOLERANCE
 from scenario_compiler.roads.locate import (
     CELL,
     CELL_BASE,
+    MIN_ACROSS,
     NEWTON_LIMIT,
     PLANE_LIMIT,
     S_TOLERANCE,
@@ -63,12 +65,12 @@ class BatchLocator:
         ):
             if which.any():
                 s[which], lateral[which] = project(chunk[which], x[which], y[which])
+        s, t = self._lean(chunk, s, lateral, x, y)
         low, high = n["chunk_s"][chunk], n["chunk_end"][chunk]
         beyond = np.maximum(low - s, s - high)
         slack = np.where(s < low, n["chunk_before"][chunk], n["chunk_after"][chunk])
         found = np.where(beyond <= S_TOLERANCE, 1, np.where(beyond <= slack + S_TOLERANCE, 2, 0))
         s = np.minimum(np.maximum(s, low), high)
-        t = self._rolled(chunk, s, lateral)
         near = (found > 0) & (t >= n["chunk_right"][chunk]) & (t <= n["chunk_left"][chunk])
         point, chunk, s, t, found = point[near], chunk[near], s[near], t[near], found[near]
         row, offset = self._rows(chunk, s, t)
@@ -197,25 +199,95 @@ class BatchLocator:
         some = np.flatnonzero(first < last)
         if not len(some):
             return value
-        low, high, at = first[some], last[some] - 1, s[some]
+        row = self._cubic_rows(first[some], last[some], s[some])
+        d = np.maximum(s[some] - n["cubic_s"][row], 0.0)
+        value[some] = n["cubic_a"][row] + d * (n["cubic_b"][row] + d * (n["cubic_c"][row] + d * n["cubic_d"][row]))
+        return value
+
+    def _cubic_rows(self, first: Ints, last: Ints, s: Floats) -> Ints:
+        """Return the row that holds s in each of some non-empty ranges of cubics."""
+        low, high = first, last - 1
         while (low < high).any():
             middle = (low + high + 1) // 2
-            below = n["cubic_s"][middle] <= at
+            below = self.columns["cubic_s"][middle] <= s
             narrow = low < high
             low = np.where(narrow & below, middle, low)
             high = np.where(narrow & ~below, middle - 1, high)
-        d = np.maximum(at - n["cubic_s"][low], 0.0)
-        value[some] = n["cubic_a"][low] + d * (n["cubic_b"][low] + d * (n["cubic_c"][low] + d * n["cubic_d"][low]))
-        return value
+        return low
 
     def _road_cubics(self, name: str, road: Ints, s: Floats) -> Floats:
         return self._cubics(self.columns[f"road_{name}_first"][road], self.columns[f"road_{name}_last"][road], s)
 
-    def _rolled(self, chunk: Ints, s: Floats, lateral: Floats) -> Floats:
-        road = self.columns["chunk_road"][chunk]
-        if (self.columns["road_flat"] == 1).all():
-            return lateral
-        return lateral / np.maximum(np.cos(self._road_cubics("superelevation", road, s)), 0.01)
+    def _lean(self, chunk: Ints, s: Floats, lateral: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Return (s, t) where roads are rolled, as `locate.lean_on_piece` does; other points are left as they are."""
+        n = self.columns
+        road = n["chunk_road"][chunk]
+        rolled = n["road_superelevation_first"][road] < n["road_superelevation_last"][road]
+        if not rolled.any():
+            return s, lateral
+        s, t = s.copy(), lateral.copy()
+        at = np.flatnonzero(rolled)
+        along, across = self._axis(road[at], s[at])
+        t[at] = lateral[at] / across
+        at = at[along != 0.0]
+        for _ in range(NEWTON_LIMIT):
+            px, py, h, k, speed = self._all_points(n["chunk_piece"][chunk[at]], s[at])
+            c, w = np.cos(h), np.sin(h)
+            along, across = self._axis(road[at], s[at])
+            dx, dy = x[at] - px, y[at] - py
+            beside = dy * c - dx * w
+            t[at] = beside / across
+            bend = np.maximum(1.0 - k * beside, 0.2)
+            step = (dx * c + dy * w - t[at] * along) / (bend * np.maximum(speed, 0.001))
+            s[at] += step
+            at = at[np.abs(step) >= STEP_TOLERANCE]
+            if not len(at):
+                break
+        return s, t
+
+    def _axis(self, road: Ints, s: Floats) -> tuple[Floats, Floats]:
+        """Return (along, across) of the axis of t."""
+        n = self.columns
+        s = np.maximum(s, 0.0)
+        roll = self._road_cubics("superelevation", road, s)
+        grade = self._slopes(n["road_elevation_first"][road], n["road_elevation_last"][road], s)
+        along = -grade / np.sqrt(1.0 + grade * grade) * np.sin(roll)
+        return along, np.maximum(np.cos(roll), MIN_ACROSS)
+
+    def _slopes(self, first: Ints, last: Ints, s: Floats) -> Floats:
+        """Return the derivatives of ranges of cubics, as `geometry.cubic_slope` does."""
+        n = self.columns
+        slope = np.zeros(len(s))
+        some = np.flatnonzero(first < last)
+        if len(some):
+            row = self._cubic_rows(first[some], last[some], s[some])
+            d = s[some] - n["cubic_s"][row]
+            value = n["cubic_b"][row] + d * (2.0 * n["cubic_c"][row] + 3.0 * d * n["cubic_d"][row])
+            slope[some] = np.where(d < 0.0, 0.0, value)
+        return slope
+
+    def _all_points(self, piece: Ints, s: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """Return (x, y, heading, curvature, speed) on pieces of every kind."""
+        n = self.columns
+        columns = (np.empty(len(s)), np.empty(len(s)), np.empty(len(s)), np.empty(len(s)), np.empty(len(s)))
+        straight = (n["piece_kind"][piece] == LINE) | (n["piece_kind"][piece] == ARC)
+        for which, points in ((straight, self._arc_points), (~straight, self._points)):
+            if which.any():
+                for column, values in zip(columns, points(piece[which], s[which]), strict=True):
+                    column[which] = values
+        return columns
+
+    def _arc_points(self, piece: Ints, s: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        n = self.columns
+        d = s - n["piece_s"][piece]
+        h, k = n["piece_h"][piece], n["piece_k"][piece]
+        half = 0.5 * k * d
+        bent = np.abs(half) > SMALL_ANGLE
+        safe = np.where(bent, half, 1.0)
+        chord = np.where(bent, d * np.sin(safe) / safe, d)
+        a = h + half
+        x, y = n["piece_x"][piece] + chord * np.cos(a), n["piece_y"][piece] + chord * np.sin(a)
+        return x, y, h + k * d, k, np.ones(len(s))
 
     def _rows(self, chunk: Ints, s: Floats, t: Floats) -> tuple[Ints, Floats]:
         """Return (lane row or -1, offset), as `lanes.row_at` does."""

@@ -6,9 +6,9 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from math import cos, floor, hypot, sin
 
-from scenario_compiler.roads.geometry import piece_point, road_superelevation
+from scenario_compiler.roads.geometry import lateral_axis, piece_point
 from scenario_compiler.roads.lanes import lane_offset, row_at, row_width
-from scenario_compiler.roads.locate import CELL, PLANE_LIMIT, cell_key_of, project_on_piece, rolled_t
+from scenario_compiler.roads.locate import CELL, MIN_ACROSS, PLANE_LIMIT, cell_key_of, project_on_piece
 from scenario_compiler.roads.tables import RoadTables
 
 RINGS = 6
@@ -70,11 +70,10 @@ def _on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> Found | None:
     """Return the closest lane on a chunk."""
     road, section, piece = n.chunk_road[chunk], n.chunk_section[chunk], n.chunk_piece[chunk]
     low, high = n.chunk_s[chunk], n.chunk_end[chunk]
-    s, lateral = project_on_piece(n, piece, low, high, x, y)
-    s = min(max(s, low), high)
+    s = min(max(project_on_piece(n, piece, low, high, x, y)[0], low), high)
     px, py, h, _, _ = piece_point(n, piece, s)
-    lateral = (y - py) * cos(h) - (x - px) * sin(h)
-    t = rolled_t(n, road, s, lateral)
+    along, across, _ = lateral_axis(n, road, s)
+    t = ((y - py) * cos(h) - (x - px) * sin(h)) / max(across, MIN_ACROSS)
     left = right = lane_offset(n, road, s)
     centre = n.section_lane[section] + n.section_left[section]
     for row in range(n.section_lane[section], n.section_lane[section + 1]):
@@ -86,6 +85,6 @@ def _on_chunk(n: RoadTables, chunk: int, x: float, y: float) -> Found | None:
     row, offset = row_at(n, road, section, s, inside)
     if row < 0:
         return None
-    beside = inside * cos(road_superelevation(n, road, s))
-    gap = hypot(x - (px - beside * sin(h)), y - (py + beside * cos(h)))
+    ahead, beside = inside * along, inside * across
+    gap = hypot(x - (px + ahead * cos(h) - beside * sin(h)), y - (py + ahead * sin(h) + beside * cos(h)))
     return gap, row, s, offset + t - inside

@@ -70,12 +70,14 @@ def test_elevation_and_superelevation(tmp_path: Path) -> None:
     made = network(tmp_path, road(more=more))
     pose = made.road_pose("1", 10.0, 2.0)
     assert pose.y == pytest.approx(2.0 * math.cos(0.1))
-    assert pose.z == pytest.approx(6.0 + 2.0 * math.sin(0.1))
-    assert pose.pitch == pytest.approx(-math.atan(0.1))
+    pitch = -math.atan(0.1)
+    assert pose.x == pytest.approx(10.0 + 2.0 * math.sin(pitch) * math.sin(0.1))
+    assert pose.z == pytest.approx(6.0 + 2.0 * math.cos(pitch) * math.sin(0.1))
+    assert pose.pitch == pytest.approx(pitch)
     assert pose.roll == pytest.approx(0.1)
     assert made.grade("1", 10.0) == pytest.approx(0.1)
     place = made.locate(pose.x, pose.y)[0]
-    assert place.offset == pytest.approx(2.0 - 1.75)
+    assert (place.s, place.offset) == pytest.approx((10.0, 2.0 - 1.75))
 
 
 def test_lateral_shape_lies_between_its_stations(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ MAPS = (
     "Scenic/assets/maps/misc/Issue295a.xodr",
     "maliput_malidrive/resources/SShapeSuperelevatedRoad.xodr",
     "maliput_malidrive/resources/Figure8.xodr",
+    "esmini/EnvironmentSimulator/Unittest/xodr/two_pitched_and_rolled_roads.xodr",
 )
 
 
