@@ -76,6 +76,10 @@ class Word(BaseModel):
 
     _origin: Place | None = PrivateAttr(default=None)
 
+    def __eq__(self, other: object) -> bool:
+        """Compare what is said; where it was written makes no difference."""
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
     @classmethod
     def tag(cls) -> str:
         """Return the name of the word's XML element, empty for words that XML does not spell as one element."""

@@ -1,0 +1,257 @@
+"""The conflict language: a file to a scenario."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.expressions import Expression
+from scenario_compiler.source import ScenarioNameNeededError, check_source, expand
+from scenario_compiler.vocabulary.conditions import TimeHeadwayCondition
+from scenario_compiler.vocabulary.entities import Dynamic, Static
+from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
+from scenario_compiler.vocabulary.takeover import DriverModel
+from tests.source.made import EGO, codes_of, expanded, library_text, parsed
+
+DESIGN = """<scenarios version="1" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+           xsi:noNamespaceSchemaLocation="../../schemas/conflict.xsd">
+  <template name="blocked_lane" summary="A stopped vehicle blocks part of the lane ahead">
+    <parameter name="distance" type="length" default="120" min="20" max="500"/>
+    <parameter name="overlap" type="fraction" default="1.0" min="0.1" max="1"/>
+    <static id="blocker" model="vehicle.audi.tt">
+      <at><ahead_of entity="ego" distance="$distance" offset="${1.9 * (1 - $overlap)}" turn="90"/></at>
+    </static>
+  </template>
+
+  <scenario name="obstacle_ahead" map="town_grid" weather="ClearNoon">
+    <classification scheme="gold2018" number="9" urgency="3" response="1-3"/>
+    <ego model="vehicle.audi.tt" speed="13.9">
+      <start><lane road="3" lane="-1" s="20"/></start>
+      <destination><lane road="7" lane="-1" s="80"/></destination>
+      <camera sensor_noise="0"/>                        <!-- sigma, grey levels, Gaussian, mean 0 -->
+      <controller model="lane_detection"/>
+    </ego>
+    <use template="blocked_lane" distance="150"/>
+    <dynamic id="oncoming" model="vehicle.tesla.model3" speed="11">
+      <start><lane road="3" lane="1" s="400"/></start>
+      <when><time_gap to="ego" below="4"/><do><lane_change by="1" over_time="3"/></do></when>
+    </dynamic>
+    <takeover budget="7" escalate_after="4" minimum_risk_after="10">
+      <cause kind="lane_confidence" warning_below="0.6" request_below="0.3"/> <cause kind="path_blocked"/>
+      <driver preset="urgent"/>
+      <message modality="text audio" content="what why"/>
+    </takeover>
+    <criteria><no_collision/><stay_on_road/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+
+def test_a_whole_conflict() -> None:
+    scenario = expanded(DESIGN)
+    assert (scenario.name, scenario.map, scenario.weather.preset) == ("obstacle_ahead", "town_grid", "ClearNoon")
+    assert scenario.classification is not None
+    assert (scenario.classification.number, scenario.classification.criticality) == (9, "")
+    assert scenario.ego.start == LanePosition(road="3", lane=-1, s=20.0)
+    blocker, oncoming = scenario.actors
+    assert isinstance(blocker, Static)
+    assert (blocker.id, oncoming.id) == ("blocked_lane1.blocker", "oncoming")
+    assert blocker.at == RelativeLanePosition(entity="ego", distance=150.0, offset=0.0, turn=math.pi / 2)
+    assert [vehicle.name for vehicle in scenario.vehicles] == ["vehicle.audi.tt", "vehicle.tesla.model3"]
+    assert scenario.takeover.messages[0].modality == ("text", "audio")
+    assert [cause.kind for cause in scenario.takeover.causes] == ["lane_confidence", "path_blocked"]
+    assert [criterion.word for criterion in scenario.criteria] == ["no_collision", "stay_on_road"]
+    assert scenario.parameters == ()
+
+
+def test_when_becomes_an_event_of_its_actor() -> None:
+    storyboard = expanded(DESIGN).storyboard
+    group = storyboard.stories[0].acts[0].groups[0]
+    event = group.maneuvers[0].events[0]
+    assert (group.actors, event.name, event.priority) == (("oncoming",), "oncoming.when1", "parallel")
+    assert event.maximum_execution_count == 1
+    assert event.start is not None
+    (condition,) = event.start.groups[0].conditions
+    assert (condition.edge, condition.delay) == ("none", 0.0)
+    assert condition.condition == TimeHeadwayCondition(entity="oncoming", to="ego", below=4.0)
+    assert event.actions[0].name == "oncoming.when1.lane_change1"
+    assert condition.origin.line == 22
+
+
+def test_what_actors_do_stands_in_the_storyboard_alone() -> None:
+    scenario = expanded(DESIGN)
+    assert all(not actor.whens for actor in scenario.actors if isinstance(actor, Dynamic))
+
+
+def test_events_are_numbered_by_actor_in_document_order() -> None:
+    noise = "<do><sensor_noise sigma='1'/></do>"
+    ego = EGO.replace("</ego>", f"<when><time after='1'/>{noise}</when></ego>")
+    scenario = expanded(library_text(f"<when><time after='2'/>{noise}</when>", ego=ego))
+    (group,) = scenario.storyboard.stories[0].acts[0].groups
+    assert [event.name for event in group.maneuvers[0].events] == ["ego.when1", "ego.when2"]
+
+
+def test_a_scenario_without_events_has_no_story() -> None:
+    assert expanded(library_text()).storyboard.stories == ()
+
+
+def test_driver_comes_from_the_catalog() -> None:
+    driver = expanded(DESIGN).takeover.driver
+    assert isinstance(driver, DriverModel)
+    assert (driver.name, driver.mu, driver.takeover_time) == ("urgent", 0.876, None)
+    fixed = expanded(library_text('<takeover><driver preset="absent" takeover_time="9"/></takeover>')).takeover.driver
+    assert isinstance(fixed, DriverModel)
+    assert (fixed.lapse, fixed.takeover_time) == (1.0, 9.0)
+
+
+def test_takeover_may_be_left_out() -> None:
+    takeover = expanded(library_text()).takeover
+    assert takeover.budget == 7.0
+    assert isinstance(takeover.driver, DriverModel)
+    assert takeover.origin.line == 1
+
+
+PARAMETER = '<parameter name="far" type="length" default="80" min="10" max="200"/>'
+
+
+def test_a_parameter_that_fills_numbers_stays_open() -> None:
+    text = library_text(
+        '<static id="a"><at><ahead_of entity="ego" distance="${$far + 5}"/></at></static>', parameters=PARAMETER
+    )
+    scenario = expanded(text, far="90")
+    (actor,) = scenario.actors
+    assert isinstance(actor, Static)
+    assert isinstance(actor.at, RelativeLanePosition)
+    assert isinstance(actor.at.distance, Expression)
+    assert actor.at.distance.number({"far": 90.0}) == 95.0
+    assert [(one.name, one.default) for one in scenario.parameters] == [("far", "90")]
+
+
+def test_an_open_angle_is_turned_to_radians_when_it_is_evaluated() -> None:
+    parameter = '<parameter name="bend" type="angle" default="10"/>'
+    ego = '<ego><start><lane road="1" lane="-1" s="20" turn="$bend"/></start></ego>'
+    start = expanded(library_text(parameters=parameter, ego=ego)).ego.start
+    assert isinstance(start, LanePosition)
+    assert isinstance(start.turn, Expression)
+    assert start.turn.number({"bend": 90.0}) == math.pi / 2
+
+
+def test_a_parameter_that_decides_structure_is_settled_everywhere() -> None:
+    parameter = '<parameter name="n" type="number" default="1"/>'
+    items = '<static id="a"><at><lane road="1" lane="${-$n}" s="${100 * $n}"/></at></static>'
+    scenario = expanded(library_text(items, parameters=parameter))
+    assert scenario.actors[0] == Static(id="a", at=LanePosition(road="1", lane=-1, s=100.0))
+    assert scenario.parameters == ()
+
+
+def test_a_parameter_may_name_the_map_and_the_weather() -> None:
+    parameters = '<parameter name="sky" type="text" default="1"/><parameter name="loud" type="boolean" default="true"/>'
+    text = library_text(parameters=parameters).replace('duration="10"', 'weather="$sky" duration="${if($loud, 5, 9)}"')
+    assert expanded(text).weather.preset == "ClearNoon"
+    assert expanded(text).duration == 5.0
+    assert expanded(text, sky="HardRainSunset", loud="false").weather.preset == "HardRainSunset"
+    assert expanded(text, loud="false").duration == 9.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [({"far": "5"}, "SC112"), ({"far": "near"}, "SC111"), ({"fra": "80"}, "SC211"), ({"far": ""}, "SC111")],
+)
+def test_arguments_are_checked(arguments: dict[str, str], code: str) -> None:
+    assert codes_of(library_text(parameters=PARAMETER), **arguments) == [code]
+
+
+def test_a_parameter_without_a_default_must_be_given() -> None:
+    text = library_text(parameters=PARAMETER.replace('default="80" ', ""))
+    assert codes_of(text) == ["SC214"]
+    assert codes_of(text, far="50") == []
+
+
+def test_several_scenarios_need_a_name() -> None:
+    text = DESIGN.replace("</scenarios>", '<scenario name="other" map="town_grid"/></scenarios>')
+    sink = Diagnostics()
+    source = parsed(text, sink)
+    with pytest.raises(ScenarioNameNeededError, match="obstacle_ahead, other") as caught:
+        expand(source, None, {}, sink)
+    assert caught.value.names == ("obstacle_ahead", "other")
+    assert expanded(text, name="obstacle_ahead").name == "obstacle_ahead"
+
+
+def test_all_faults_of_a_file_come_in_one_pass() -> None:
+    items = (
+        '<static id="a"><at><lane road="1" lane="x" s="-1"/></at></static>'
+        '<dynamic id="b" speed="fast"><start><lane road="1" lane="1" s="10"/></start></dynamic>'
+        '<takeover budgt="7"><driver preset="urgend"/></takeover><criteria><no_colision/></criteria>'
+    )
+    text = library_text(items, attributes='weather="Clear"')
+    assert sorted(codes_of(text)) == ["SC105", "SC106", "SC111", "SC111", "SC112", "SC218", "SC219"]
+
+
+def test_a_fault_in_an_actor_is_no_fault_of_what_names_it() -> None:
+    items = (
+        '<static id="a"><at><lane road="1" lane="x" s="1"/></at></static>'
+        '<static id="b"><at><ahead_of entity="a" distance="10"/></at></static>'
+        '<when entity="a"><time after="1"/><do><speed to="1"/></do></when>'
+        '<when><distance to="b" below="1"/><do><sensor_noise sigma="1"/></do></when>'
+    )
+    assert codes_of(library_text(items)) == ["SC111"]
+
+
+def test_expansion_goes_on_after_a_fault_so_that_later_stages_find_more() -> None:
+    sink = Diagnostics()
+    text = library_text(ego=EGO.replace('speed="10"', 'speed="fast"'), attributes='weather="Clear"')
+    scenario = expand(parsed(text, sink), None, {}, sink)
+    assert scenario is not None
+    assert (scenario.ego.speed, sink.has_errors) == (0.0, True)
+
+
+def test_an_include_brings_templates_and_catalogs(tmp_path: Path) -> None:
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    (shared / "parts.xml").write_text(
+        '<scenarios version="1"><include file="fleet.xml"/><template name="parked">'
+        '<static id="it" model="our.van"><at><ahead_of entity="ego" distance="30"/></at></static></template>'
+        "</scenarios>"
+    )
+    (shared / "fleet.xml").write_text(
+        '<catalog version="1">'
+        '<vehicle name="our.van" length="5" width="2" height="2" wheelbase="3" center="1.5"/></catalog>'
+    )
+    text = library_text('<use template="parked"/>', head='<include file="shared/parts.xml"/>')
+    scenario = expanded(text, tmp_path / "made.xml")
+    assert [actor.id for actor in scenario.actors] == ["parked1.it"]
+    assert scenario.vehicles[1].name == "our.van"
+    place = scenario.actors[0].origin
+    assert Path(place.file).name == "parts.xml"
+    assert place.within is not None
+
+
+@pytest.mark.parametrize("content", ["<scenarios", "<OpenSCENARIO/>", None])
+def test_an_include_that_cannot_be_used(tmp_path: Path, content: str | None) -> None:
+    if content is not None:
+        (tmp_path / "parts.xml").write_text(content)
+    text = library_text(head='<include file="parts.xml"/>')
+    assert codes_of(text, tmp_path / "made.xml") == ["SC220"]
+
+
+def test_includes_in_a_circle_are_read_once(tmp_path: Path) -> None:
+    text = library_text(head='<include file="other.xml"/>')
+    (tmp_path / "other.xml").write_text('<scenarios version="1"><include file="made.xml"/></scenarios>')
+    (tmp_path / "made.xml").write_text(text)
+    assert codes_of(text, tmp_path / "made.xml") == []
+
+
+def test_checking_a_file_expands_every_scenario_and_template() -> None:
+    text = DESIGN.replace("</scenarios>", "<scenario name='other' map='town_grid'/></scenarios>")
+    text = text.replace("<static id=", "<static idd=", 1)
+    sink = Diagnostics()
+    scenarios = check_source(parsed(text, sink), sink)
+    assert [one.name for one in scenarios] == ["obstacle_ahead"]
+    assert sorted(one.code.id for one in sink) == ["SC106", "SC107", "SC108"]
+
+
+def test_the_same_text_gives_the_same_scenario() -> None:
+    assert expanded(DESIGN).model_dump_json() == expanded(DESIGN).model_dump_json()

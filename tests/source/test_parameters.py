@@ -1,0 +1,70 @@
+"""Parameters: their types, limits and units."""
+
+from __future__ import annotations
+
+import pytest
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.expressions import Value
+from scenario_compiler.source.parameters import COMMAND_LINE, bind_arguments, default_value, limits, typed
+from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
+
+
+def _typed(kind: ParameterKind, text: str) -> tuple[Value | None, list[str]]:
+    sink = Diagnostics()
+    value = typed(text, Parameter(name="p", type=kind, min=-5.0, max=5.0), COMMAND_LINE, sink)
+    return value, [one.code.id for one in sink]
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "value"),
+    [
+        ("length", "2.5", 2.5),
+        ("length", " -1e0 ", -1.0),
+        ("angle", "5", 5.0),
+        ("integer", "+3", 3.0),
+        ("boolean", "true", True),
+        ("boolean", " false ", False),
+        ("text", " as it is ", " as it is "),
+    ],
+)
+def test_texts_that_fit(kind: ParameterKind, text: str, value: Value) -> None:
+    assert _typed(kind, text) == (value, [])
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "code"),
+    [
+        ("length", "far", "SC111"),
+        ("length", "1,5", "SC111"),
+        ("length", "inf", "SC111"),
+        ("length", "5.1", "SC112"),
+        ("integer", "2.0", "SC111"),
+        ("integer", "9", "SC112"),
+        ("boolean", "yes", "SC111"),
+        ("speed", "", "SC111"),
+    ],
+)
+def test_texts_that_do_not_fit(kind: ParameterKind, text: str, code: str) -> None:
+    assert _typed(kind, text) == (None, [code])
+
+
+def test_a_fraction_lies_between_zero_and_one() -> None:
+    found = limits(Parameter(name="p", type="fraction"))
+    assert (found.minimum, found.maximum) == (0.0, 1.0)
+    narrower = limits(Parameter(name="p", type="fraction", min=0.5))
+    assert (narrower.minimum, narrower.maximum) == (0.5, 1.0)
+
+
+def test_arguments_come_before_defaults() -> None:
+    parameters = {name: Parameter(name=name, type="number", default="1") for name in ("a", "b")}
+    sink = Diagnostics()
+    assert bind_arguments(parameters, {"b": "2"}, sink) == {"a": 1.0, "b": 2.0}
+    assert list(sink) == []
+
+
+def test_a_default_at_fault_is_reported_at_its_declaration() -> None:
+    sink = Diagnostics()
+    assert default_value(Parameter(name="p", type="number", default="x"), sink) is None
+    assert [one.code.id for one in sink] == ["SC111"]
+    assert default_value(Parameter(name="p", type="number"), sink) is None

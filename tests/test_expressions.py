@@ -1,0 +1,171 @@
+"""Expressions: what they mean, what they refuse, and that their text reads back as themselves."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from scenario_compiler.expressions import (
+    FUNCTIONS,
+    MAX_LENGTH,
+    Expression,
+    ExpressionError,
+    Value,
+    format_value,
+    parse_expression,
+)
+
+VALUES: dict[str, Value] = {"a": 2.0, "b": 3.0, "flag": True, "name": "car"}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1 + 2 * 3", 7.0),
+        ("(1 + 2) * 3", 9.0),
+        ("1.9 * (1 - $a)", -1.9),
+        ("a - b - 1", -2.0),
+        ("2 ^ 3", 8.0),
+        ("-2 ^ 2", -4.0),
+        ("7 % 3", 1.0),
+        ("-7 % 3", 2.0),
+        ("-a + +b", 1.0),
+        ("1 < 2 and 2 <= 2", True),
+        ("not flag or a > b", False),
+        ("a == 2", True),
+        ("name == 'car'", True),
+        ("name != 'van'", True),
+        ("if(a > b, 1, 2)", 2.0),
+        ("if(flag, 1, 1 / 0)", 1.0),
+        ("min(a, b, 1) + max(4, 5)", 6.0),
+        ("sqrt(16) + abs(-1)", 5.0),
+        ("round(2.5) + round(-2.5)", 1.0),
+        ("floor(-1.5) + ceil(1.2) + sign(-3)", -1.0),
+        ("radians(180) / pi", 1.0),
+        ("degrees(pi)", 180.0),
+        ("pow(2, 0.5) ^ 2", 2.0000000000000004),
+        ("1e-3 + .5", 0.501),
+        ("true", True),
+        ("'text'", "text"),
+    ],
+)
+def test_value(text: str, value: Value) -> None:
+    assert parse_expression(text).evaluate(VALUES) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "offset"),
+    [
+        ("1 +", 3),
+        ("(1", 2),
+        ("1 2", 2),
+        ("a @ b", 2),
+        ("f(1)", 0),
+        ("atan2(1)", 0),
+        ("1 + * 2", 4),
+        ("", 0),
+        ("__import__('os')", 0),
+        ("a.b()", 0),
+        ("[1]", 0),
+    ],
+)
+def test_fault_tells_where(text: str, offset: int) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        parse_expression(text)
+    assert caught.value.offset == offset
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1 / 0", "sqrt(-1)", "log(0)", "10 ^ 400", "(-8) ^ (1 / 3)", "'a' * 'b'", "missing", "-'a'", "1 % 0", "exp(1000)"],
+)
+def test_no_value_is_an_error(text: str) -> None:
+    with pytest.raises(ExpressionError):
+        parse_expression(text).evaluate(VALUES)
+
+
+@pytest.mark.parametrize("text", ["'car'", "1e308 * 10"])
+def test_no_finite_number_is_an_error(text: str) -> None:
+    with pytest.raises(ExpressionError):
+        parse_expression(text).number({})
+
+
+def test_size_and_depth_are_bounded() -> None:
+    for text in ("(" * 1000 + "1" + ")" * 1000, "1+" * MAX_LENGTH + "1", "-" * 500 + "1"):
+        with pytest.raises(ExpressionError):
+            parse_expression(text)
+
+
+def test_names() -> None:
+    assert parse_expression("$b + sin(a) * pi - b").names == ("a", "b")
+
+
+def test_substitution() -> None:
+    expression = parse_expression("$far * 2").substitute({"far": parse_expression("gap + 1")})
+    assert expression.text == "(($gap + 1) * 2)"
+    assert expression.number({"gap": 4.0}) == 10.0
+    assert expression.substitute({"gap": 4.0}).names == ()
+
+
+def test_equal_texts_are_equal_expressions() -> None:
+    assert parse_expression("1+$a") == parse_expression(" 1 + a ")
+    assert hash(parse_expression("1+$a")) == hash(parse_expression(" 1 + a "))
+
+
+NUMBERS = st.floats(min_value=0, max_value=1e12, allow_subnormal=False).map(format_value)
+ATOMS = st.one_of(NUMBERS, st.sampled_from(["a", "$b", "pi", "true"]))
+TEXTS = st.recursive(
+    ATOMS,
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from(["+", "-", "*", "/", "%", "<", "==", "and", "or"]), inner).map(
+            lambda parts: f"({parts[0]} {parts[1]} {parts[2]})"
+        ),
+        inner.map(lambda text: f"-{text}"),
+        inner.map(lambda text: f"(not {text})"),
+        st.tuples(inner, inner, inner).map(lambda parts: f"if({parts[0]}, {parts[1]}, {parts[2]})"),
+        inner.map(lambda text: f"min({text}, 1)"),
+    ),
+    max_leaves=12,
+)
+
+
+def _outcome(expression: Expression) -> object:
+    try:
+        value = expression.evaluate(VALUES)
+    except ExpressionError:
+        return "no value"
+    return "not a number" if isinstance(value, float) and math.isnan(value) else value
+
+
+@given(text=TEXTS)
+def test_text_reads_back_as_the_same_expression(text: str) -> None:
+    expression = parse_expression(text)
+    again = parse_expression(expression.text)
+    assert again == expression
+    assert again.text == expression.text
+    assert _outcome(again) == _outcome(expression)
+
+
+@given(text=st.text(alphabet="0123456789ab$+-*/%^<>=(),.' eif", max_size=30))
+def test_any_text_is_read_or_refused(text: str) -> None:
+    try:
+        expression = parse_expression(text)
+    except ExpressionError as error:
+        assert 0 <= error.offset <= len(text)  # noqa: PT017
+    else:
+        _outcome(expression)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1.0, "1"), (0.1, "0.1"), (-2.5, "-2.5"), (1e22, "1e+22"), (True, "true"), ("as is", "as is"), (-0.0, "0")],
+)
+def test_values_as_xml_writes_them(value: Value, text: str) -> None:
+    assert format_value(value) == text
+
+
+def test_every_function_is_listed_with_its_number_of_arguments() -> None:
+    assert all(count == -1 or count > 0 for count, _ in FUNCTIONS.values())
