@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import MAX_BYTES, parse_document, read_document
@@ -379,6 +379,14 @@ def _distinct(n: RoadTables, found: list[tuple[int, float, int, float, float]]) 
             exact.add(road)
     kept.sort()
     return [(row, s, offset) for _, row, s, offset in kept]
+
+
+@overload
+def load_network(path: str | Path, *, cache: bool = True, sink: None = None) -> Network: ...
+
+
+@overload
+def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics) -> Network | None: ...
 
 
 def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics | None = None) -> Network | None:

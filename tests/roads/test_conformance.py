@@ -1,4 +1,4 @@
-"""Poses, locations and topology against what CARLA's own map library answered (golden/carla/README.md)."""
+"""Poses, locations and topology against what CARLA's own map library and esmini answered."""
 
 from __future__ import annotations
 
@@ -19,9 +19,7 @@ TOWNS = ("Town01", "Town04")
 
 @pytest.fixture(scope="module", params=TOWNS)
 def town(request: pytest.FixtureRequest, corpus: Path) -> Network:
-    network = load_network(corpus / MAPS / f"{request.param}.xodr", cache=False)
-    assert network is not None
-    return network
+    return load_network(corpus / MAPS / f"{request.param}.xodr", cache=False)
 
 
 def rows(path: Path) -> Iterator[dict[str, str]]:
@@ -75,3 +73,23 @@ def test_topology_equals_carla(town: Network, golden: Path) -> None:
     )
     ours = Counter((a.road, str(a.lane), round(a.s, 2), b.road, str(b.lane), round(b.s, 2)) for a, b in town.topology())
     assert ours == theirs
+
+
+@pytest.mark.parametrize(
+    ("recorded", "road_file"),
+    [
+        ("ut__two_pitched_and_rolled_roads", "two_pitched_and_rolled_roads"),
+        ("ut__positioning_slope_up_leaning_right", "slope_up_leaning_right"),
+        ("ut__pitch_by_super_elevation", "pitch_by_super_elevation"),
+    ],
+)
+def test_lane_positions_on_rolled_slopes_equal_esmini(
+    corpus: Path, golden: Path, recorded: str, road_file: str
+) -> None:
+    files = list((corpus / "esmini").rglob(f"{road_file}.xodr"))
+    if not files:
+        pytest.skip(f"the corpus has no {road_file}.xodr")
+    network = load_network(files[0], cache=False)
+    for row in rows(golden / "esmini" / f"{recorded}.csv.gz"):
+        pose = network.lane_pose(row["road"], int(row["lane"]), float(row["s"]), float(row["off"]))
+        assert math.hypot(pose.x - float(row["x"]), pose.y - float(row["y"])) < 3e-3

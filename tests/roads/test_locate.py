@@ -22,7 +22,6 @@ MAPS = (
 @pytest.mark.parametrize("name", MAPS)
 def test_the_batch_equals_the_single_question(corpus: Path, name: str) -> None:
     made = load_network(corpus / name, cache=False)
-    assert made is not None
     draw = np.random.default_rng(5)
     n = made.tables
     xs, ys = [], []
