@@ -1,12 +1,12 @@
 """Many variants of one plan in one call, each a row of numbers and a row of draws.
 
-All arrays are flat: `rows` holds the numbers of `Program.const` variant by variant, `draws` DRAWS_PER_RUN of them, `out` gets
-SUMMARY_SIZE numbers a variant and `trace` the rows of its run.
+All arrays are flat: `rows` holds the numbers of `Program.const` variant by variant, `draws` DRAWS_PER_RUN of them,
+`out` gets SUMMARY_SIZE numbers a variant and `trace` the rows of its run.
 """
 
 from __future__ import annotations
 
-from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, STOP_NONE
+from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, EVENT_COLLISION, LOG_SIZE, STOP_NONE
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD, reset, step
 from scenario_compiler.engine.tables import Program
@@ -17,10 +17,11 @@ SUMMARY = (
     *("rows", "t", "stop", "flag", "flag_at", "takeover_state", "cause", "requests", "time_warning"),
     *("time_request", "time_escalation", "time_response", "time_minimum_risk", "time_standstill", "min_ttc"),
     *("collision_a", "collision_b", "collision_time", "collision_count", "ego_v", "ego_odometer"),
+    *("ego_collision_time", "ego_collision_with"),
 )
 """What `summarise` writes for a variant, in this order."""
 
-SUMMARY_SIZE = 21
+SUMMARY_SIZE = 23
 
 
 @compiled
@@ -56,6 +57,15 @@ def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
 
 
 @compiled
+def first_logged(st: State, kind: int) -> int:
+    """Return the place in the log of the first event of a kind, -1 where there is none."""
+    for at in range(min(st.log_count[0], LOG_SIZE)):
+        if st.log_kind[at] == kind:
+            return at
+    return -1
+
+
+@compiled
 def summarise(p: Program, st: State, rows: int, out: list[float], base: int) -> None:
     """Write the summary of a run that is over into `out` from `base` on, by `SUMMARY`."""
     out[base] = 1.0 * rows
@@ -80,6 +90,9 @@ def summarise(p: Program, st: State, rows: int, out: list[float], base: int) -> 
     ego = max(p.ego[0], 0)
     out[base + 19] = st.v[ego]
     out[base + 20] = st.odometer[ego]
+    crash = first_logged(st, EVENT_COLLISION)
+    out[base + 21] = st.log_time[max(crash, 0)] if crash >= 0 else -1.0
+    out[base + 22] = st.log_value[max(crash, 0)] if crash >= 0 else -1.0
 
 
 @compiled
@@ -115,7 +128,10 @@ def sweep(
     every: int,
     out: list[float],
 ) -> None:
-    """Run `count` variants; variant k's trace starts at k * stride (a row each `every` steps, 0: none), its summary at its place."""
+    """Run `count` variants.
+
+    Variant k's trace starts at k * stride, with a row each `every` steps (0: none), its summary at k * SUMMARY_SIZE.
+    """
     width = len(p.const)
     for k in range(count):
         for q in range(width):

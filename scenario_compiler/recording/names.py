@@ -72,6 +72,19 @@ STOP_REASONS: dict[int, StopReason] = {
     opcodes.STOP_ERROR: "error",
 }
 
+FAULTS: dict[int, str] = {
+    opcodes.FAULT_NOT_FINITE: "a position or speed is no longer a finite number",
+    opcodes.FAULT_OFF_ROAD_START: "a start position lies on no lane",
+    opcodes.FAULT_UNKNOWN_CONDITION: "the program holds an unknown condition",
+    opcodes.FAULT_UNKNOWN_ACTION: "the program holds an unknown action",
+    opcodes.FAULT_UNKNOWN_SHAPE: "the program holds an unknown transition shape",
+    opcodes.FAULT_UNKNOWN_MOTION: "the program holds an unknown kind of motion",
+    opcodes.FAULT_DELAY_OVERFLOW: "a delayed condition changes too often to be remembered",
+    opcodes.FAULT_UNKNOWN_RULE: "the program holds an unknown comparison",
+    opcodes.FAULT_UNKNOWN_EDGE: "the program holds an unknown condition edge",
+}
+"""What a run's fault code means."""
+
 STATE_AFTER: dict[EventKind, StateName] = {
     "activation": "automated",
     "warning": "warning",

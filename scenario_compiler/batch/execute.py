@@ -1,0 +1,324 @@
+"""Running a sweep: who runs the variants, in which form, and where their rows go."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Protocol
+
+from scenario_compiler.batch.distributions import SweepError, value_of
+from scenario_compiler.batch.measuring import Columns
+from scenario_compiler.batch.pool import Pool
+from scenario_compiler.batch.results import PARAMETER, ResultStore
+from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant, send
+from scenario_compiler.batch.sampling import Sample, Sampler, make_sampler
+from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.variants import Families, Family
+from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.vocabulary.scenario import parameter_values
+
+BREAK_EVEN = 80
+"""Number of variants from which loading the compiled engine pays: 0.8 s against about 10 ms a variant."""
+
+WORTH_A_WORKER = 2000
+"""Variants of the compiled engine that are worth the start of another process."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a sweep is.
+
+    Attributes:
+        done: Variants that have their row.
+        total: Variants.
+        failed: Rows that are errors.
+        resumed: Variants whose row was there at the start.
+    """
+
+    done: int
+    total: int
+    failed: int
+    resumed: int
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """A finished sweep.
+
+    Attributes:
+        folder: Its folder.
+        table: The file of the rows.
+        total: Number of variants.
+        failed: Rows that are errors.
+        form: What ran the variants.
+        workers: Number of processes that did; 1 for this process alone.
+    """
+
+    folder: Path
+    table: Path
+    total: int
+    failed: int
+    form: Form
+    workers: int
+
+
+class Executor(Protocol):
+    """What runs parts: this process, a pool of processes, or a cluster."""
+
+    def run(self, parts: Iterator[Part]) -> Iterator[tuple[int, Batch]]:
+        """Yield the rows of all parts as (number of the part, batch), those of one part in order."""
+        ...
+
+    def close(self) -> None:
+        """End it."""
+        ...
+
+
+class Inline:
+    """Runs parts in this process."""
+
+    def __init__(self, runner: Runner) -> None:
+        """Take the runner."""
+        self.runner = runner
+
+    def run(self, parts: Iterator[Part]) -> Iterator[tuple[int, Batch]]:
+        """Yield the rows of all parts, one part after the other."""
+        for part in parts:
+            for batch in self.runner.batches(part):
+                yield part.number, batch
+
+    def close(self) -> None:
+        """Keep nothing open."""
+
+
+@dataclass
+class Sweep:
+    """A sweep that is ready to run.
+
+    Attributes:
+        target: FILE, FILE#name or a plan's file.
+        spec: What it is asked to do.
+        sampler: Its variants.
+        families: Their plans.
+        form: What runs them.
+        part_size: Number of variants of a part.
+    """
+
+    target: str
+    spec: SweepSpec
+    sampler: Sampler
+    families: Families
+    form: Form
+    part_size: int
+
+    @property
+    def parts(self) -> int:
+        """Number of parts."""
+        return math.ceil(self.sampler.total / self.part_size)
+
+    def variant(self, index: int, sample: Sample) -> Variant:
+        """Return a variant with its family, or with why it has none."""
+        found = self.families.of(sample)
+        if isinstance(found, Diagnostics):
+            error = next((one.message for one in found if one.severity is Severity.ERROR), "it does not compile")
+            return Variant(index, -1, sample, error)
+        try:
+            return Variant(index, found.number, found.values(sample))
+        except SweepError as fault:
+            return Variant(index, found.number, {}, str(fault))
+
+    def part(self, number: int) -> tuple[Part, Columns]:
+        """Return a piece of work, and the columns of its rows that are known before it runs."""
+        first = number * self.part_size
+        indices = range(first, min(first + self.part_size, self.sampler.total))
+        samples = [self.sampler.sample(index) for index in indices]
+        variants = tuple(self.variant(index, sample) for index, sample in zip(indices, samples, strict=True))
+        plans = {one.family: self.families.plan(one.family) for one in variants if not one.error}
+        columns: Columns = {"variant": list(indices)}
+        columns |= {PARAMETER + name: [sample[name] for sample in samples] for name in samples[0]}
+        columns |= {
+            "seed": [self.spec.seed] * len(indices),
+            "digest": [plans[one.family].plan.digest if one.family in plans else None for one in variants],
+        }
+        return Part(number, variants, tuple(self._sent(family) for family in plans.values())), columns
+
+    def _sent(self, family: Family) -> SentPlan:
+        return send(family.number, family.plan)
+
+    def store(self, folder: Path) -> ResultStore:
+        """Return the folder's store."""
+        kinds = {name: axis.kind for name, axis in self.spec.axes.items()}
+        manifest = {
+            "target": self.target,
+            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit"}),
+            "spec_hash": self.spec.results_hash(),
+            "digest": self.families.base.plan.digest,
+            "variants": self.sampler.total,
+            "part_size": self.part_size,
+            "version": version("scenario-compiler"),
+        }
+        order = [*self.sampler.crossed, *self.sampler.drawn]
+        return ResultStore(folder, {name: kinds[name] for name in order}, manifest)
+
+
+def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequence[Path] = ()) -> Sweep:
+    """Compile and sample a sweep without running it.
+
+    Raises:
+        CompileError: The scenario is at fault.
+        ScenarioNameNeededError: The file has several scenarios and no name is given.
+        SweepError: The sweep is not possible as it is asked for.
+    """
+    axes = spec.axes
+    spec.traces_wanted()
+    if not axes:
+        raise SweepError("nothing varies: give --vary NAME=DISTRIBUTION")
+    middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}
+    families = Families(target, spec, middle, sink, maps)
+    fixed = {name: value_of(text) for name, text in spec.settings.items()}
+    sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
+    form = form_of(spec, families.base, sampler.total)
+    return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total))
+
+
+def form_of(spec: SweepSpec, base: Family, total: int) -> Form:
+    """Return what runs a sweep's variants: a camera in the loop needs Python, many variants pay for compiling."""
+    if base.plan.perception == "camera":
+        return "camera"
+    if spec.form != "auto":
+        return spec.form
+    return "compiled" if total >= BREAK_EVEN else "interpreted"
+
+
+def part_size_of(form: Form, total: int) -> int:
+    """Return how many variants are kept together: what is lost at most when a sweep is interrupted."""
+    if form == "camera":
+        return 2
+    if form == "interpreted":
+        return 16
+    return min(max(total // 64, 100), 2000)
+
+
+def workers_for(sweep: Sweep, wanted: int | None) -> int:
+    """Return how many processes run a sweep: all cores where that pays, unless told."""
+    most = sweep.parts if wanted is None or sweep.form == "camera" else max(wanted, 1)
+    if wanted is not None:
+        return max(1, min(wanted, most))
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if sweep.form == "compiled":
+        most = min(most, max(1, sweep.sampler.total // WORTH_A_WORKER))
+    elif sweep.form == "interpreted":
+        most = min(most, max(1, sweep.sampler.total // BREAK_EVEN))
+    return max(1, min(cores, most))
+
+
+def open_executor(sweep: Sweep, workers: int, say: Callable[[str], None] | None = None) -> Executor:
+    """Return what runs a sweep on this machine: worker processes where a run may hang or there are several."""
+    spec = sweep.spec
+    if workers == 1 and sweep.form != "camera" and spec.time_limit is None:
+        runner = Runner(sweep.form, spec.seed, say)
+        base = sweep.families.base
+        runner.add(base.number, base.plan, base.network)
+        return Inline(runner)
+    if sweep.form == "compiled":
+        from scenario_compiler.engine.build import warm
+
+        warm(say)
+    return Pool(sweep.form, spec.seed, workers, spec.time_limit)
+
+
+def execute(
+    sweep: Sweep, store: ResultStore, executor: Executor, progress: Callable[[Progress], None] | None = None
+) -> int:
+    """Run what is missing and keep it; return the number of rows that are errors.
+
+    Raises:
+        OSError: The rows could not be written; what was written before is kept.
+    """
+    there = {number: store.counts(number) for number in sorted(store.done())}
+    missing = [number for number in range(sweep.parts) if number not in there]
+    resumed = done = sum(rows for rows, _ in there.values())
+    failed = sum(errors for _, errors in there.values())
+    pending: dict[int, Columns] = {}
+
+    def work() -> Iterator[Part]:
+        for number in missing:
+            part, pending[number] = sweep.part(number)
+            yield part
+
+    if progress is not None:
+        progress(Progress(done, sweep.sampler.total, failed, resumed))
+    with closing(executor):
+        for number, batch in executor.run(work()):
+            columns = pending[number]
+            for name, values in batch.columns.items():
+                columns.setdefault(name, []).extend(values)
+            done += len(batch.variants)
+            failed += batch.columns["result"].count("error")
+            if len(columns["result"]) == len(columns["variant"]):
+                store.write_part(number, pending.pop(number))
+            if progress is not None:
+                progress(Progress(done, sweep.sampler.total, failed, resumed))
+    return failed
+
+
+def run_sweep(
+    target: str | Path,
+    spec: SweepSpec,
+    folder: Path,
+    *,
+    resume: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    maps: Sequence[Path] = (),
+    say: Callable[[str], None] | None = None,
+) -> SweepResult:
+    """Run a sweep into a folder.
+
+    Args:
+        target: FILE, FILE#name or a plan's file.
+        spec: What it is asked to do.
+        folder: Where the table, the chosen traces and the report go.
+        resume: Do the rest of the sweep that the folder holds.
+        progress: Called whenever rows are done.
+        scheduler: Address of a Dask scheduler that runs the variants.
+        workers: Number of processes; as many as pay when None.
+        maps: Folders that maps are looked for in first.
+        say: Told what runs the variants, and that the engine is compiled.
+
+    Raises:
+        CompileError: The scenario is at fault.
+        ScenarioNameNeededError: The file has several scenarios and no name is given.
+        SweepError: The sweep is not possible as it is asked for, or the folder is not its own.
+        OSError: Nothing more could be written; `resume` does the rest.
+    """
+    sweep = prepare(target, spec, Diagnostics(), maps)
+    store = sweep.store(folder)
+    store.open(resume=resume)
+    count = workers_for(sweep, workers)
+    if not store.finished:
+        if say is not None:
+            say(describe(sweep, count))
+        execute(sweep, store, open_executor(sweep, count, say), progress)
+        store.merge(sweep.parts)
+    failed = store.failures()
+    return SweepResult(folder, store.table, sweep.sampler.total, failed, sweep.form, count)
+
+
+def describe(sweep: Sweep, workers: int) -> str:
+    """Return what runs a sweep, in words."""
+    how = {
+        "camera": "with a camera in the loop, each in Python",
+        "interpreted": f"interpreted, as fewer than {BREAK_EVEN} do not pay for the compiled engine",
+        "compiled": "in the compiled engine",
+    }[sweep.form]
+    if sweep.spec.form == "interpreted" and sweep.form == "interpreted":
+        how = "interpreted"
+    where = "in this process" if workers == 1 else f"in {workers} processes"
+    return f"{sweep.sampler.total} variants {how}, {where}"

@@ -1,0 +1,214 @@
+"""The row of a variant: its outcome and every measure, from the arrays of many runs at once.
+
+The measures and criteria are those of `recording`, so that a row says what `outcome.json` of the same run says.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from scenario_compiler.engine.opcodes import FAR
+from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD
+from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.expressions import Value
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.criteria import broken_at, limit_of
+from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.names import CAUSES, FAULTS, STOP_REASONS, EventKind
+from scenario_compiler.recording.recording import Floats, Recording
+from scenario_compiler.recording.traces import SAME_TIME, Traces, traces_of
+
+Columns = dict[str, list[Any]]
+"""Rows by column."""
+
+AT = {name: place for place, name in enumerate(SUMMARY)}
+HEAD = ("t", "takeover_state", "cause", "conf_left", "conf_right", "health", "blocked", "lane_end", "min_ttc", "sigma")
+ENTITY = ("x", "y", "z", "h", "v", "a", "steer", "road", "lane", "s", "off", "throttle", "brake")
+"""Fields of the head of a trace's row, and of each entity in it, as the engine writes them."""
+
+OUTCOME = ("result", "error", "stop_reason", "duration", "resolution", "cause", "collision_with", "failed")
+"""Columns of the outcome, before the measures."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """How runs ended, one of each list a run.
+
+    Attributes:
+        stop_reason: Why it stopped.
+        error: The fault in words; empty for none.
+        cause: Cause of the first request; empty without one.
+        collision_with: Id of the first entity that the ego vehicle hit.
+    """
+
+    stop_reason: list[str]
+    error: list[str]
+    cause: list[str]
+    collision_with: list[str | None]
+
+
+def outcome_columns(plan: Plan, traces: Traces, ends: Ends, parameters: Sequence[Mapping[str, Value]]) -> Columns:
+    """Return the outcome and measures of runs; a run that broke off has no measures.
+
+    Args:
+        plan: The plan of all of them.
+        traces: Their arrays, with one leading axis.
+        ends: How they ended.
+        parameters: Each run's values of the plan's parameters.
+    """
+    reached = np.array([reason == "destination" for reason in ends.stop_reason])
+    failed: list[list[str]] = [[] for _ in parameters]
+    for criterion in plan.criteria:
+        limit = np.array([limit_of(criterion, values) for values in parameters])
+        for names, broken in zip(failed, broken_at(criterion, traces, reached, limit), strict=True):
+            if not math.isnan(broken):
+                names.append(criterion.word)
+    columns: Columns = {
+        "result": [
+            "error" if error else "fail" if names else "pass" for error, names in zip(ends.error, failed, strict=True)
+        ],
+        "error": ends.error,
+        "stop_reason": ends.stop_reason,
+        "duration": np.fmax.reduce(traces.t, axis=-1, initial=0.0).tolist(),
+        "resolution": _resolutions(traces.times),
+        "cause": ends.cause,
+        "collision_with": ends.collision_with,
+        "failed": [" ".join(names) for names in failed],
+    }
+    sound = np.array([not error for error in ends.error])
+    for measure in MEASURES:
+        values = np.where(sound, measure.compute(traces), np.nan)
+        columns[measure.name] = [value if math.isfinite(value) else None for value in values.tolist()]
+    return columns
+
+
+def error_columns(count: int, error: str) -> Columns:
+    """Return the outcome of variants that have no run."""
+    columns: Columns = {name: [None] * count for name in (*OUTCOME, *(measure.name for measure in MEASURES))}
+    return columns | {"result": ["error"] * count, "error": [error] * count}
+
+
+def _resolutions(times: Mapping[EventKind, Floats]) -> list[str]:
+    """Return how the first request of each run ended, as `Outcome.resolution` names it."""
+    answered = np.fmin(times["response"], times["minimum_risk"])
+    by_driver = times["response"] <= np.where(np.isnan(times["minimum_risk"]), np.inf, times["minimum_risk"])
+    named = np.where(np.isnan(answered), "unanswered", np.where(by_driver, "driver", "minimum_risk"))
+    return [str(name) for name in np.where(np.isnan(times["request"]), "no_request", named)]
+
+
+def from_recording(plan: Plan, recording: Recording) -> tuple[Traces, Ends]:
+    """Return one run as arrays with a leading axis of length 1, and how it ended."""
+    traces = traces_of(plan, recording)
+    arrays = {
+        field.name: getattr(traces, field.name)[None]
+        for field in fields(Traces)
+        if field.name not in ("length", "width", "center", "times")
+    }
+    single = Traces(
+        **arrays,
+        length=traces.length,
+        width=traces.width,
+        center=traces.center,
+        times={kind: value[None] for kind, value in traces.times.items()},
+    )
+    request = next((event for event in recording.events if event.kind == "request"), None)
+    crash = next((event for event in recording.events if event.kind == "collision"), None)
+    return single, Ends(
+        stop_reason=[recording.stop_reason],
+        error=[_fault(recording.error, recording.stop_reason)],
+        cause=[request.cause if request else ""],
+        collision_with=[crash.entity if crash else None],
+    )
+
+
+def from_sweep(plan: Plan, summaries: Floats, flat: Floats) -> tuple[Traces, Ends]:
+    """Return what the engine's sweep wrote as arrays with a leading axis, and how the runs ended.
+
+    Args:
+        plan: The plan of all of them.
+        summaries: (runs, SUMMARY_SIZE).
+        flat: Traces with a row each step, (runs, rows times numbers of a row), longer than any run.
+    """
+    runs, entities = len(summaries), len(plan.entities)
+    width = TRACE_HEAD + TRACE_FIELDS * entities
+    rows = summaries[:, AT["rows"]].astype(np.int64)
+    longest = int(rows.max(initial=0))
+    whole = flat.reshape(runs, -1, width)[:, :longest]
+    there = np.arange(longest) < rows[:, None]
+    head = {name: np.where(there, whole[..., k], np.nan) for k, name in enumerate(HEAD)}
+    each = whole[..., TRACE_HEAD:].reshape(runs, longest, entities, TRACE_FIELDS)
+    present = np.broadcast_to(there[..., None], (runs, longest, entities))
+    body = {name: np.where(present, each[..., k], np.nan) for k, name in enumerate(ENTITY)}
+    road = np.where(present, each[..., ENTITY.index("road")], -1.0).astype(np.int64)
+    on_road = road >= 0
+    vehicles = [entity.vehicle for entity in plan.entities]
+    times = _first_times(summaries)
+    turn = 2 * np.pi
+    traces = Traces(
+        t=head["t"],
+        present=present,
+        x=body["x"],
+        y=body["y"],
+        h=np.where((body["h"] >= 0) & (body["h"] < turn), body["h"], np.mod(body["h"], turn)),
+        v=body["v"],
+        a=body["a"],
+        road=road,
+        lane=np.where(on_road, each[..., ENTITY.index("lane")], 0.0).astype(np.int64),
+        s=np.where(on_road, body["s"], 0.0),
+        off=np.where(on_road, body["off"], 0.0),
+        brake=body["brake"],
+        cause=np.where(there, whole[..., HEAD.index("cause")], 0.0).astype(np.int64),
+        confidence_left=head["conf_left"],
+        confidence_right=head["conf_right"],
+        blocked_distance=np.where(head["blocked"] >= FAR, np.nan, head["blocked"]),
+        lane_end_distance=np.where(head["lane_end"] >= FAR, np.nan, head["lane_end"]),
+        length=np.array([vehicle.length for vehicle in vehicles]),
+        width=np.array([vehicle.width for vehicle in vehicles]),
+        center=np.array([vehicle.center for vehicle in vehicles]),
+        times=times,
+    )
+    return traces, _ends(plan, summaries, traces)
+
+
+def _first_times(summaries: Floats) -> dict[EventKind, Floats]:
+    kinds: dict[EventKind, str] = {
+        "warning": "time_warning",
+        "request": "time_request",
+        "escalation": "time_escalation",
+        "response": "time_response",
+        "minimum_risk": "time_minimum_risk",
+        "standstill": "time_standstill",
+        "collision": "ego_collision_time",
+    }
+    return {kind: _or_nan(summaries[:, AT[column]]) for kind, column in kinds.items()}
+
+
+def _or_nan(times: Floats) -> Floats:
+    return np.where(times < 0.0, np.nan, times)
+
+
+def _ends(plan: Plan, summaries: Floats, traces: Traces) -> Ends:
+    stops = [STOP_REASONS[int(code)] for code in summaries[:, AT["stop"]]]
+    faults = [int(code) for code in summaries[:, AT["flag"]]]
+    request = traces.times["request"]
+    later = traces.t > request[:, None] + SAME_TIME
+    row = np.where(later.any(axis=-1), np.argmax(later, axis=-1), np.maximum((~np.isnan(traces.t)).sum(axis=-1) - 1, 0))
+    cause = traces.cause[np.arange(len(row)), row]
+    hit = summaries[:, AT["ego_collision_with"]].astype(np.int64)
+    return Ends(
+        stop_reason=[str(stop) for stop in stops],
+        error=[_fault(fault, stop) for fault, stop in zip(faults, stops, strict=True)],
+        cause=["" if math.isnan(t) else CAUSES[int(code)] for t, code in zip(request, cause, strict=True)],
+        collision_with=[plan.entities[one].id if one >= 0 else None for one in hit],
+    )
+
+
+def _fault(code: int, stop: str) -> str:
+    if code:
+        return FAULTS.get(code, f"fault {code} of the engine")
+    return "the run broke off" if stop == "error" else ""

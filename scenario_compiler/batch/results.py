@@ -1,0 +1,216 @@
+"""The table of a sweep: one row a variant as Parquet, written in parts that are whole or not there.
+
+A part goes to a temporary file that is moved into place, so that whatever ends a sweep leaves what was finished. When
+all parts are there they become `results.parquet`. A manifest says which sweep the folder belongs to. Equal sweeps give
+equal bytes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from scenario_compiler.batch.distributions import SweepError, ValueKind
+from scenario_compiler.batch.measuring import OUTCOME, Columns
+from scenario_compiler.recording.measures import MEASURES
+
+FORMAT = "scenario-compiler/sweep/1"
+MANIFEST = "sweep.json"
+TABLE = "results.parquet"
+PARTS = "parts"
+GROUP = 1 << 16
+"""Rows of a row group of the table, at least; a part is never split."""
+
+PARAMETER = "parameter."
+"""What the columns of parameters begin with."""
+
+_KEY = b"scenario-compiler"
+_TYPES: dict[ValueKind, pa.DataType] = {"number": pa.float64(), "boolean": pa.bool_(), "text": pa.string()}
+
+
+def schema_of(parameters: Mapping[str, ValueKind]) -> pa.Schema:
+    """Return the columns of a sweep's table; `parameters` are those that vary and their types."""
+    text = {name: pa.string() for name in OUTCOME} | {"duration": pa.float64()}
+    columns = {"variant": pa.int64()}
+    columns |= {PARAMETER + name: _TYPES[kind] for name, kind in parameters.items()}
+    columns |= {"seed": pa.int64(), "digest": pa.string()}
+    columns |= {name: text[name] for name in OUTCOME}
+    columns |= {measure.name: pa.float64() for measure in MEASURES}
+    return pa.schema(columns)
+
+
+class ResultStore:
+    """The folder of a sweep."""
+
+    def __init__(self, folder: Path, parameters: Mapping[str, ValueKind], manifest: Mapping[str, Any]) -> None:
+        """Take the folder of a sweep; nothing is written.
+
+        Args:
+            folder: The folder.
+            parameters: The parameters that vary and their types.
+            manifest: What decides the rows: a folder with another one belongs to another sweep.
+        """
+        self.folder = folder
+        self.table = folder / TABLE
+        self._parts = folder / PARTS
+        self._schema = schema_of(parameters)
+        self._manifest = {"format": FORMAT, **manifest}
+
+    def open(self, *, resume: bool) -> None:
+        """Begin, or take up again, the sweep.
+
+        Raises:
+            SweepError: There is another sweep in the folder, or the same one without `resume`, or other files.
+        """
+        path = self.folder / MANIFEST
+        if path.is_file():
+            if not resume:
+                raise SweepError(f"{self.folder} holds a sweep already; --resume does the rest of it")
+            try:
+                found = json.loads(path.read_text(encoding="utf-8"))
+            except ValueError:
+                found = None
+            if found != self._manifest:
+                raise SweepError(f"{self.folder} holds another sweep: {_difference(found, self._manifest)}")
+        elif self.folder.is_dir() and any(self.folder.iterdir()) and not self._unfinished_start():
+            raise SweepError(f"{self.folder} is not empty and holds no sweep")
+        self._parts.mkdir(parents=True, exist_ok=True)
+        for left in self.folder.glob("**/*.tmp"):
+            left.unlink()
+        write_whole(path, (json.dumps(self._manifest, indent=1, sort_keys=True) + "\n").encode())
+
+    def _unfinished_start(self) -> bool:
+        return all(path.name == PARTS or path.suffix == ".tmp" for path in self.folder.iterdir())
+
+    @property
+    def finished(self) -> bool:
+        """Whether the table is whole."""
+        return self.table.is_file()
+
+    def done(self) -> set[int]:
+        """Return the numbers of the parts that are there."""
+        return {int(path.stem) for path in self._parts.glob("*.parquet") if path.stem.isdigit()}
+
+    def write_part(self, number: int, columns: Columns) -> None:
+        """Keep the rows of a part; OSError when there is no room, and nothing of it is left."""
+        table = pa.table([pa.array(columns[f.name], type=f.type) for f in self._schema], schema=self._schema)
+        sink = pa.BufferOutputStream()
+        with _writer(sink, self._schema) as file:
+            file.write_table(table)
+        write_whole(self._part(number), sink.getvalue().to_pybytes())
+
+    def part_columns(self, number: int) -> Columns:
+        """Return the rows of a part."""
+        columns: Columns = pq.read_table(self._part(number), schema=self._schema).to_pydict()
+        return columns
+
+    def counts(self, number: int) -> tuple[int, int]:
+        """Return how many rows a part has and how many of them are errors."""
+        results = pq.read_table(self._part(number), columns=["result"])["result"].to_pylist()
+        return len(results), results.count("error")
+
+    def failures(self) -> int:
+        """Return how many rows of the table are errors."""
+        count: int = pc.sum(pc.equal(pq.read_table(self.table, columns=["result"])["result"], "error")).as_py() or 0
+        return count
+
+    def merge(self, parts: int) -> None:
+        """Make the table of all parts, in order, and drop them."""
+        about = json.dumps(self._about(), sort_keys=True).encode()
+        draft = self.table.with_suffix(".tmp")
+        try:
+            with draft.open("wb") as sink:
+                with _writer(sink, self._schema) as file:
+                    for tables in self._grouped(parts):
+                        file.write_table(pa.concat_tables(tables))
+                    file.add_key_value_metadata({_KEY: about})
+                sink.flush()
+                os.fsync(sink.fileno())
+            draft.replace(self.table)
+        except OSError:
+            with contextlib.suppress(OSError):
+                draft.unlink()
+            raise
+        for number in range(parts):
+            self._part(number).unlink()
+        self._parts.rmdir()
+
+    def _grouped(self, parts: int) -> Iterator[list[pa.Table]]:
+        tables: list[pa.Table] = []
+        for number in range(parts):
+            tables.append(pq.read_table(self._part(number), schema=self._schema))
+            if sum(table.num_rows for table in tables) >= GROUP:
+                yield tables
+                tables = []
+        if tables or not parts:
+            yield tables or [self._schema.empty_table()]
+
+    def _about(self) -> dict[str, Any]:
+        measures = {m.name: {"unit": m.unit, "definition": m.definition, "source": m.source} for m in MEASURES}
+        return {**self._manifest, "measures": measures}
+
+    def _part(self, number: int) -> Path:
+        return self._parts / f"{number:08}.parquet"
+
+
+def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
+    """Return the rows of a sweep by column and what the file says about itself; SweepError when it holds none.
+
+    Args:
+        path: The table, or the folder of a finished sweep.
+    """
+    file = path / TABLE if path.is_dir() else path
+    try:
+        with pq.ParquetFile(file) as opened:
+            table, metadata = opened.read(), opened.metadata.metadata or {}
+        about = json.loads(metadata.get(_KEY, b"{}"))
+    except (OSError, ValueError, pa.ArrowException) as problem:
+        raise SweepError(f"{file} is no table of a sweep: {problem}") from problem
+    if about.get("format") != FORMAT:
+        raise SweepError(f"{file} is no table of a sweep")
+    columns: Columns = table.to_pydict()
+    return columns, about
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file that is whole or not there, also when the machine stops; OSError leaves nothing of it."""
+    draft = path.with_suffix(f"{path.suffix}.tmp")
+    try:
+        with draft.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            draft.unlink()
+        raise
+
+
+def _writer(sink: Any, schema: pa.Schema) -> pq.ParquetWriter:
+    return pq.ParquetWriter(
+        sink,
+        schema,
+        version="2.6",
+        data_page_version="1.0",
+        compression="zstd",
+        compression_level=3,
+        use_dictionary=True,
+        write_statistics=True,
+        store_schema=False,
+    )
+
+
+def _difference(found: Any, wanted: Mapping[str, Any]) -> str:
+    if not isinstance(found, dict):
+        return "its manifest cannot be read"
+    changed = sorted(key for key in {*found, *wanted} if found.get(key) != wanted.get(key))
+    return f"it differs in {', '.join(changed)}"

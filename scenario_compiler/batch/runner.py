@@ -1,0 +1,191 @@
+"""What runs variants, in this process, a worker process or on a cluster: plans and values in, rows out.
+
+A part of a sweep comes as a `Part` of plain values, with the plans that the worker has not seen yet, and leaves as
+batches of rows. Nothing in a row depends on how a sweep is split.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.measuring import Columns, error_columns, from_recording, from_sweep, outcome_columns
+from scenario_compiler.batch.sampling import Sample
+from scenario_compiler.batch.variants import with_values
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.engine.build import Compiled, Interpreted, trace_width
+from scenario_compiler.engine.program import build_program, rows
+from scenario_compiler.engine.state import make_draws, new_state
+from scenario_compiler.expressions import ExpressionError
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.roads import Network, load_network
+from scenario_compiler.runtime import open_world, run
+from scenario_compiler.vocabulary.scenario import parameter_values
+
+Form = Literal["camera", "interpreted", "compiled"]
+
+TRACE_MEMORY = 6_000_000
+"""Numbers' bytes that the traces of one call of the engine take at most; measuring takes several times that."""
+
+FAMILIES_KEPT = 64
+"""Plans that a runner keeps ready."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One variant: its index, its family and its values of the family's slots; or why it cannot run."""
+
+    index: int
+    family: int
+    values: Sample
+    error: str = ""
+
+
+@dataclass(frozen=True)
+class SentPlan:
+    """A plan on its way to a worker; the map goes by path, and by content where the worker has no such file."""
+
+    family: int
+    plan: str
+    map_file: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A piece of work.
+
+    Attributes:
+        number: Its number, for whoever puts the parts together.
+        variants: What to run.
+        plans: Plans of their families; the worker may be new.
+        one_by_one: Run a single variant at a time, to find the one that ends the process.
+    """
+
+    number: int
+    variants: tuple[Variant, ...]
+    plans: tuple[SentPlan, ...] = ()
+    one_by_one: bool = False
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Rows of variants that ran together, by column."""
+
+    variants: tuple[Variant, ...]
+    columns: Columns
+
+
+@dataclass
+class Runner:
+    """Runs the variants of a sweep; one in each process.
+
+    Attributes:
+        form: What runs them.
+        seed: Seed of the runs.
+        say: Told before the engine is compiled for the first time.
+    """
+
+    form: Form
+    seed: int
+    say: Callable[[str], None] | None = None
+    _families: dict[int, _Family] = field(default_factory=dict)
+
+    def add(self, family: int, plan: Plan, network: Network) -> None:
+        """Make a plan known; the one that is known longest makes room."""
+        if family not in self._families:
+            while len(self._families) >= FAMILIES_KEPT:
+                del self._families[next(iter(self._families))]
+            self._families[family] = _Family(plan, network, self.form, self.say)
+
+    def batches(self, part: Part, begin: Callable[[tuple[Variant, ...]], None] | None = None) -> Iterator[Batch]:
+        """Yield the rows of a part's variants, in order; `begin` is called with each batch before it runs."""
+        sent = {one.family: one for one in part.plans}
+        for (number, failed), members in groupby(part.variants, key=lambda one: (one.family, one.error)):
+            together = tuple(members)
+            if failed:
+                yield Batch(together, error_columns(len(together), failed))
+                continue
+            if number not in self._families:
+                plan = Plan.model_validate_json(sent[number].plan)
+                self.add(number, plan, _network(sent[number].map_file, plan))
+            family = self._families[number]
+            size = 1 if part.one_by_one or self.form == "camera" else family.together
+            for start in range(0, len(together), size):
+                batch = together[start : start + size]
+                if begin is not None:
+                    begin(batch)
+                yield Batch(batch, self._rows(family, batch))
+
+    def _rows(self, family: _Family, batch: tuple[Variant, ...]) -> Columns:
+        """Return the rows; a variant that raises is a row with its error."""
+        try:
+            return family.rows(batch, self.seed)
+        except Exception as fault:
+            if len(batch) == 1:
+                return error_columns(1, f"{type(fault).__name__}: {fault}")
+            each = [self._rows(family, (one,)) for one in batch]
+            return {name: [value for columns in each for value in columns[name]] for name in each[0]}
+
+
+class _Family:
+    """A plan that is ready to run."""
+
+    def __init__(self, plan: Plan, network: Network, form: Form, say: Callable[[str], None] | None) -> None:
+        self.plan, self.network, self.form = plan, network, form
+        self.usual = parameter_values(plan.parameters)
+        self.limit = int(plan.duration / plan.step) + 2
+        self.together = 1
+        self.engine: Compiled | Interpreted | None = None
+        if form != "camera":
+            program = build_program(plan, network)
+            state = new_state(program)
+            if form == "compiled":
+                self.engine = Compiled(network.tables, program, state, say)
+            else:
+                self.engine = Interpreted(network.tables, program, state)
+            self.together = max(1, TRACE_MEMORY // (8 * trace_width(program) * (self.limit + 1)))
+
+    def rows(self, batch: Sequence[Variant], seed: int) -> Columns:
+        """Run variants and return their rows."""
+        parameters = [{**self.usual, **one.values} for one in batch]
+        if self.engine is None:
+            traces, ends = from_recording(self.plan, record(self.plan, self.network, batch[0], seed))
+        else:
+            try:
+                numbers = rows(self.plan, self.network, [one.values for one in batch])
+            except ExpressionError as fault:
+                raise SweepError(str(fault)) from None
+            draws = [make_draws(seed, one.index) for one in batch]
+            summaries, flat = self.engine.sweep(numbers, draws, self.limit, trace_rows=self.limit + 1)
+            traces, ends = from_sweep(self.plan, np.asarray(summaries), np.asarray(flat))
+        return outcome_columns(self.plan, traces, ends, parameters)
+
+
+def record(plan: Plan, network: Network, variant: Variant, seed: int) -> Recording:
+    """Run one variant interpreted and return its recording."""
+    chosen = with_values(plan, variant.values)
+    world = open_world("kinematic", chosen, network)
+    try:
+        return run(chosen, world, seed, variant=variant.index)
+    finally:
+        world.close()
+
+
+def send(family: int, plan: Plan) -> SentPlan:
+    """Return a plan in the form that goes to a worker on the same machine."""
+    return SentPlan(family, plan.model_dump_json(), plan.map.file)
+
+
+def _network(file: str, plan: Plan) -> Network:
+    sink = Diagnostics()
+    network = load_network(Path(file), sink=sink)
+    if network is None or network.sha256 != plan.map.sha256:
+        raise SweepError(f"the map '{plan.map.name}' at {file} is not the one of the plan")
+    return network

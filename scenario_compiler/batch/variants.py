@@ -1,0 +1,163 @@
+"""Which plan a variant runs: parameters that stay numbers share one plan, others are expanded and compiled anew."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.sampling import Sample
+from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.compiler import compile_target, open_plan_map
+from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.expressions import Value, format_value
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.store import digest_of, read_plan
+from scenario_compiler.roads import Network
+from scenario_compiler.source.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
+from scenario_compiler.source.parameters import limits
+from scenario_compiler.source.reading import outside
+from scenario_compiler.vocabulary.word import AttributeSpelling
+
+
+@dataclass(frozen=True)
+class Family:
+    """Variants that differ in numbers alone.
+
+    Attributes:
+        number: Its number, in the order in which families were met.
+        plan: Their plan, with the slots at their defaults.
+        network: The map.
+        slots: Varying parameters that fill numbers of the plan.
+    """
+
+    number: int
+    plan: Plan
+    network: Network
+    slots: tuple[str, ...]
+
+    @cached_property
+    def _limits(self) -> dict[str, AttributeSpelling]:
+        return {parameter.name: limits(parameter) for parameter in self.plan.parameters}
+
+    def values(self, sample: Sample) -> Sample:
+        """Return the part of a sample that fills slots; SweepError when one is no number or outside its limits."""
+        values: Sample = {}
+        for name in self.slots:
+            value = sample[name]
+            if isinstance(value, (bool, str)):
+                raise SweepError(f"{name} is {format_value(value)}, but must be a number")
+            fault = outside(value, self._limits[name])
+            if fault:
+                raise SweepError(f"{name} is {format_value(value)}, but must be {fault}")
+            values[name] = value
+        return values
+
+
+def with_values(plan: Plan, values: Mapping[str, Value]) -> Plan:
+    """Return the plan with other defaults of its parameters: what compiling with `--set` gives."""
+    parameters = tuple(
+        one.model_copy(update={"default": format_value(values[one.name])}) if one.name in values else one
+        for one in plan.parameters
+    )
+    changed = plan.model_copy(update={"parameters": parameters})
+    return changed.model_copy(update={"digest": digest_of(changed)})
+
+
+class Families:
+    """The families of a sweep, compiled when a variant first needs one.
+
+    A parameter decides structure when it is not among the open parameters of the plan that it is compiled to; which
+    ones those are may depend on the other structural ones.
+    """
+
+    def __init__(
+        self, target: str | Path, spec: SweepSpec, first: Sample, sink: Diagnostics, maps: Sequence[Path] = ()
+    ) -> None:
+        """Compile the family of the first sample.
+
+        Args:
+            target: FILE, FILE#name or a plan's file.
+            spec: The sweep.
+            first: The first variant's values; they stand in for defaults that are missing.
+            sink: Where findings of the first compilation go.
+            maps: Folders that maps are looked for in first.
+
+        Raises:
+            CompileError: The scenario is at fault.
+            ScenarioNameNeededError: The file has several scenarios and no name is given.
+            SweepError: A plan does not leave one of the parameters open.
+        """
+        self._target, self._spec, self._first, self._maps = target, spec, first, maps
+        self._known: dict[tuple[tuple[str, str], ...], Family | Diagnostics] = {}
+        self._numbers: list[Family] = []
+        self._digests: dict[str, Family] = {}
+        self.base = self._read_plan(sink) if str(target).endswith(".json") else self._compile_base(sink)
+
+    def of(self, sample: Sample) -> Family | Diagnostics:
+        """Return a variant's family, or why its structure cannot be compiled."""
+        names: list[str] = []
+        while True:
+            key = tuple((name, format_value(sample[name])) for name in names)
+            if key not in self._known:
+                self._known[key] = self._compile(dict(key))
+            found = self._known[key]
+            if isinstance(found, Diagnostics):
+                return found
+            more = [name for name in sample if name not in found.slots and name not in names]
+            if not more:
+                return found
+            names += more
+
+    def plan(self, number: int) -> Family:
+        """Return a family by its number."""
+        return self._numbers[number]
+
+    def _compile_base(self, sink: Diagnostics) -> Family:
+        base = self._known[()] = self._compile({})
+        if isinstance(base, Diagnostics):
+            sink.found.extend(base.found)
+            raise CompileError(sink)
+        whole = self.of(self._first)
+        if isinstance(whole, Family):
+            return whole
+        if any(one.code is UNKNOWN_ARGUMENT for one in whole):
+            sink.found.extend(whole.found)
+            raise CompileError(sink)
+        return base
+
+    def _compile(self, structure: Mapping[str, str]) -> Family | Diagnostics:
+        given = {**self._spec.settings, **structure}
+        first = {name: format_value(value) for name, value in self._first.items()}
+        for arguments in (given, {**first, **given}):
+            sink = Diagnostics()
+            done = compile_target(self._target, arguments, sink, maps=self._maps, overrides=self._spec.overrides)
+            if done is not None:
+                return self._family(done.plan, done.network)
+            if not any(one.code is MISSING_PARAMETER for one in sink):
+                break
+        return sink
+
+    def _family(self, plan: Plan, network: Network) -> Family:
+        if plan.digest not in self._digests:
+            slots = tuple(one.name for one in plan.parameters if one.name in self._first)
+            self._digests[plan.digest] = family = Family(len(self._numbers), plan, network, slots)
+            self._numbers.append(family)
+        return self._digests[plan.digest]
+
+    def _read_plan(self, sink: Diagnostics) -> Family:
+        spec = self._spec
+        if spec.settings or spec.perception or spec.controller or spec.step or spec.duration:
+            raise SweepError("a plan is compiled already: settings and overrides are given to compile")
+        plan = read_plan(self._target, sink)
+        network = None if plan is None else open_plan_map(plan, sink, self._maps)
+        if plan is None or network is None:
+            raise CompileError(sink)
+        family = self._family(plan, network)
+        closed = sorted(set(self._first) - set(family.slots))
+        if closed:
+            raise SweepError(f"the plan has no open parameter '{closed[0]}'; sweep the scenario's file instead")
+        self._known[()] = family
+        return family
