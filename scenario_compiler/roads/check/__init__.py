@@ -23,6 +23,7 @@ from scenario_compiler.roads.check.links import check_lane_links, check_road_lin
 from scenario_compiler.roads.check.objects import check_objects
 from scenario_compiler.roads.check.shapes import check_shapes
 from scenario_compiler.roads.check.traffic import check_traffic
+from scenario_compiler.roads.check.unread import Unread, unread
 from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.structure import check_structure
@@ -37,6 +38,8 @@ CHECKS = (
     check_objects,
 )
 """In the order in which they run; the sink sorts what they find."""
+
+__all__ = ["CHECKS", "Unread", "check_file", "check_network", "unread"]
 
 
 def check_network(document: Document, network: Network | None, sink: Diagnostics) -> None:

@@ -112,7 +112,7 @@ def _check_junction_link(filed: Filed, road: Road, end: str, findings: Findings)
 
 
 class _Joint(NamedTuple):
-    """Where a lane section meets another: its end, the other one and the end of that; the junction files its lane links."""
+    """Where a lane section meets another: its end, the other, the end of that; whether it belongs to a junction."""
 
     section: Section
     end: str

@@ -140,8 +140,9 @@ def _check_validity(road: Road, one: etree._Element, findings: Findings) -> None
             lanes.append(lane)
             if lane not in section.lanes:
                 findings.report(VALIDITY, f"the road has no lane {lane} there", validity, name)
-            elif lane == 0:
-                findings.report(VALIDITY, "lane 0 is the centre line; nothing drives on it", validity, name)
+        if 0 in lanes:
+            message = "lane 0 is the centre line; nothing drives on it"
+            findings.report(VALIDITY, message, validity, severity=Severity.NOTE)
         sign = {"+": -1, "-": 1}.get(one.get("orientation", ""), 0) * (1 if road.rule != "LHT" else -1)
         if sign and any(lane * sign < 0 for lane in lanes):
             message = f"orientation '{one.get('orientation')}' does not fit lanes {min(lanes)} to {max(lanes)}"

@@ -112,7 +112,7 @@ def _check_curves(road: Road, findings: Findings) -> None:
         if any(abs(number(curve, name)) > START_TOLERANCE for name in ("aU", "aV", "bV")) or number(curve, "bU") <= 0.0:
             findings.report(CURVE_START, "the curve does not start at its geometry's start, in its direction", curve)
         length = number(geometry, "length")
-        curved = _curve_length(curve, 1.0 if curve.get("pRange") == "normalized" else length)
+        curved = _curve_length(curve, length if curve.get("pRange") == "arcLength" else 1.0)
         if abs(curved - length) > LENGTH_TOLERANCE:
             message = f"the curve is {curved:.6g} m long, its geometry {length:.6g} m"
             findings.report(CURVE_LENGTH, message, geometry, "length")

@@ -76,7 +76,8 @@ class _Walk:
             header = root.find("{*}header")
             named = "no version" if version is None else f"version {version[0]}.{version[1]}"
             message = f"the header names {named}; 1.{FIRST_MINOR} to 1.{LAST_MINOR} are known"
-            self._report(codes.UNKNOWN_VERSION, message, root if header is None else header)
+            code = codes.MISSING_ATTRIBUTE if version is None else codes.UNKNOWN_VERSION
+            self._report(code, message, root if header is None else header)
             return
         self.minor = version[1]
         self._elements(root)

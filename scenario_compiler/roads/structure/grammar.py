@@ -94,10 +94,30 @@ def versions_of(tag: str, attribute: str | None = None) -> list[int]:
     found = []
     for minor in range(FIRST_MINOR, LAST_MINOR + 1):
         known = declarations(minor)
-        names = {n.declaration for one in known.values() for n in one.content.names if n.tag == tag}
+        names = {n.declaration for one in _reachable(minor) for n in known[one].content.names if n.tag == tag}
+        names |= {case for one in names for case in _cases(known[one])}
         if any(attribute is None or attribute in known[name].attributes for name in names):
             found.append(minor)
     return found
+
+
+@cache
+def _reachable(minor: int) -> frozenset[str]:
+    """Return the declarations that stand anywhere below the root in a version."""
+    known = declarations(minor)
+    found: set[str] = set()
+    pending = ["OpenDRIVE"]
+    while pending:
+        name = pending.pop()
+        if name not in found:
+            found.add(name)
+            pending.extend(inner.declaration for inner in known[name].content.names[1:])
+            pending.extend(_cases(known[name]))
+    return frozenset(found)
+
+
+def _cases(declaration: Declaration) -> list[str]:
+    return [] if declaration.switch is None else list(declaration.switch[1].values())
 
 
 def _blocks() -> Iterator[tuple[str, list[str]]]:

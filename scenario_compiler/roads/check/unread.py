@@ -1,0 +1,143 @@
+"""What stands in a road file and is not read: elements and attributes, known to OpenDRIVE or not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import cast
+
+from lxml import etree
+
+from scenario_compiler.document import Document
+from scenario_compiler.roads.structure import road_version
+from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, Declaration, declarations
+
+READ = """
+OpenDRIVE
+header revMajor revMinor name date vendor
+geoReference
+offset x y z hdg
+userData code value
+road id junction length rule
+road_link
+road_neighbour elementId elementType contactPoint
+road_type s type
+road_speed max unit
+planView
+geometry s x y hdg length
+plain
+spiral curvStart curvEnd
+arc curvature
+poly3 a b c d
+paramPoly3 aU bU cU dU aV bV cV dV pRange
+elevationProfile
+lateralProfile
+cubic s a b c d
+crossfall side s a b c d
+shape s t a b c d
+lanes
+laneSection s singleSide
+left
+right
+center
+left_lane id type level direction
+right_lane id type level direction
+centre_lane id type
+lane_link
+lane_neighbour id
+width sOffset a b c d
+border sOffset a b c d
+speed sOffset max unit
+height sOffset inner outer
+roadMark sOffset type color weight width laneChange
+sway ds a b c d
+mark_type
+mark_line length space tOffset sOffset width color
+explicit
+explicit_line length tOffset sOffset width
+objects
+object id name type subtype s t zOffset hdg pitch roll orientation length width height radius validLength dynamic
+repeat s length distance tStart tEnd zOffsetStart zOffsetEnd
+outlines
+outline closed outer
+cornerRoad s t dz height
+cornerLocal u v z height
+validity fromLane toLane
+tunnel id name type s length
+bridge id name type s length
+signals
+signal id name type subtype country value unit text s t zOffset hOffset orientation dynamic height width
+signalReference id s t orientation
+controller id name
+control signalId type
+junction id name type mainRoad sStart sEnd
+direct_junction id name type
+virtual_junction id name type mainRoad sStart sEnd
+connection id incomingRoad connectingRoad linkedRoad contactPoint type
+direct_connection id incomingRoad linkedRoad contactPoint
+virtual_connection id incomingRoad connectingRoad contactPoint type
+laneLink from to
+priority high low
+junction_controller id
+"""
+"""Declarations (see `structure.grammar`) whose elements are read, with the attributes that are."""
+
+_READ = {line.split()[0]: frozenset(line.split()[1:]) for line in READ.split("\n") if line}
+
+
+@dataclass(frozen=True, slots=True)
+class Unread:
+    """An element (or an attribute of it) that is not read.
+
+    Attributes:
+        path: Tags from the root on, "road/lanes/laneSection/right/lane/access".
+        attribute: The attribute, "" for the element and all that it holds.
+        count: How often it stands in the file.
+        line: Line of the first one.
+    """
+
+    path: str
+    attribute: str
+    count: int
+    line: int
+
+
+def unread(document: Document) -> tuple[Unread, ...]:
+    """Return what stands in a road file and is not read, in the order of the file, each kind once.
+
+    User data counts as read: it is kept as it is.
+    """
+    version = road_version(document)
+    minor = version[1] if version is not None and FIRST_MINOR <= version[1] <= LAST_MINOR else LAST_MINOR
+    known = declarations(minor)
+    found: dict[tuple[str, str], tuple[int, etree._Element]] = {}
+    pending: list[tuple[etree._Element, Declaration, str]] = [(document.root, known["OpenDRIVE"], "")]
+    while pending:
+        element, declaration, path = pending.pop()
+        if declaration.switch is not None:
+            attribute, cases = declaration.switch
+            declaration = known[cases.get(element.get(attribute, ""), declaration.name)]
+        for name in cast("Mapping[str, str]", element.attrib):
+            if name not in _READ[declaration.name] and not name.startswith("{"):
+                _count(found, (path, name), element)
+        inner = []
+        for child in element.iterchildren(etree.Element) if not declaration.anything else ():
+            tag = etree.QName(child).localname
+            below = f"{path}/{tag}".lstrip("/")
+            target = declaration.content.declaration(tag)
+            if target is None or target not in _READ:
+                _count(found, (below, ""), child)
+            else:
+                inner.append((child, known[target], below))
+        pending.extend(reversed(inner))
+    return tuple(
+        Unread(path, attribute, count, document.origin(first, attribute or None).line)
+        for (path, attribute), (count, first) in found.items()
+    )
+
+
+def _count(
+    found: dict[tuple[str, str], tuple[int, etree._Element]], key: tuple[str, str], element: etree._Element
+) -> None:
+    count, first = found.get(key, (0, element))
+    found[key] = (count + 1, first)

@@ -1,0 +1,114 @@
+"""A road network summed up in numbers, for people."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from scenario_compiler.roads.lane_types import LANE_TYPES
+from scenario_compiler.roads.network import Network
+from scenario_compiler.roads.tables import ARC, LINE, NO_SPEED, SPIRAL
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkDescription:
+    """What a map holds.
+
+    Attributes:
+        name: File's name without its ending.
+        title: Name in the header, often empty.
+        version: "1.6".
+        vendor, date: As in the header.
+        geo_reference: PROJ string, empty when the map is not placed on the earth.
+        bounds: (x_min, y_min, x_max, y_max) of the lanes, m.
+        roads: Number of roads, those in junctions included.
+        roads_in_junctions: Number of roads that lie in junctions.
+        length: Length of all reference lines, m.
+        length_outside_junctions: Of the roads outside junctions, m.
+        rules: Number of roads by traffic rule ("RHT", "LHT").
+        geometries: Number of reference line pieces by kind; a spiral counts as the short pieces that it is cut into.
+        junctions: Number of junctions by type.
+        lane_sections: Number of lane sections.
+        lanes: Number of lanes by type, one for each lane section.
+        lane_length: Length by type, m.
+        speed_limits: Number of stated limits by limit, m/s (`inf`: "no limit").
+        signals: Number of signals by type, references left out.
+        signal_references: Number of references to signals.
+        controllers: Number of controllers.
+        objects: Number of objects by type; one that is repeated counts once.
+        structures: Number of tunnels and bridges by kind.
+    """
+
+    name: str
+    title: str
+    version: str
+    vendor: str
+    date: str
+    geo_reference: str
+    bounds: tuple[float, float, float, float]
+    roads: int
+    roads_in_junctions: int
+    length: float
+    length_outside_junctions: float
+    rules: dict[str, int]
+    geometries: dict[str, int]
+    junctions: dict[str, int]
+    lane_sections: int
+    lanes: dict[str, int]
+    lane_length: dict[str, float]
+    speed_limits: dict[float, int]
+    signals: dict[str, int]
+    signal_references: int
+    controllers: int
+    objects: dict[str, int]
+    structures: dict[str, int]
+
+
+def describe_network(network: Network) -> NetworkDescription:
+    """Sum up a network; counts are ordered by their names, speed limits by value.
+
+    Raises:
+        CompileError: When the file can no longer be read as what it was.
+    """
+    n = network.tables
+    model = network.model()
+    roads = range(len(n.road_length))
+    kinds = {LINE: "line", ARC: "arc", SPIRAL: "spiral"}
+    lanes: Counter[str] = Counter()
+    lane_length: dict[str, float] = {}
+    for row, lane in enumerate(n.lane_id):
+        if lane != 0:
+            section = n.lane_section[row]
+            kind = LANE_TYPES[n.lane_type[row]]
+            lanes[kind] += 1
+            lane_length[kind] = lane_length.get(kind, 0.0) + n.section_end[section] - n.section_s[section]
+    limits = Counter(speed for speed in (*n.speed_max, *n.type_speed) if speed != NO_SPEED)
+    return NetworkDescription(
+        name=network.name,
+        title=model.header.name,
+        version=".".join(str(part) for part in model.header.version),
+        vendor=model.header.vendor,
+        date=model.header.date,
+        geo_reference=model.header.geo_reference,
+        bounds=network.bounds(),
+        roads=len(roads),
+        roads_in_junctions=sum(n.road_junction[i] >= 0 for i in roads),
+        length=sum(n.road_length),
+        length_outside_junctions=sum(n.road_length[i] for i in roads if n.road_junction[i] < 0),
+        rules=_sorted(Counter("RHT" if rule > 0 else "LHT" for rule in n.road_rule)),
+        geometries=_sorted(Counter(kinds.get(kind, "polynomial") for kind in n.piece_kind)),
+        junctions=_sorted(Counter(one.type for one in model.junctions)),
+        lane_sections=len(n.section_s),
+        lanes=_sorted(lanes),
+        lane_length={kind: lane_length[kind] for kind in sorted(lane_length)},
+        speed_limits={limit: limits[limit] for limit in sorted(limits)},
+        signals=_sorted(Counter(one.type for one in model.signals if not one.reference)),
+        signal_references=sum(one.reference for one in model.signals),
+        controllers=len(model.controllers),
+        objects=_sorted(Counter(one.type or "none" for one in model.objects)),
+        structures=_sorted(Counter(one.kind for one in model.structures)),
+    )
+
+
+def _sorted(counts: Counter[str]) -> dict[str, int]:
+    return {name: counts[name] for name in sorted(counts)}
