@@ -122,6 +122,10 @@ class Origin:
         self.within = within
         self._found: tuple[int, int, int] | None = None
 
+    def __reduce__(self) -> tuple[type[FilePlace], tuple[object, ...]]:
+        """Pickle as plain numbers: a plan goes to another process without the document it was written in."""
+        return FilePlace, (self.file, self.line, self.column, self.length, self.source_line, self.within)
+
     def of(self, attribute: str) -> Origin:
         """Return the place of one of this element's attributes."""
         return Origin(self.document, self.element, attribute, self.within)

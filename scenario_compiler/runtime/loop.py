@@ -160,7 +160,7 @@ class _Execution:
             self.builder.event(st.log_time[at], kind, entity=self._entity(kind, st.log_value[at]), cause=cause)
             for modality, text in messages(self.plan.takeover, kind, cause):
                 self.builder.event(st.log_time[at], "message", cause=modality, message=text)
-            self._picture(kind, cause)
+            self._picture(st.log_time[at], kind, cause)
         self.logged = kept
 
     def _entity(self, kind: str, value: float) -> str:
@@ -193,7 +193,7 @@ class _Execution:
         columns |= {name: getattr(st, column) for name, column in RUN_COLUMNS.items()}
         return columns | self.lanes
 
-    def _picture(self, kind: str, cause: str) -> None:
+    def _picture(self, t: float, kind: str, cause: str) -> None:
         """Keep the first picture of each kind of event that reports show."""
         if self.seen is None or self.control is None or self.controller is None:
             return
@@ -203,4 +203,4 @@ class _Execution:
         view = self.world.picture(self.snapshot())
         speed = self.state.v[0]
         png = picture_of(self.plan, view, self.seen, self.controller, self.control, speed, kind, cause)
-        self.builder.frame(self.state.clock[0], kind, png)
+        self.builder.frame(t, kind, png)
