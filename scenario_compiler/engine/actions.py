@@ -1,7 +1,8 @@
 """How running actions act, each writing its entity at once, in document order: init actions first, then the story's.
 
-Semi-implicit: a speed action writes the speed of the end of the step, and the entity moves with it. A lane change moves its
-entity along the path with the speed of that moment, so what it moves to the side is missing ahead. After esmini 3.6.
+Semi-implicit: a speed action writes the speed of the end of the step, and the entity moves with it. A lane change
+moves its entity along the path with the speed of that moment, so what it moves to the side is missing ahead. After
+esmini 3.6.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What lies ahead: the way along the lanes, and other entities' boxes measured along and across it.
 
-The way is a row of roads in scratch columns (`way_...`), written anew by each look. Left is as seen in the direction in which
-the way is walked.
+The way is a row of roads in scratch columns (`way_...`), written anew by each look. Left is as seen in the direction
+in which the way is walked.
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
 
 @compiled
 def longitudinal_distance(n: RoadTables, st: State, i: int, j: int) -> float:
-    """Return the distance along the road from one reference point to another, negative behind, FAR where no road leads there.
+    """Return the distance along the road between two reference points, negative behind, FAR where no road leads there.
 
     On one road it is the difference of s; over links the lanes are followed straight on, first ahead, then behind.
     """

@@ -44,7 +44,7 @@ def driven_by_hand(st: State) -> int:
 
 @compiled
 def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
-    """Look ahead with the forward sensor, or with the driver's eyes while the driver drives; return what blocks the path."""
+    """Look ahead with the forward sensor, or with the eyes of the driver who drives; return what blocks the path."""
     if driven_by_hand(st) == 1:
         look_ahead(n, p, st, i, SIGHT, VIEW)
     else:
@@ -96,7 +96,7 @@ def drive_to_stop(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Let who drives merge: the automation within the time budget where lane ends are its business, the driver in sight."""
+    """Let who drives merge: the automation within the time budget where it minds lane ends, the driver in sight."""
     state = st.takeover_state[0]
     st.gap_free[0] = 1
     if driven_by_hand(st) == 1:

@@ -1,8 +1,8 @@
 """The compiled form: one generated module with all marked functions, kept in a cache, and the calls into it.
 
-The module's file is named by a hash of its text and of the versions of numba, numpy and Python, so that a change anywhere gives
-a new file: numba's own cache beside it can then never be stale. Only here are numba and numpy imported. Containers become
-numba StructRefs: one pointer each, with the same field names as the interpreted objects.
+The module's file is named by a hash of its text and of the versions of numba, numpy and Python, so that a change
+anywhere gives a new file: numba's own cache beside it can then never be stale. Only here are numba and numpy
+imported. Containers become numba StructRefs: one pointer each, with the same field names as the interpreted objects.
 """
 
 from __future__ import annotations
@@ -58,7 +58,9 @@ def int_column(context, address):
 
 
 '''
-"""Columns come as addresses: a column without an owner needs no counting of references, which costs more than the step."""
+"""Columns come as addresses: a column without an owner needs no counting of references, which costs more than the
+step.
+"""
 
 STRUCT = """
 @structref.register
@@ -114,7 +116,8 @@ def engine_text(*, checked: bool = False) -> str:
                 f"{make}({value})" for make, value in zip(makers, values[: len(makers)], strict=True)
             ]
         containers.append(f"        {container.__name__}Ref({', '.join(values)}),")
-    return HEAD + module_text(functions) + "".join(structs) + ENTRY.format(containers="\n".join(containers))
+    head = f"{HEAD}MEASURED = {measured!r}\n"
+    return head + module_text(functions) + "".join(structs) + ENTRY.format(containers="\n".join(containers))
 
 
 def entry_argument(container: Any, arrays: Sequence[np.ndarray], measured: Sequence[str], checked: bool) -> Any:
@@ -228,7 +231,7 @@ class Compiled:
         """Copy the containers into arrays; they are not written to."""
         self.module = compile_engine(say)
         self.arrays = (tables.arrays(), as_arrays(program), as_arrays(state))
-        measured = measured_columns(marked_functions())
+        measured = self.module.MEASURED
         self.arguments = [
             entry_argument(container, arrays, measured, bounds_checked())
             for container, arrays in zip(CONTAINERS.values(), self.arrays, strict=True)

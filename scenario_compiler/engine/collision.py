@@ -1,4 +1,4 @@
-"""Collisions: oriented boxes in the plane, with a sweep along x as broad phase, and the time to collision of the ego."""
+"""Collisions: oriented boxes in the plane, with a sweep along x as broad phase, and the ego's time to collision."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TTC_RANGE = 100.0
 
 @compiled
 def update_boxes(p: Program, st: State) -> None:
-    """Place the centre of every entity's box and sort the entities by its left end (insertion: they are nearly sorted)."""
+    """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted)."""
     for i in range(p.entity_count[0]):
         base = p.entity_const[i]
         st.middle_x[i] = st.x[i] + p.const[base + E_CENTER] * cos(st.h[i])

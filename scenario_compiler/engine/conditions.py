@@ -1,8 +1,8 @@
 """Conditions: what a trigger measures, with rule, edge and delay (see `storyboard` for triggers).
 
 A condition is evaluated on the states before the step. Comparisons have a tolerance of 1e-6, edges need an earlier
-evaluation that is forgotten whenever the edge fires, and a delay shifts the record of the edge's results in time: all as
-in esmini 3.6.
+evaluation that is forgotten whenever the edge fires, and a delay shifts the record of the edge's results in time: all
+as in esmini 3.6.
 """
 
 from __future__ import annotations
@@ -90,7 +90,8 @@ def headway(n: RoadTables, st: State, i: int, j: int) -> float:
 def time_to_collision(st: State, i: int, j: int) -> float:
     """Return distance over closing speed, FAR where the gap does not close.
 
-    Distance is between the reference points, closing speed the difference of the velocities along the line between them.
+    Distance is between the reference points, closing speed the difference of the velocities along the line between
+    them.
     """
     dx = st.x[j] - st.x[i]
     dy = st.y[j] - st.y[i]

@@ -1,7 +1,8 @@
-"""The driver who has taken over: keeps the lane by preview, brakes for what blocks the path, evades or merges where it is free.
+"""The driver who has taken over: keeps the lane by preview, brakes before a blocked path, evades or merges.
 
-Awareness is 0.5 at first and rises by 0.1 a second, as in SUMO's ToC device: until then the steering is slower and less steady.
-Braking is that of the careful and competent driver of UN R157 (annex, table 1): up to 0.774 g, with a jerk of 12.65 m/s3.
+Awareness is 0.5 at first and rises by 0.1 a second, as in SUMO's ToC device: until then the steering is slower and
+less steady. Braking is that of the careful and competent driver of UN R157 (annex, table 1): up to 0.774 g, with a
+jerk of 12.65 m/s3.
 """
 
 from __future__ import annotations
@@ -57,7 +58,9 @@ LATE_BRAKE = 2.5
 """Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2."""
 
 STANDOFF = 5.0
-"""Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out later."""
+"""Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out
+later.
+"""
 
 PULL_OUT_ACCELERATION = 1.0
 """Acceleration that a driver counts on when judging how long the way past takes, m/s2."""
@@ -131,7 +134,7 @@ def passing_time(st: State, i: int, distance: float) -> float:
 
 @compiled
 def meets_oncoming(p: Program, st: State, i: int, centre: float) -> int:
-    """Return 1 where a seen vehicle comes towards the corridor about `centre` and would be met before the ego is past."""
+    """Return 1 where a vehicle comes towards the corridor about `centre` and would be met before the ego is past."""
     base = p.entity_const[i]
     size = p.const[base + E_LENGTH]
     front = p.const[base + E_CENTER] + 0.5 * size
@@ -141,9 +144,9 @@ def meets_oncoming(p: Program, st: State, i: int, centre: float) -> int:
     for j in range(p.entity_count[0]):
         if j == i or st.seen[j] == 0 or st.on_way[j] == 0 or st.along[j] > ONCOMING or st.far[j] < front:
             continue
-        if st.low[j] < centre + half and st.high[j] > centre - half:
-            if max(st.near[j] - front, 0.0) < distance - st.along[j] * time:
-                return 1
+        beside = st.low[j] >= centre + half or st.high[j] <= centre - half
+        if not beside and max(st.near[j] - front, 0.0) < distance - st.along[j] * time:
+            return 1
     return 0
 
 
@@ -234,10 +237,11 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
         if st.odometer[i] >= st.evade_until[0]:
             plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], 1.5))
             st.manoeuvre[0] = MANOEUVRE_KEEP
-        elif st.odometer[i] < st.evade_commit[0] and blocker >= 0:
-            if meets_oncoming(p, st, i, st.shift_to[0]) == 1:
-                plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], 1.5))
-                st.manoeuvre[0] = MANOEUVRE_BRAKE
+            return
+        early = st.odometer[i] < st.evade_commit[0] and blocker >= 0
+        if early and meets_oncoming(p, st, i, st.shift_to[0]) == 1:
+            plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], 1.5))
+            st.manoeuvre[0] = MANOEUVRE_BRAKE
         return
     if blocker < 0:
         st.manoeuvre[0] = MANOEUVRE_MERGE if st.merging[0] == 1 else MANOEUVRE_KEEP

@@ -1,4 +1,4 @@
-"""Lane confidence without a camera: the visibility of the marks on both sides of the ego's lane, and the sensor's health."""
+"""Lane confidence without a camera: how well the marks on both sides can be seen, and the sensor's health."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def health_of(sigma: float) -> float:
 
 @compiled
 def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -> float:
-    """Return the quality of the mark on a lane's outer border, by the plan where it overrides the map; 0 without a mark."""
+    """Return the quality of the mark on a lane's outer border, the plan's before the map's; 0 without a mark."""
     kind, quality, _, _ = mark_at(n, road, lane, s)
     if kind == MARK_NONE:
         return 0.0

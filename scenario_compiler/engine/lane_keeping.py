@@ -1,7 +1,8 @@
 """Lane keeping by the map: pure pursuit of the path with a planned offset, and pedals from an acceleration.
 
-Pure pursuit is Coulter's (1992, CMU-RI-TR-92-01): steer = atan(2 L sin(alpha) / d) towards a point d away on the path. A
-move to the side is planned over the distance driven: a cosine from one offset to another between two odometer readings.
+Pure pursuit is Coulter's (1992, CMU-RI-TR-92-01): steer = atan(2 L sin(alpha) / d) towards a point d away on the
+path. A move to the side is planned over the distance driven: a cosine from one offset to another between two odometer
+readings.
 """
 
 from __future__ import annotations

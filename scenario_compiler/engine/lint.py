@@ -1,7 +1,7 @@
-"""The rules of compiled functions, read from their syntax trees: what would differ between the two forms, or fail in one.
+"""The rules of compiled functions, read from their syntax trees: what would differ between the forms, or fail.
 
-A finding names the function, the line and the rule. What types can tell (an int in a float variable, a missing return) is
-mypy's to find.
+A finding names the function, the line and the rule. What types can tell (an int in a float variable, a missing
+return) is mypy's to find.
 """
 
 from __future__ import annotations
@@ -66,9 +66,8 @@ def lint(function: Callable[..., Any]) -> list[Finding]:
     """Return all findings in a marked function."""
     tree = function_tree(function)
     name = f"{function.__module__}.{function.__qualname__}"
-    numbers = {
-        used: value for used in global_names(tree) if type(value := function.__globals__.get(used)) in (int, float)
-    }
+    values = {used: function.__globals__.get(used) for used in global_names(tree)}
+    numbers = {used: value for used, value in values.items() if isinstance(value, int | float)}
     checks = (_nodes(tree), _signature(tree), _attributes(tree), _guards(tree, numbers), _assigned(tree))
     return [Finding(name, line, rule) for check in checks for line, rule in check]
 
@@ -190,6 +189,9 @@ def _safe_divisor(node: ast.expr, numbers: dict[str, float], tested: set[str]) -
         return constant is not None and constant > 0  # one plus something that cannot be negative
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub):
         return all(_inner(side) in tested for side in (node.left, node.right))  # one compared with the other
+    if isinstance(node, ast.Call) and ast.unparse(node.func) == "sqrt":
+        argument = node.args[0]
+        return _is_sum_of_squares(argument) and _safe_divisor(argument, numbers, tested)
     return _is_guard(node) or _inner(node) in tested
 
 
@@ -213,6 +215,8 @@ def _inner(node: ast.expr) -> str:
 def _is_sum_of_squares(node: ast.expr) -> bool:
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
         return _is_sum_of_squares(node.left) and _is_sum_of_squares(node.right)
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, int | float) and node.value >= 0
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult):
         factors = sorted(_factors(node))
         return all(factors.count(one) % 2 == 0 for one in factors)

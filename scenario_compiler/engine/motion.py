@@ -1,9 +1,9 @@
 """How entities move: scripted along a lane, as a bicycle by throttle, steer and brake, or posed from outside.
 
-Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by
-v dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly there, its
-speed is written for one more row and is then 0. The bicycle is the kinematic one about the rear axle (Rajamani 2012,
-Vehicle Dynamics and Control, section 2.2, without side slip).
+Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
+dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
+there, its speed is written for one more row and is then 0. The bicycle is the kinematic one about the rear axle
+(Rajamani 2012, Vehicle Dynamics and Control, section 2.2, without side slip).
 """
 
 from __future__ import annotations
@@ -39,7 +39,9 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
 STEER_RATE = 0.7
-"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick driver's."""
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
+driver's.
+"""
 
 
 @compiled

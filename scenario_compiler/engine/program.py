@@ -97,7 +97,7 @@ def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Progr
 
 
 def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -> list[list[float]]:
-    """Return one row of `Program.const` for each sample of the parameters; what a sample leaves out is at its default."""
+    """Return a row of `Program.const` for each sample of the parameters; what a sample leaves out is at its default."""
     draft = _Draft(plan, network, posed=False)
     usual = parameter_values(plan.parameters)
     return [draft.row({**usual, **sample}) for sample in samples]

@@ -176,7 +176,7 @@ def reset_run(p: Program, st: State) -> None:
 
 @compiled
 def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int, int, float, float, int]:
-    """Return (road, lane, s, offset to the left along s, direction of travel) of a position; road -1 where there is none.
+    """Return (road, lane, s, offset to the left along s, direction of travel) of a position; road -1 for none.
 
     A relative position is counted from where the entity starts: along its lane, then to the side.
     """

@@ -1,4 +1,4 @@
-"""The forward sensor: what is seen, how wide the path is ahead, where the lane ends, and whether the gap beside is free."""
+"""The forward sensor: what is seen, how wide the path is, where the lane ends, whether the gap beside is free."""
 
 from __future__ import annotations
 
@@ -171,10 +171,10 @@ def obstructs(st: State, j: int, front: float) -> int:
 def gap_between(
     p: Program, st: State, j: int, front: float, size: float, right: float, left: float, need: float, wish: float
 ) -> tuple[int, float, float]:
-    """Return (found, centre, width) of a gap between `right` and `left` at entity j, beside all that stands there with it.
+    """Return (found, centre, width) of a gap between `right` and `left` beside entity j and all that stands with it.
 
-    Of the gaps at least `need` wide, the one is taken whose admissible centre lies nearest to `wish`; with none, found is
-    0 and width is that of the widest. Whatever stands within the ego's length `size` of j counts with it.
+    Of the gaps at least `need` wide, the one is taken whose admissible centre lies nearest to `wish`; with none,
+    found is 0 and width is that of the widest. Whatever stands within the ego's length `size` of j counts with it.
     """
     found = 0
     best = 0.0

@@ -1,5 +1,4 @@
-"""Where a number stands in `Program.const`: fixed slots of the run, then offsets into the block of each entity, position,
-stretch, condition and action.
+"""Where a number stands in `Program.const`: fixed slots of the run, and offsets into the blocks of everything else.
 
 Every number of a plan goes through this one column, so that a variant of a plan is one row.
 """

@@ -89,9 +89,10 @@ def measured_columns(functions: Iterable[CompiledFunction]) -> list[str]:
     found = set()
     for function in functions:
         for node in ast.walk(function_tree(function)):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "len":
-                if isinstance(node.args[0], ast.Attribute):
-                    found.add(node.args[0].attr)
+            if not isinstance(node, ast.Call) or ast.unparse(node.func) != "len":
+                continue
+            if isinstance(node.args[0], ast.Attribute):
+                found.add(node.args[0].attr)
     return sorted(found)
 
 
@@ -99,8 +100,8 @@ def module_text(functions: Iterable[CompiledFunction]) -> str:
     """Return the source of all functions, each under `@njit`, with `len` of a column as a field of its container.
 
     Raises:
-        TypeError: Two functions share a name, or one uses something else than marked functions, finite numbers, functions
-            of `math` and BUILTINS.
+        TypeError: Two functions share a name, or one uses something else than marked functions, finite numbers,
+            functions of `math` and BUILTINS.
     """
     registry: dict[str, CompiledFunction] = {}
     for function in functions:

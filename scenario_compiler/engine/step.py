@@ -1,9 +1,10 @@
 """One time step, a run, and a sweep of runs.
 
-`reset` gives the row of t = 0, with the frame of length 0 that ends the init. `step` then does, for the time t_k: the stop
-trigger, the triggers of the storyboard, the actions; at control steps what the ego senses, the takeover machine and who drives; it
-moves time and all entities on by one step and takes stock. So a condition that is true at t_k shows in the row of t_k + dt.
-A world that moves the ego itself calls `begin_step`, lets its own physics move it, writes the pose and calls `finish_step`.
+`reset` gives the row of t = 0, with the frame of length 0 that ends the init. `step` then does, for the time t_k: the
+stop trigger, the triggers of the storyboard, the actions; at control steps what the ego senses, the takeover machine
+and who drives; it moves time and all entities on by one step and takes stock. So a condition that is true at t_k
+shows in the row of t_k + dt. A world that moves the ego itself calls `begin_step`, lets its own physics move it,
+writes the pose and calls `finish_step`.
 """
 
 from __future__ import annotations

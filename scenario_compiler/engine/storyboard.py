@@ -1,9 +1,9 @@
 """The storyboard: triggers, and the states of stories, acts, groups, maneuvers, events and actions.
 
-A frame has two passes. `run_triggers` goes through the elements in document order, parents before children, on the states
-before the step; what starts there acts in the same frame. `run_actions` (in `actions`) steps the running actions and
-calls `action_done`, which completes parents at once. A transition is seen as a pulse of one frame: in the triggers' pass by
-what comes later in it, in the actions' pass by the next frame. After esmini 3.6.
+A frame has two passes. `run_triggers` goes through the elements in document order, parents before children, on the
+states before the step; what starts there acts in the same frame. `run_actions` (in `actions`) steps the running
+actions and calls `action_done`, which completes parents at once. A transition is seen as a pulse of one frame: in the
+triggers' pass by what comes later in it, in the actions' pass by the next frame. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -206,9 +206,9 @@ def run_element(n: RoadTables, p: Program, st: State, e: int, frame: int) -> Non
             trigger = p.element_start[e]
             if trigger < 0 or trigger_fires(n, p, st, trigger) == 1:
                 start_element(p, st, e, frame)
-    if kind == ELEMENT_ACT and st.element_state[e] == RUNNING and p.element_stop[e] >= 0:
-        if trigger_fires(n, p, st, p.element_stop[e]) == 1:
-            stop_below(p, st, e, frame)
+    stops = kind == ELEMENT_ACT and st.element_state[e] == RUNNING and p.element_stop[e] >= 0
+    if stops and trigger_fires(n, p, st, p.element_stop[e]) == 1:
+        stop_below(p, st, e, frame)
 
 
 @compiled

@@ -152,6 +152,18 @@ def validate(program: Program, roads: int) -> None:
     _column("route_road", p.route_road, p.route_count[0], 0, roads)
     _column("stretch_road", p.stretch_road, p.stretch_count[0], NONE, roads)
     _column("stretch_const", p.stretch_const, p.stretch_count[0], 0, len(p.const) + 1)
+    _inside("cause_on", p.cause_on, 0, 2)
+    _column("cause_order", p.cause_order, p.cause_count[0], 1, CAUSES)
+    _validate_story(p, elements, triggers, conditions, actions)
+    for column in fields(Program):
+        values = getattr(p, column.name)
+        kind = float if column.name == "const" else int
+        if any(type(value) is not kind for value in values):
+            raise ValueError(f"column {column.name} holds something else than {kind.__name__}")
+
+
+def _validate_story(p: Program, elements: int, triggers: int, conditions: int, actions: int) -> None:
+    entities = p.entity_count[0]
     _column("element_kind", p.element_kind, elements, 0, ELEMENT_ACTION + 1)
     _column("element_parent", p.element_parent, elements, NONE, elements)
     _column("element_end", p.element_end, elements, 1, elements + 1)
@@ -177,13 +189,6 @@ def validate(program: Program, roads: int) -> None:
     _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
     _column("action_const", p.action_const, actions, 0, len(p.const) + 1)
     _column("init_action", p.init_action, p.init_count[0], 0, actions)
-    _inside("cause_on", p.cause_on, 0, 2)
-    _column("cause_order", p.cause_order, p.cause_count[0], 1, CAUSES)
-    for column in fields(Program):
-        values = getattr(p, column.name)
-        kind = float if column.name == "const" else int
-        if any(type(value) is not kind for value in values):
-            raise ValueError(f"column {column.name} holds something else than {kind.__name__}")
 
 
 def _inside(name: str, values: list[int], low: int, high: int) -> None:

@@ -1,7 +1,7 @@
-"""The takeover machine: from a cause to a warning, a request, its escalation, an answer or the minimum-risk manoeuvre.
+"""The takeover machine: from a cause to a warning, a request, escalation, an answer or the minimum-risk manoeuvre.
 
-It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver answers at
-a time drawn before the run; before it nothing but the automation acts.
+It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver
+answers at a time drawn before the run; before it nothing but the automation acts.
 """
 
 from __future__ import annotations
@@ -148,9 +148,9 @@ def asking_cause(p: Program, st: State, i: int) -> int:
 @compiled
 def warns(p: Program, st: State) -> int:
     """Return 1 where a side's confidence or the health is low, or a cause of the road ahead has been seen once."""
-    if p.cause_on[CAUSE_LANE_CONFIDENCE] == 1:
-        if st.conf_left[0] < p.const[K_CONFIDENCE_WARNING] or st.conf_right[0] < p.const[K_CONFIDENCE_WARNING]:
-            return 1
+    weaker = min(st.conf_left[0], st.conf_right[0])
+    if p.cause_on[CAUSE_LANE_CONFIDENCE] == 1 and weaker < p.const[K_CONFIDENCE_WARNING]:
+        return 1
     if p.cause_on[CAUSE_SENSOR_HEALTH] == 1 and st.health[0] < p.const[K_HEALTH_WARNING]:
         return 1
     if p.cause_on[CAUSE_PATH_BLOCKED] == 1 and st.history[CAUSE_PATH_BLOCKED] % 2 == 1:
@@ -164,7 +164,8 @@ def warns(p: Program, st: State) -> int:
 def takeover_time(p: Program, st: State) -> float:
     """Return the driver's takeover time for the present request, s; FAR for no answer.
 
-    Fixed, or lognormal exp(mu + sigma z) with a probability of a lapse. The draws of the fourth request serve later ones.
+    Fixed, or lognormal exp(mu + sigma z) with a probability of a lapse. The draws of the fourth request serve later
+    ones.
     """
     if p.driver_kind[0] == DRIVER_FIXED:
         return max(p.const[K_DRIVER_TIME], 0.0)
@@ -221,7 +222,7 @@ def answer(st: State) -> None:
 
 @compiled
 def step_requested(p: Program, st: State, i: int) -> None:
-    """Requested, escalated or in the minimum-risk manoeuvre: answer, standstill, manoeuvre or escalation, in this order."""
+    """Requested, escalated or in the minimum-risk manoeuvre: look for an answer, standstill, manoeuvre, escalation."""
     now = st.clock[0]
     state = st.takeover_state[0]
     if now >= st.answer_at[0] - 1.0e-6:
@@ -246,7 +247,7 @@ def step_requested(p: Program, st: State, i: int) -> None:
 
 @compiled
 def step_manual(p: Program, st: State, i: int) -> None:
-    """Manual: hand back after the given time where nothing asks or warns; one control step later the automation drives."""
+    """Manual: hand back after the given time where nothing asks; a control step later the automation drives."""
     cause = asking_cause(p, st, i)
     if st.takeover_state[0] == TAKEOVER_HAND_BACK:
         st.takeover_state[0] = TAKEOVER_AUTOMATED

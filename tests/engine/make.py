@@ -17,10 +17,12 @@ ROAD = """<road name="" id="{id}" length="{length}" junction="-1">
   <link>{link}</link>
   <planView><geometry s="0" x="{x}" y="0" hdg="0" length="{length}">{shape}</geometry></planView>
   <lanes><laneSection s="0">{left}
-    <center><lane id="0" type="none" level="false"><roadMark sOffset="0" type="broken" width="0.15" color="white"/></lane></center>
+    <center><lane id="0" type="none" level="false">
+      <roadMark sOffset="0" type="broken" width="0.15" color="white"/></lane></center>
     <right>{right}</right>
   </laneSection></lanes></road>"""
-LANE = """<lane id="{id}" type="driving" level="false"><link>{link}</link><width sOffset="0" a="{a}" b="{b}" c="0" d="0"/>
+LANE = """<lane id="{id}" type="driving" level="false"><link>{link}</link>
+  <width sOffset="0" a="{a}" b="{b}" c="0" d="0"/>
   <roadMark sOffset="0" type="{mark}" width="0.15" color="white"/></lane>"""
 
 
@@ -29,7 +31,9 @@ def lane(number: int, mark: str = "broken", *, a: float = 3.5, b: float = 0.0, l
     return LANE.format(id=number, a=a, b=b, mark=mark, link=link)
 
 
-def road(number: int, length: float, *lanes: str, left: str = "", x: float = 0.0, shape: str = "<line/>", link: str = "") -> str:
+def road(
+    number: int, length: float, *lanes: str, left: str = "", x: float = 0.0, shape: str = "<line/>", link: str = ""
+) -> str:
     """Return a road that begins at (x, 0) along the x axis; `lanes` are its right ones, from the inside."""
     text = f"<left>{left}</left>" if left else ""
     return ROAD.format(id=number, length=length, x=x, shape=shape, left=text, right="".join(lanes), link=link)
@@ -42,7 +46,9 @@ def network_of(*roads: str) -> Network:
         path = Path(folder) / "map.xodr"
         header = '<header revMajor="1" revMinor="4" name="" version="1" date="2026"/>'
         path.write_text(f"<OpenDRIVE>{header}{''.join(roads)}</OpenDRIVE>", encoding="utf-8")
-        return load_network(path, cache=False)
+        network = load_network(path, cache=False)
+        assert network is not None
+        return network
 
 
 def highway(length: float = 2000.0) -> Network:
@@ -61,7 +67,8 @@ def ramp(end: float = 300.0, length: float = 1000.0) -> Network:
     begin = end - 40.0
     narrow = (
         f'<lane id="-2" type="driving" level="false"><width sOffset="0" a="3.5" b="0" c="0" d="0"/>'
-        f'<width sOffset="{begin}" a="3.5" b="{-3.5 / 40.0}" c="0" d="0"/><width sOffset="{end}" a="0" b="0" c="0" d="0"/>'
+        f'<width sOffset="{begin}" a="3.5" b="{-3.5 / 40.0}" c="0" d="0"/>'
+        f'<width sOffset="{end}" a="0" b="0" c="0" d="0"/>'
         '<roadMark sOffset="0" type="solid" width="0.15" color="white"/></lane>'
     )
     return network_of(road(1, length, lane(-1), narrow))
@@ -137,9 +144,8 @@ class Draft:
         """Append a position relative to an entity's start; return its row."""
         return self.any_position(op.POSITION_RELATIVE, op.NONE, lanes, entity, distance, offset, turn)
 
-    def any_position(
-        self, kind: int, road: int, lane: int, entity: int, s: float, offset: float, turn: float
-    ) -> int:
+    def any_position(self, kind: int, road: int, lane: int, entity: int, s: float, offset: float, turn: float) -> int:
+        """Append a position; return its row."""
         p = self.program
         p.position_op.append(kind)
         p.position_road.append(road)
@@ -298,7 +304,9 @@ class Draft:
         """Append a change of speed."""
         return self.action(op.ACTION_SPEED, entity, target=target, value=value, **details)
 
-    def lane_change(self, entity: int, lanes: int, value: float, shape: int = op.SHAPE_SINUSOIDAL, **details: int) -> int:
+    def lane_change(
+        self, entity: int, lanes: int, value: float, shape: int = op.SHAPE_SINUSOIDAL, **details: int
+    ) -> int:
         """Append a change of lane, positive to the left."""
         return self.action(op.ACTION_LANE_CHANGE, entity, value=value, lanes=lanes, shape=shape, **details)
 

@@ -33,7 +33,9 @@ class Probes:
 
     def __init__(self, folder: Path, dt: float) -> None:
         root = etree.parse(str(folder / "probes.xosc")).getroot()
-        self.draft = Draft(load_network(folder / "hw20k.xodr", cache=False), {slots.K_STEP: dt, slots.K_DURATION: 60.0})
+        network = load_network(folder / "hw20k.xodr", cache=False)
+        assert network is not None
+        self.draft = Draft(network, {slots.K_STEP: dt, slots.K_DURATION: 60.0})
         self.names: list[str] = []
         self.lanes: list[int] = []
         for private in root.iterfind(".//Init/Actions/Private"):
@@ -49,6 +51,7 @@ class Probes:
         self.draft.program.stop_trigger[0] = self.draft.at_time(12.0, rule=op.RULE_GREATER)
 
     def entity(self, private: etree._Element) -> None:
+        """Append an entity with its place and speed of the init."""
         place = private.find(".//LanePosition")
         speed = private.find(".//AbsoluteTargetSpeed")
         assert place is not None
@@ -60,6 +63,7 @@ class Probes:
         self.lanes.append(lane)
 
     def group(self, group: etree._Element, act: int) -> None:
+        """Append an entity's events."""
         entity = self.names.index(str(group.get("name"))[3:])
         maneuver = self.draft.element(op.ELEMENT_MANEUVER, self.draft.element(op.ELEMENT_GROUP, act))
         for event in group.iterfind(".//Event"):
@@ -70,6 +74,7 @@ class Probes:
             self.events[str(event.get("name"))] = self.draft.event(maneuver, start, *actions, priority=priority)
 
     def trigger(self, condition: etree._Element) -> int:
+        """Append the trigger of an event."""
         time = condition.find(".//SimulationTimeCondition")
         if time is None:
             watched = condition.find(".//StoryboardElementStateCondition")
@@ -85,8 +90,9 @@ class Probes:
         )
 
     def action(self, action: etree._Element, entity: int) -> int:
+        """Append an action."""
         speed = action.find(".//SpeedAction")
-        dynamics = next(e for e in action.iter() if isinstance(e.tag, str) and e.tag.endswith("Dynamics"))
+        dynamics = next(e for e in action.iter() if str(e.tag).endswith("Dynamics"))
         value = float(str(dynamics.get("value")))
         how = {
             "shape": SHAPES[str(dynamics.get("dynamicsShape"))],

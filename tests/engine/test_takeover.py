@@ -1,0 +1,227 @@
+"""The takeover from cause to response or minimum-risk stop, and what the driver then does."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine import slots
+from tests.engine.make import Draft, Run, highway, lane, network_of, ramp, road
+
+SPEED = 14.0
+
+
+def blocked(driver: float | None, *, causes: tuple[int, ...] = (op.CAUSE_PATH_BLOCKED,), offset: float = 0.0) -> Run:
+    """Return a run towards a vehicle across the lane, 200 m ahead; a driver of None never answers."""
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6 if driver is None else driver})
+    draft.causes(*causes)
+    draft.ego(speed=SPEED)
+    draft.parked(250.0, offset=offset, turn=math.pi / 2)
+    return draft.start()
+
+
+def test_a_blocked_path_is_requested_within_the_budget_and_not_before() -> None:
+    run = blocked(2.0)
+    ahead = []
+    while run.st.takeover_state[0] < op.TAKEOVER_REQUEST:
+        ahead.append((run.st.blocked_distance[0], run.st.v[0]))
+        run.go(run.st.clock[0] + 0.05)
+    assert run.st.cause[0] == op.CAUSE_PATH_BLOCKED
+    assert run.st.blocked_distance[0] <= 7.0 * run.st.v[0]
+    assert all(distance > 7.0 * v for distance, v in ahead[:-3])
+
+
+def test_a_cause_that_is_switched_off_asks_for_nothing() -> None:
+    run = blocked(2.0, causes=(op.CAUSE_LANE_CONFIDENCE,)).go()
+    assert run.time_of(op.EVENT_REQUEST) == -1.0
+
+
+@pytest.mark.parametrize("driver", [0.0, 1.0, 2.5, 4.0, 6.0])
+def test_a_driver_who_answers_within_the_budget_does_not_collide(driver: float) -> None:
+    run = blocked(driver).go()
+    assert run.st.collision_count[0] == 0
+    assert run.time_of(op.EVENT_RESPONSE) == pytest.approx(run.time_of(op.EVENT_REQUEST) + driver, abs=0.051)
+    assert run.st.flag[0] == op.FAULT_NONE
+
+
+def test_a_driver_passes_on_the_free_lane_beside_and_comes_back() -> None:
+    run = blocked(1.0).go()
+    assert run.time_of(op.EVENT_EVADE) > 0.0
+    assert run.st.x[0] > 260.0
+    assert abs(run.st.off[0]) < 0.3
+    assert run.st.lane[0] == -1
+
+
+def test_nothing_changes_before_the_driver_answers() -> None:
+    early, late = blocked(3.0), blocked(5.0)
+    response = -1.0
+    while early.st.takeover_state[0] != op.TAKEOVER_MANUAL:
+        assert (early.st.x, early.st.y, early.st.v) == (late.st.x, late.st.y, late.st.v)
+        response = early.st.clock[0]
+        early.go(response + 0.05)
+        late.go(response + 0.05)
+    assert response == pytest.approx(early.st.time_request[0] + 3.0, abs=0.051)
+
+
+def test_an_absent_driver_ends_in_a_minimum_risk_stop_before_the_obstacle() -> None:
+    run = blocked(None).go()
+    request, manoeuvre = run.time_of(op.EVENT_REQUEST), run.time_of(op.EVENT_MINIMUM_RISK)
+    assert run.time_of(op.EVENT_ESCALATION) == pytest.approx(request + 4.0, abs=0.051)
+    assert request < manoeuvre <= request + 10.051
+    assert run.st.takeover_state[0] == op.TAKEOVER_STANDSTILL
+    assert run.st.hazard_lights[0] == 1
+    assert run.st.collision_count[0] == 0
+    assert run.st.stop[0] == op.STOP_STANDSTILL
+    assert run.st.clock[0] == pytest.approx(run.time_of(op.EVENT_STANDSTILL) + 3.0, abs=0.11)
+
+
+def test_the_minimum_risk_manoeuvre_brakes_as_given_and_begins_when_the_distance_asks_for_it() -> None:
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_BUDGET: 4.0})
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=20.0)
+    draft.parked(300.0)
+    run = draft.start()
+    while run.st.takeover_state[0] != op.TAKEOVER_MINIMUM_RISK:
+        run.go(run.st.clock[0] + 0.05)
+    assert run.st.clock[0] - run.st.request_at[0] < 9.0
+    needed = run.st.v[0] * run.st.v[0] / 8.0
+    assert needed < run.st.blocked_distance[0] < needed + 8.0
+    run.go(run.st.clock[0] + 1.0)
+    assert run.st.a[0] == pytest.approx(-4.0)
+    run.go()
+    assert run.st.collision_count[0] == 0
+    assert run.st.v[0] == 0.0
+
+
+def test_a_driver_may_take_over_during_the_minimum_risk_manoeuvre() -> None:
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 11.0, slots.K_HEALTH_COUNT: 1.0, slots.K_NOISE: 60.0})
+    draft.ego(speed=25.0)
+    run = draft.start().go()
+    assert run.time_of(op.EVENT_MINIMUM_RISK) == pytest.approx(run.time_of(op.EVENT_REQUEST) + 10.0, abs=0.051)
+    assert run.time_of(op.EVENT_RESPONSE) == pytest.approx(run.time_of(op.EVENT_REQUEST) + 11.0, abs=0.051)
+    assert run.st.takeover_state[0] == op.TAKEOVER_MANUAL
+    assert run.st.v[0] > 20.0
+
+
+def test_confidence_must_be_low_in_count_of_the_last_control_steps() -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes(op.CAUSE_LANE_CONFIDENCE)
+    draft.ego()
+    run = draft.start()
+    low = [1, 0, 1, 0, 1, 0, 0, 1, 0, 0, 1, 1, 1, 1, 1]
+    asked = []
+    for weak in low:
+        run.st.conf_left[0] = run.st.conf_right[0] = 0.2 if weak else 0.9
+        run.go(run.st.clock[0] + 0.05)
+        asked.append(run.st.takeover_state[0] >= op.TAKEOVER_REQUEST)
+    expected = [sum(low[max(0, k - 7) : k + 1]) >= 5 for k in range(len(low))]
+    first = expected.index(True)
+    assert asked == [False] * first + [True] * (len(low) - first)
+
+
+def test_one_weak_side_warns_and_does_not_request() -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.ego()
+    run = draft.start()
+    run.st.conf_left[0] = 0.1
+    run.go(2.0)
+    assert run.st.takeover_state[0] == op.TAKEOVER_WARNING
+    run.st.conf_left[0] = 1.0
+    run.go(2.5)
+    assert run.st.takeover_state[0] == op.TAKEOVER_AUTOMATED
+    assert run.time_of(op.EVENT_REQUEST) == -1.0
+
+
+@pytest.mark.parametrize(("sigma", "requested"), [(5.0, False), (60.0, True)])
+def test_ideal_health_falls_with_the_noise(sigma: float, requested: bool) -> None:
+    draft = Draft(highway(), {slots.K_NOISE: sigma})
+    draft.ego()
+    run = draft.start().go(3.0)
+    assert (0.0 < run.time_of(op.EVENT_REQUEST) < 1.0) == requested
+
+
+def test_the_automation_takes_back_after_the_given_time() -> None:
+    draft = Draft(highway(), {slots.K_HAND_BACK_AFTER: 4.0})
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.ego()
+    run = draft.start()
+    run.st.conf_left[0] = run.st.conf_right[0] = 0.0
+    run.go(1.0)
+    run.st.conf_left[0] = run.st.conf_right[0] = 1.0
+    run.go(12.0)
+    assert run.time_of(op.EVENT_HAND_BACK) == pytest.approx(run.time_of(op.EVENT_RESPONSE) + 4.0, abs=0.051)
+    assert run.time_of(op.EVENT_ACTIVATION) == pytest.approx(run.time_of(op.EVENT_HAND_BACK) + 0.05, abs=0.001)
+    assert run.st.takeover_state[0] == op.TAKEOVER_AUTOMATED
+    run.st.conf_left[0] = run.st.conf_right[0] = 0.0
+    run.go(13.0)
+    assert run.st.requests[0] == 2
+
+
+def test_the_ramp_is_left_by_merging_where_the_gap_is_free() -> None:
+    draft = Draft(ramp())
+    draft.ego(lane=-2, s=20.0, speed=15.0)
+    run = draft.start().go()
+    assert run.time_of(op.EVENT_MERGE) > 0.0
+    assert run.time_of(op.EVENT_REQUEST) == -1.0
+    assert run.st.lane[0] == -1
+    assert run.st.x[0] > 320.0
+
+
+def test_an_occupied_gap_is_requested_and_never_entered() -> None:
+    draft = Draft(ramp(), {slots.K_DRIVER_TIME: 1.0e6})
+    draft.ego(lane=-2, s=100.0, speed=15.0)
+    for k in range(8):
+        draft.moving(-1, 60.0 + 12.0 * k, 15.0)
+    run = draft.start()
+    lanes = set()
+    while run.st.stop[0] == op.STOP_NONE and run.st.x[0] < 300.0 and run.st.clock[0] < 15.0:
+        run.go(run.st.clock[0] + 0.05)
+        lanes.add(run.st.lane[0])
+    assert run.st.cause[0] == op.CAUSE_LANE_ENDS
+    assert lanes == {-2} or run.time_of(op.EVENT_MERGE) > 0.0
+    assert run.st.collision_count[0] == 0
+
+
+def test_a_driver_waits_for_an_oncoming_car_before_passing() -> None:
+    draft = Draft(network_of(road(1, 2000.0, lane(-1, "solid"), left=lane(1, "solid"))), {slots.K_DRIVER_TIME: 1.0})
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=SPEED)
+    draft.parked(250.0)
+    draft.moving(1, 420.0, 12.0)
+    run = draft.start()
+    sides = []
+    while run.st.stop[0] == op.STOP_NONE:
+        run.go(run.st.clock[0] + 0.05)
+        if abs(run.st.x[2] - run.st.x[0]) < 10.0:
+            sides.append(run.st.y[0] + 0.9 < run.st.y[2] - 0.9)
+    assert run.st.collision_count[0] == 0
+    assert sides
+    assert all(sides)
+    assert run.st.x[0] > 260.0
+
+
+def test_a_run_ends_at_the_destination() -> None:
+    draft = Draft(highway())
+    draft.ego()
+    draft.program.destination_road[0], draft.program.destination_lane[0] = 0, -1
+    draft.program.const[slots.K_DESTINATION_S] = 150.0
+    run = draft.start().go()
+    assert run.st.stop[0] == op.STOP_DESTINATION
+    assert 144.9 < run.st.x[0] < 146.0
+
+
+def test_a_lapse_is_no_answer_and_a_lognormal_time_comes_from_the_draw() -> None:
+    numbers = {slots.K_DRIVER_MU: 0.876, slots.K_DRIVER_SIGMA: 0.5, slots.K_NOISE: 60.0}
+    draft = Draft(highway(), numbers)
+    draft.program.driver_kind[0] = op.DRIVER_LOGNORMAL
+    draft.ego()
+    run = draft.start().go(12.0)
+    expected = math.exp(0.876 + 0.5 * run.st.draw[0])
+    assert run.time_of(op.EVENT_RESPONSE) - run.time_of(op.EVENT_REQUEST) == pytest.approx(expected, abs=0.051)
+    draft.program.const[slots.K_DRIVER_LAPSE] = 1.0
+    assert draft.start().go(12.0).time_of(op.EVENT_RESPONSE) == -1.0

@@ -1,0 +1,248 @@
+"""The interpreted and the compiled engine leave the same bytes, over programs that reach every code and branch."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+from array import array
+from functools import cache
+
+import pytest
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine import slots
+from scenario_compiler.engine.build import Compiled, Interpreted, trace_width
+from scenario_compiler.engine.state import make_draws, new_state
+from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.randomness import uniform
+from tests.engine.make import Draft, bend, highway, lane, network_of, ramp, road
+
+PROGRAMS = 40
+VARIANTS = 3
+STEPS = 400
+
+
+class Dice:
+    """Draws that depend on the program's number alone."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        self.count = 0
+
+    def unit(self) -> float:
+        """Return a number in (0, 1)."""
+        self.count += 1
+        return uniform(7, self.number, f"test/{self.count}")
+
+    def between(self, low: float, high: float) -> float:
+        """Return a number between two."""
+        return low + (high - low) * self.unit()
+
+    def pick(self, *choices: int) -> int:
+        """Return one of the choices."""
+        return choices[int(self.unit() * len(choices))]
+
+
+def random_draft(number: int) -> Draft:
+    """Return a program of its own kind for each number."""
+    dice = Dice(number)
+    maps = (
+        highway(),
+        bend(150.0),
+        ramp(),
+        network_of(road(1, 2000.0, lane(-1, "solid"), left=lane(1, "solid"))),
+        highway(120.0),
+    )
+    draft = Draft(maps[number % len(maps)])
+    p = draft.program
+    for slot, low, high in (
+        (slots.K_DURATION, 5.0, 25.0),
+        (slots.K_NOISE, 0.0, 60.0),
+        (slots.K_DRIVER_TIME, 0.0, 14.0),
+        (slots.K_BUDGET, 2.0, 9.0),
+        (slots.K_SENSOR_RANGE, 20.0, 160.0),
+        (slots.K_FIELD_OF_VIEW, 0.2, 6.0),
+        (slots.K_HAND_BACK_AFTER, -1.0, 3.0),
+        (slots.K_DRIVER_SIGMA, 0.0, 0.5),
+        (slots.K_DRIVER_LAPSE, -0.5, 0.5),
+    ):
+        p.const[slot] = dice.between(low, high)
+    p.driver_kind[0] = dice.pick(op.DRIVER_FIXED, op.DRIVER_LOGNORMAL)
+    p.perception[0] = dice.pick(op.PERCEPTION_IDEAL, op.PERCEPTION_IDEAL, op.PERCEPTION_CAMERA)
+    p.control_every[0] = dice.pick(1, 2, 3)
+    right = [-1] if number % 5 in (1, 3) else [-2] if number % 10 == 2 else [-1, -2]
+    motion = dice.pick(op.MOTION_BICYCLE, op.MOTION_BICYCLE, op.MOTION_BICYCLE, op.MOTION_SCRIPTED, op.MOTION_POSED)
+    draft.entity(motion, draft.position(0, dice.pick(*right), 30.0), dice.between(0.0, 25.0))
+    if number % 10 == 2:
+        draft.parked(900.0)
+        p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1], [op.CAUSE_LANE_ENDS], [1]
+    for _ in range(0 if number % 10 == 2 else dice.pick(1, 2, 5)):
+        add_other(draft, dice, right)
+    p.stretch_road, p.stretch_count = [0], [1]
+    p.stretch_const = [draft.block(dice.between(0.0, 150.0), dice.between(100.0, 300.0), dice.unit(), dice.unit())]
+    if dice.unit() < 0.5:
+        p.destination_road[0], p.destination_lane[0] = 0, -1
+        p.const[slots.K_DESTINATION_S] = dice.between(60.0, 400.0)
+    add_story(draft, dice)
+    return draft
+
+
+def add_other(draft: Draft, dice: Dice, right: list[int]) -> None:
+    """Append a standing, following, plain or oncoming vehicle."""
+    kind = dice.pick(0, 1, 2, 3)
+    s, side = dice.between(0.0, 110.0), dice.pick(*right)
+    if kind == 0:
+        draft.parked(s, side, dice.between(-2.0, 2.0), dice.between(0.0, 3.0))
+    elif kind == 3 and draft.network.road("1").sections[0][1][0] == 1:
+        draft.moving(1, s, dice.between(2.0, 15.0))
+    elif kind == 2:
+        at = draft.ahead_of(0, dice.between(5.0, 60.0), 0, dice.between(-1.0, 1.0), dice.between(-0.2, 0.2))
+        draft.entity(op.MOTION_SCRIPTED, at, dice.between(0.0, 15.0))
+    else:
+        draft.moving(side, s, dice.between(0.0, 20.0), follows=dice.unit() < 0.5)
+
+
+def add_story(draft: Draft, dice: Dice) -> None:
+    """Append events over all kinds of conditions and actions."""
+    p = draft.program
+    maneuver = draft.maneuver(limit=dice.pick(1, 2), stop=draft.at_time(dice.between(8.0, 30.0)))
+    before: list[int] = []
+    for _ in range(dice.pick(2, 4, 6)):
+        for _ in range(dice.pick(1, 2)):
+            add_condition(draft, dice, before)
+            if dice.unit() < 0.3:
+                draft.close_group()
+        actions = [add_action(draft, dice) for _ in range(dice.pick(1, 1, 2))]
+        before.append(
+            draft.event(
+                maneuver,
+                draft.trigger(),
+                *actions,
+                priority=dice.pick(op.PRIORITY_PARALLEL, op.PRIORITY_OVERRIDE, op.PRIORITY_SKIP),
+                limit=dice.pick(1, 1, 3),
+            )
+        )
+    if dice.unit() < 0.2:
+        p.stop_trigger[0] = draft.at_time(6.0)
+    if dice.unit() < 0.5:
+        p.init_action, p.init_count = [draft.speed(dice.pick(0, 1), dice.between(0.0, 20.0), 3.0)], [1]
+
+
+def add_condition(draft: Draft, dice: Dice, before: list[int]) -> None:
+    """Append a condition of a random kind; edges and delays too."""
+    kinds = range(op.CONDITION_TIME, op.CONDITION_ELEMENT_STATE + (1 if before else 0))
+    kind = dice.pick(*kinds)
+    values = {
+        op.CONDITION_TIME: dice.between(0.0, 8.0),
+        op.CONDITION_LANE_CONFIDENCE: 0.6,
+        op.CONDITION_REACH_POSITION: 30.0,
+        op.CONDITION_TRAVELED_DISTANCE: dice.between(0.0, 80.0),
+    }
+    other = dice.pick(0, 1)
+    if kind == op.CONDITION_REACH_POSITION:
+        other = draft.position(0, -1, dice.between(40.0, 110.0))
+    elif kind == op.CONDITION_TAKEOVER_STATE:
+        other = dice.pick(op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING, op.TAKEOVER_REQUEST, op.TAKEOVER_MANUAL)
+    elif kind == op.CONDITION_ELEMENT_STATE:
+        other = before[-1]
+    draft.condition(
+        kind,
+        values.get(kind, dice.between(0.0, 20.0)),
+        rule=dice.pick(*range(op.RULE_LESS, op.RULE_NOT_EQUAL + 1)),
+        entities=(0,) if dice.unit() < 0.5 else (0, 1),
+        other=other,
+        edge=dice.pick(*range(op.EDGE_NONE, op.EDGE_BOTH + 1)),
+        delay=dice.between(0.0, 2.0) if dice.unit() < 0.3 else 0.0,
+        every=dice.unit() < 0.5,
+    )
+
+
+def add_action(draft: Draft, dice: Dice) -> int:
+    """Append an action of a random kind, shape and dimension."""
+    shape = dice.pick(op.SHAPE_LINEAR, op.SHAPE_SINUSOIDAL, op.SHAPE_CUBIC, op.SHAPE_STEP)
+    dimension = dice.pick(op.DIMENSION_TIME, op.DIMENSION_RATE, op.DIMENSION_DISTANCE)
+    entity = dice.pick(0, 1)
+    kind = dice.pick(op.ACTION_SPEED, op.ACTION_LANE_CHANGE, op.ACTION_SENSOR_NOISE)
+    return draft.action(
+        kind,
+        entity,
+        target=dice.between(-3.0, 25.0) if kind == op.ACTION_SPEED else dice.between(0.0, 80.0),
+        value=dice.between(-1.0, 5.0) if dimension != op.DIMENSION_DISTANCE else dice.between(0.0, 60.0),
+        shape=shape,
+        dimension=dimension,
+        lanes=dice.pick(-1, 1, 2),
+    )
+
+
+def variants_of(draft: Draft, number: int) -> list[list[float]]:
+    """Return the program's numbers, the same scaled, and the same with a number that is none or zero."""
+    usual = list(draft.done().const)
+    scaled = [value * 1.03125 for value in usual]
+    scaled[slots.K_STEP] = usual[slots.K_STEP]
+    broken = list(usual)
+    where = slots.K_BUDGET + number % (len(usual) - slots.K_BUDGET)
+    broken[where] = (math.nan, math.inf, 0.0, -1.0e300)[number % 4]
+    return [usual, scaled, broken]
+
+
+@cache
+def both_forms(number: int) -> tuple[list[bytes], list[bytes], list[list[float]], set[int], set[int]]:
+    """Return the traces of both forms as bytes, the summaries, and the takeover states and events that were reached."""
+    draft = random_draft(number)
+    program, tables = draft.done(), draft.network.tables
+    rows, draws = variants_of(draft, number), [make_draws(number, k) for k in range(VARIANTS)]
+    interpreted = Interpreted(tables, program, new_state(program))
+    summaries, traces = interpreted.sweep(rows, draws, STEPS, STEPS + 1)
+    compiled = Compiled(tables, program, new_state(program))
+    fast_summaries, fast_traces = compiled.sweep(rows, draws, STEPS, STEPS + 1)
+    mine = [array("d", [*a, *b]).tobytes() for a, b in zip(summaries, traces, strict=True)]
+    theirs = [a.tobytes() + b.tobytes() for a, b in zip(fast_summaries, fast_traces, strict=True)]
+    width = trace_width(program)
+    states = {int(state) for trace in traces for state in trace[1::width]}
+    kinds = set(interpreted.state.log_kind)
+    interpreted.sweep(rows[:1], draws[:1], STEPS)
+    return mine, theirs, summaries, states, kinds | set(interpreted.state.log_kind)
+
+
+@pytest.mark.parametrize("number", range(PROGRAMS))
+def test_both_forms_leave_the_same_bytes(number: int) -> None:
+    interpreted, compiled, _, _, _ = both_forms(number)
+    assert [a == b for a, b in zip(interpreted, compiled, strict=True)] == [True] * VARIANTS
+
+
+def test_the_programs_reach_every_code() -> None:
+    drafts = [random_draft(number) for number in range(PROGRAMS)]
+    programs = [draft.program for draft in drafts]
+    assert {kind for p in programs for kind in p.condition_op} == set(range(op.CONDITION_ELEMENT_STATE + 1))
+    assert {kind for p in programs for kind in p.action_op} == set(range(op.ACTION_SENSOR_NOISE + 1))
+    assert {kind for p in programs for kind in p.entity_motion} == set(range(op.MOTION_POSED + 1))
+    assert {kind for p in programs for kind in p.action_shape} == set(range(op.SHAPE_STEP + 1))
+    assert {kind for p in programs for kind in p.condition_edge} == set(range(op.EDGE_BOTH + 1))
+    results = [both_forms(number) for number in range(PROGRAMS)]
+    states = set().union(*(states for _, _, _, states, _ in results))
+    assert states == set(range(op.TAKEOVER_STANDSTILL + 1))
+    stops = {int(row[SUMMARY.index("stop")]) for _, _, summaries, _, _ in results for row in summaries}
+    assert stops == set(range(op.STOP_NONE, op.STOP_ERROR + 1))
+    kinds = set().union(*(kinds for _, _, _, _, kinds in results))
+    assert kinds >= {op.EVENT_EVADE, op.EVENT_BRAKE, op.EVENT_MERGE, op.EVENT_COLLISION, op.EVENT_SENSOR_NOISE}
+
+
+def test_a_sweep_does_not_depend_on_the_order_of_its_variants() -> None:
+    draft = random_draft(0)
+    program, tables = draft.done(), draft.network.tables
+    rows, draws = variants_of(draft, 0), [make_draws(0, k) for k in range(VARIANTS)]
+    compiled = Compiled(tables, program, new_state(program))
+    forward, _ = compiled.sweep(rows, draws, STEPS)
+    backward, _ = compiled.sweep(rows[::-1], draws[::-1], STEPS)
+    assert forward.tobytes() == backward[::-1].tobytes()
+
+
+@pytest.mark.slow
+def test_no_index_leaves_its_column() -> None:
+    arguments = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "same_bytes", __file__]
+    result = subprocess.run(
+        arguments, env={**os.environ, "NUMBA_BOUNDSCHECK": "1"}, capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stdout[-4000:]
