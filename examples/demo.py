@@ -13,10 +13,10 @@ from rich import box
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
-from scenario_compiler.report.wording import summary_of
 
 from scenario_compiler import Run, compile_scenario, judge, load_network, open_world, run, write_report
 from scenario_compiler.report.folder import write_run_folder
+from scenario_compiler.report.wording import summary_of
 from scenario_compiler.resources import library_folder
 
 CONFLICTS = ("sensor_failure", "ramp_blocked", "road_narrows", "obstacle_ahead", "markings_missing")
@@ -55,7 +55,9 @@ def main() -> None:
     for heading in ("conflict", "Gold", "urgency", "cause", "request", "takeover", "min TTC", "outcome"):
         table.add_column(heading, no_wrap=heading != "outcome", overflow="fold")
     for one in map(summary_of, runs):
-        times = (f"{text} s" for text in (one.request_time, one.takeover_time, one.minimum_ttc))
+        times = (
+            text if text == "–" else f"{text} s" for text in (one.request_time, one.takeover_time, one.minimum_ttc)
+        )
         table.add_row(one.name, one.number, one.urgency, one.cause, *times, one.outcome)
     console.print(table)
     console.print(f"report: {folder / 'report.html'}", soft_wrap=True)
