@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from lxml import etree
 
-from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.geometry import road_piece_at, road_reference
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.tables import AT_END, RoadTables
 from scenario_compiler.roads.text_edits import TextEdits
@@ -69,7 +69,9 @@ def shorten_road(
             if one.find("{*}poly3") is None and one.find("{*}paramPoly3") is None:
                 _set(edits, one, "hdg", heading)
         if start > 0.0 or end < span:
-            _trim(edits, one, start, end)
+            piece = road_piece_at(n, road, 0.5 * (s + start + min(s + end, limit)))
+            scale = n.poly_scale[n.piece_poly[piece]] if n.piece_poly[piece] >= 0 else 1.0
+            _trim(edits, one, start, end, scale)
     if at_start > 0.0:
         _move_stations(edits, element, at_start)
         _move_offsets(edits, element, at_start)
@@ -88,8 +90,12 @@ def _set(edits: TextEdits, element: etree._Element, attribute: str, value: float
         edits.set(element, attribute, repr(value))
 
 
-def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float) -> None:
-    """Keep the part of a piece of the reference line between two distances from its own start, m."""
+def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float, scale: float) -> None:
+    """Keep the part of a piece of the reference line between two distances from its own start, m.
+
+    The parameter u of a poly3 is s times a scale that depends on the whole piece; what is left of it has a slightly
+    other one, so that points move along the line by up to the change (for a cut of 0.1 m, millimetres).
+    """
     whole = _number(geometry, "length")
     _set(edits, geometry, "length", end - start)
     for shape in geometry.iterchildren("{*}*"):
@@ -99,13 +105,13 @@ def _trim(edits: TextEdits, geometry: etree._Element, start: float, end: float) 
             _set(edits, shape, "curvStart", k0 + (k1 - k0) * start / whole)
             _set(edits, shape, "curvEnd", k0 + (k1 - k0) * end / whole)
         elif name == "poly3":
-            _restate(edits, shape, ("a", "b", "c", "d"), start, 1.0)
+            _restate(edits, shape, "abcd", start * scale, 1.0)
         elif name == "paramPoly3":
-            scale = 1.0 if shape.get("pRange") == "arcLength" else 1.0 / whole
-            stretch = 1.0 if shape.get("pRange") == "arcLength" else (end - start) / whole
+            by_length = shape.get("pRange") == "arcLength"
+            stretch = 1.0 if by_length else (end - start) / whole
             for axis in "UV":
                 names = [f"{power}{axis}" for power in "abcd"]
-                _restate(edits, shape, names, start * scale, stretch)
+                _restate(edits, shape, names, start if by_length else start / whole, stretch)
 
 
 def _restate(

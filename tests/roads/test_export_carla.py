@@ -1,0 +1,286 @@
+"""Files for CARLA's clients: what they cannot use is replaced, the rest stays, and every lane goes on."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.document import Document, parse_document
+from scenario_compiler.roads.export_carla import JOINT_LENGTH, export_for_carla
+from scenario_compiler.roads.network import Network, load_network
+from scenario_compiler.roads.shorten import shorten_road
+from scenario_compiler.roads.text_edits import TextEdits
+
+CUSTOM_MAP = "aisa-toolkit/custommap/HRI_custommap.xodr"
+
+PROBE = """
+import json, sys
+import carla
+world = carla.Map("map", open(sys.argv[1], encoding="utf-8").read())
+points = world.generate_waypoints(2.0)
+ends = sorted({(w.road_id, w.lane_id) for w in points if not w.next(2.5)})
+jumps = [w.transform.location.distance(n.transform.location) for w in points for n in w.next(1.0)]
+print(json.dumps({"points": len(points), "ends": ends, "jump": max(jumps, default=0.0)}))
+"""
+
+
+def export(path: Path) -> tuple[Network, bytes]:
+    document = parse_document(path.read_bytes(), str(path), Diagnostics())
+    network = load_network(path, cache=False)
+    assert document is not None
+    assert network is not None
+    return network, export_for_carla(document, network)
+
+
+def ask_carla(folder: Path, data: bytes) -> dict[str, object]:
+    """Load a file with the installed client in a process of its own: a file that it cannot use may kill it."""
+    pytest.importorskip("carla")
+    path = folder / "exported.xodr"
+    path.write_bytes(data)
+    done = subprocess.run([sys.executable, "-c", PROBE, str(path)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr[-500:]
+    found: dict[str, object] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def reload(folder: Path, data: bytes) -> Network:
+    path = folder / "again.xodr"
+    path.write_bytes(data)
+    network = load_network(path, cache=False)
+    assert network is not None
+    return network
+
+
+def drivable_ends(network: Network) -> list[tuple[str, int]]:
+    """(road, lane) of driving lanes that lead nowhere."""
+    n = network.tables
+    found = []
+    for row, lane in enumerate(n.lane_id):
+        road = n.section_road[n.lane_section[row]]
+        end = 1 if (lane < 0) == (n.road_rule[road] > 0) else 0
+        if lane != 0 and n.lane_type[row] == 0 and n.lane_link[2 * row + end] == n.lane_link[2 * row + end + 1]:
+            found.append((network.road_ids[road], lane))
+    return found
+
+
+def test_a_map_with_direct_junctions_has_no_dead_end(corpus: Path, tmp_path: Path) -> None:
+    _, data = export(corpus / CUSTOM_MAP)
+    found = ask_carla(tmp_path, data)
+    assert found["ends"] == []
+    assert isinstance(found["jump"], float)
+    assert found["jump"] < 1.5  # 1.43 on the outside of the tightest curve, in the file as it is
+
+
+def test_direct_junctions_become_default_ones_with_connecting_roads(corpus: Path, tmp_path: Path) -> None:
+    before, data = export(corpus / CUSTOM_MAP)
+    root = etree.fromstring(data)
+    assert [one.get("type") for one in root.iterfind("junction")] == ["default"] * 7
+    assert not root.xpath("//connection[@linkedRoad or not(@connectingRoad)]")
+    added = [one for one in root.iterfind("road") if one.get("id") not in before.road_ids]
+    assert {one.get("junction") for one in added} == {"9", "12", "14", "17", "22", "28", "-1"}
+    for road in added:
+        assert float(road.get("length", "0")) == pytest.approx(JOINT_LENGTH)
+        assert [one.tag for one in road.iterfind("link/*")] == ["predecessor", "successor"]
+        links = [
+            [one.tag for one in lane.iterfind("link/*")] for lane in road.iterfind(".//lane") if lane.get("id") != "0"
+        ]
+        assert all(found == ["predecessor", "successor"] for found in links)
+    assert drivable_ends(reload(tmp_path, data)) == []
+
+
+def test_new_roads_lie_where_the_old_surface_was(corpus: Path, tmp_path: Path) -> None:
+    before, data = export(corpus / CUSTOM_MAP)
+    after = reload(tmp_path, data)
+    for road in [one for one in after.road_ids if one not in before.road_ids]:
+        for lane in after.lanes_at(road, 0.5 * JOINT_LENGTH):
+            pose = after.lane_pose(road, lane.lane, 0.5 * JOINT_LENGTH)
+            held = before.locate(pose.x, pose.y)
+            assert any(abs(place.offset) < 1e-6 for place in held), (road, lane)
+            assert any(
+                before.lane_width(p.road, p.lane, p.s) == pytest.approx(lane.t_left - lane.t_right) for p in held
+            )
+
+
+def test_joints_of_new_roads_are_closed(corpus: Path, tmp_path: Path) -> None:
+    before, data = export(corpus / CUSTOM_MAP)
+    after = reload(tmp_path, data)
+    n = after.tables
+    for road in [after.road_index(one) for one in after.road_ids if one not in before.road_ids]:
+        for row in range(n.section_lane[n.road_section[road]], n.section_lane[n.road_section[road] + 1]):
+            for end in (0, 1):
+                for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
+                    other = n.link_lane[link]
+                    far = n.section_road[n.lane_section[other]]
+                    here = after.lane_pose(after.road_ids[road], n.lane_id[row], end * n.road_length[road])
+                    there = after.lane_pose(
+                        after.road_ids[far], n.lane_id[other], n.link_contact[link] * n.road_length[far]
+                    )
+                    assert math.dist(here[:2], there[:2]) < 2e-4 + 0.5 * _width_step(before, after, road, row, other)
+
+
+def _width_step(before: Network, after: Network, road: int, row: int, other: int) -> float:
+    """How much the widths of two linked lanes differ, m: the file itself joins lanes of unlike widths."""
+    n = after.tables
+    far = n.section_road[n.lane_section[other]]
+    widths = (after.lane_width(after.road_ids[road], n.lane_id[row], 0.0), n.lane_id[other])
+    return abs(widths[0] - max(after.lane_width(after.road_ids[far], widths[1], s) for s in (0.0, n.road_length[far])))
+
+
+def test_all_other_lines_stay_as_they_are(corpus: Path) -> None:
+    path = corpus / CUSTOM_MAP
+    _, data = export(path)
+    before, after = path.read_text().splitlines(), data.decode().splitlines()
+    kept = sum(
+        block.size for block in difflib.SequenceMatcher(None, before, after, autojunk=False).get_matching_blocks()
+    )
+    assert kept > 0.95 * len(before)
+
+
+@pytest.mark.parametrize("name", ["Town01", "Town04"])
+def test_a_map_of_carla_is_left_alone(corpus: Path, name: str) -> None:
+    path = corpus / "Scenic/assets/maps/CARLA" / f"{name}.xodr"
+    assert export(path)[1] == path.read_bytes().replace(b"\r\n", b"\n")
+
+
+def test_maps_that_come_along_go_on_everywhere(repository: Path, tmp_path: Path) -> None:
+    _, data = export(repository / "maps/town_grid/town_grid.xodr")
+    assert ask_carla(tmp_path, data)["ends"] == []
+
+
+LANE = """<lane id="{id}" type="driving"><link>{link}</link>
+<width sOffset="0" a="3" b="0" c="0" d="0"/></lane>"""
+
+
+def ring(roads: int, linked: bool = True) -> bytes:
+    """A circle of 50 m radius of some roads; without `linked` only the successors of lanes are filed."""
+    texts = []
+    for k in range(roads):
+        angle, length = 2 * math.pi * k / roads, 2 * math.pi * 50 / roads
+        before, after = 10 + (k - 1) % roads, 10 + (k + 1) % roads
+        left, right = (
+            LANE.format(
+                id=i, link=f'{f"<predecessor id={i!r}/>" if linked else ""}<successor id="{i}"/>'.replace("'", '"')
+            )
+            for i in ("1", "-1")
+        )
+        left, right = (text.replace("<predecessor id=1/>", "") for text in (left, right))
+        texts.append(
+            f'<road id="{10 + k}" junction="-1" length="{length!r}"><link>'
+            f'<predecessor elementType="road" elementId="{before}" contactPoint="end"/>'
+            f'<successor elementType="road" elementId="{after}" contactPoint="start"/></link><planView>'
+            f'<geometry s="0" x="{50 * math.sin(angle)!r}" y="{-50 * math.cos(angle)!r}" hdg="{angle!r}" '
+            f'length="{length!r}"><arc curvature="0.02"/></geometry></planView><lanes><laneSection s="0">'
+            f'<left>{left}</left><center><lane id="0" type="none"/></center><right>{right}</right>'
+            "</laneSection></lanes></road>"
+        )
+    header = '<?xml version="1.0" encoding="UTF-8"?>\n<OpenDRIVE><header revMajor="1" revMinor="6"/>\n'
+    return (header + "\n".join(texts) + "\n</OpenDRIVE>\n").encode()
+
+
+@pytest.mark.parametrize("linked", [True, False])
+@pytest.mark.parametrize("roads", [1, 2, 3])
+def test_a_ring_of_few_roads_goes_round(tmp_path: Path, roads: int, linked: bool) -> None:
+    path = tmp_path / "ring.xodr"
+    path.write_bytes(ring(roads, linked))
+    _, data = export(path)
+    again = reload(tmp_path, data)
+    assert len(again.road_ids) == max(3, roads)
+    assert drivable_ends(again) == []
+    assert ask_carla(tmp_path, data)["ends"] == []
+    if roads == 3 and linked:
+        assert data == path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("file", "reason"),
+    [
+        ("esmini/resources/xodr/soderleden.xodr", "direct junction, its connecting road read as road 0"),
+        (
+            "OSC-NCAP-scenarios/OpenDRIVE/NCAP/X-Intersection_NCAP.xodr",
+            "junction and road share an id; dead lane links",
+        ),
+        ("maliput_xodr/resources/intersection/intersection_3m_width.xodr", "no connection into some connecting roads"),
+        ("GT-OpenSCENARIOEditor/test-fixtures/opendrive-v1.9/GT_23_virtual_junction_17.xodr", "virtual connection"),
+    ],
+)
+def test_traps_are_taken_out(corpus: Path, tmp_path: Path, file: str, reason: str) -> None:
+    network, data = export(corpus / file)
+    carla_ends = {(str(road), lane) for road, lane in ask_carla(tmp_path, data)["ends"]}  # type: ignore[attr-defined]
+    assert carla_ends <= set(drivable_ends(network)), reason
+
+
+def test_junction_ids_that_roads_have_are_renamed_everywhere(corpus: Path) -> None:
+    _, data = export(corpus / "OSC-NCAP-scenarios/OpenDRIVE/NCAP/X-Intersection_NCAP.xodr")
+    root = etree.fromstring(data)
+    roads, junctions = ({one.get("id") for one in root.iterfind(tag)} for tag in ("road", "junction"))
+    assert not roads & junctions
+    assert {one.get("junction") for one in root.iterfind("road")} == {"-1", *junctions}
+    assert {one.get("elementId") for one in root.iterfind("road/link/*[@elementType='junction']")} == junctions
+
+
+SHAPES = {
+    "line": "<line/>",
+    "arc": '<arc curvature="-0.02"/>',
+    "spiral": '<spiral curvStart="0.0" curvEnd="0.03"/>',
+    "poly3": '<poly3 a="0" b="0" c="0.004" d="0.00002"/>',
+    "normalized": '<paramPoly3 pRange="normalized" aU="0" bU="40" cU="1" dU="-2" aV="0" bV="0" cV="4" dV="1"/>',
+    "arcLength": '<paramPoly3 pRange="arcLength" aU="0" bU="1" cU="0" dU="-0.0001" aV="0" bV="0" cV="0.003" dV="0"/>',
+}
+
+SHAPED = """<OpenDRIVE><header revMajor="1" revMinor="6"/><road id="1" junction="-1" length="40.0">
+<planView><geometry s="0" x="3" y="-2" hdg="0.7" length="40.0">{shape}</geometry></planView>
+<elevationProfile><elevation s="0" a="1" b="0.02" c="0.003" d="-0.0001"/>
+<elevation s="20" a="1.8" b="0.02" c="0" d="0"/></elevationProfile>
+<lateralProfile><superelevation s="0" a="0.01" b="0.001" c="0" d="0"/></lateralProfile>
+<lanes><laneOffset s="0" a="0.5" b="0.01" c="0.001" d="0"/><laneSection s="0">
+<center><lane id="0" type="none"/></center><right><lane id="-1" type="driving">
+<width sOffset="0" a="3" b="0.05" c="0" d="-0.00001"/><width sOffset="12" a="3.5" b="0" c="0" d="0"/>
+<roadMark sOffset="0" type="solid" color="white" width="0.12"/></lane></right></laneSection>
+<laneSection s="30"><center><lane id="0" type="none"/></center><right><lane id="-1" type="driving">
+<width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right></laneSection></lanes></road></OpenDRIVE>"""
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@given(at_start=st.floats(0.0, 5.0), at_end=st.floats(0.0, 5.0))
+def test_what_is_left_of_a_shortened_road_lies_where_it_was(shape: str, at_start: float, at_end: float) -> None:
+    text = SHAPED.format(shape=SHAPES[shape])
+    document, before = read(text)
+    edits = TextEdits(document)
+    shorten_road(edits, document.root[1], before.tables, 0, at_start, at_end)
+    _, after = read(edits.result())
+    assert after.tables.road_length[0] == pytest.approx(40.0 - at_start - at_end, abs=1e-12)
+    for s in (0.0, 3.0, 11.0, 17.5, 24.9, after.tables.road_length[0]):
+        here, there = after.lane_pose("1", -1, s), before.lane_pose("1", -1, s + at_start)
+        assert tuple(here) == pytest.approx(tuple(there), abs=0.2 if shape == "poly3" else 1e-9)
+
+
+def read(text: str) -> tuple[Document, Network]:
+    from scenario_compiler.roads.parse import read_network
+
+    sink = Diagnostics()
+    document = parse_document(text.encode(), "text.xodr", sink)
+    assert document is not None
+    parsed = read_network(document, sink)
+    assert parsed is not None
+    return document, Network("text.xodr", "", parsed)
+
+
+def test_edits_keep_quotes_comments_and_encoding(tmp_path: Path) -> None:
+    text = "<?xml version='1.0'?>\n<a  b = 'x>y'><!-- <c/> --><c d='1'  /><e>é</e></a>\n"
+    document = parse_document(text.encode(), "text.xml", Diagnostics())
+    assert document is not None
+    edits = TextEdits(document)
+    edits.set(document.root, "b", "2 & 3")
+    edits.set(document.root[1], "f", "new")
+    edits.remove(document.root[2])
+    assert edits.result() == "<?xml version='1.0'?>\n<a  b = \"2 &amp; 3\"><!-- <c/> --><c f=\"new\" d='1'  /></a>\n"
