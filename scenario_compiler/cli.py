@@ -394,34 +394,46 @@ def _loaded_map(options: argparse.Namespace) -> tuple[Document, Network] | None:
 
 def map_info_command(options: argparse.Namespace) -> int:
     """Print what a map holds."""
-    from rich.console import Console
-    from rich.table import Table
+    from dataclasses import fields
 
-    from scenario_compiler.roads.describe import describe
+    from scenario_compiler.roads.describe import describe_network
 
     loaded = _loaded_map(options)
     if loaded is None:
         return AT_FAULT
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for label, value in describe(*loaded):
-        table.add_row(label, value)
-    Console().print(table)
+    description = describe_network(loaded[1])
+    for one in fields(description):
+        print(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}")
     return FINE
+
+
+def _listed(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name}: {_listed(count)}" for name, count in value.items()) or "none"
+    if isinstance(value, tuple):
+        return ", ".join(_listed(one) for one in value)
+    return f"{value:.2f}" if isinstance(value, float) else str(value)
 
 
 def map_check_command(options: argparse.Namespace) -> int:
     """Print everything that is wrong in a road file."""
     from scenario_compiler.document import read_document
     from scenario_compiler.roads.check import check_file
+    from scenario_compiler.roads.check.unread import unread
     from scenario_compiler.roads.xsd import validate_with_xsd
 
     sink = Diagnostics()
     path = _map_file(options)
     check_file(path, sink)
-    document = None if options.xsd is None else read_document(path, sink)
-    if document is not None:
+    document = read_document(path, sink)
+    if document is not None and options.xsd is not None:
         validate_with_xsd(document, options.xsd, sink)
-    return AT_FAULT if show(sink, options) else FINE
+    failed = show(sink, options)
+    if document is not None and options.format == "text":
+        for one in unread(document):
+            attribute = f" attribute {one.attribute}" if one.attribute else ""
+            print(f"{path}:{one.line}: not read: {one.path}{attribute} ({one.count})")
+    return AT_FAULT if failed else FINE
 
 
 def map_plot_command(options: argparse.Namespace) -> int:

@@ -13,6 +13,7 @@ from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
 from scenario_compiler.roads import Network, load_network
+from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.source import Source, check_source, expand, parse
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
@@ -186,7 +187,9 @@ def files_below(path: Path) -> list[Path]:
 def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = ()) -> None:
     """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds."""
     if path.suffix == ".xodr":
-        load_network(path, cache=False, sink=sink)
+        document = read_document(path, sink)
+        if document is not None:
+            check_structure(document, sink)
         return
     read = read_source(path, sink)
     if read is None:
