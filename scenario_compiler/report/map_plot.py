@@ -30,6 +30,7 @@ from scenario_compiler.report.map_shapes import (
     lane_shapes,
     mark_lines,
     travel_arrows,
+    turning_paths,
 )
 from scenario_compiler.report.surroundings import Window
 from scenario_compiler.roads import geometry, mesh
@@ -37,6 +38,9 @@ from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.spawn_points import NamedPosition
 
 POINTS_PER_INCH = 72.0
+
+CLOSE_VIEW = 0.15
+"""Scale below which the roads in junctions show paths, arrows and ids, metres a point."""
 
 
 @dataclass(frozen=True)
@@ -159,9 +163,13 @@ def draw_map(
     shapes = lane_shapes(network, shown)
     _draw_lanes(axes, network, shapes)
     paints = _draw_marks(axes, network, shown, scale)
-    hulls = junction_hulls(network, shapes)
+    hulls = junction_hulls(network, shapes, shown)
     _draw_junctions(axes, hulls)
-    arrows = [arrow_outline(one) for one in travel_arrows(network, shown, 6.0 * scale, 60.0 * scale, scale < 0.25)]
+    close = scale < CLOSE_VIEW
+    if close:
+        paths = turning_paths(network, shapes)
+        axes.add_collection(LineCollection(paths, colors=[_ARROW], linewidths=0.6, alpha=0.6, zorder=5))
+    arrows = [arrow_outline(one) for one in travel_arrows(network, shown, 6.0 * scale, 60.0 * scale, close)]
     axes.add_collection(PolyCollection(arrows, facecolors=_ARROW, edgecolors="none", zorder=5))
     placed = _Labels(axes, scale)
     if labels:
@@ -201,9 +209,11 @@ def _figure_size(window: Window, size: float) -> tuple[float, float]:
 def _title(network: Network) -> str:
     n = network.tables
     kilometres = sum(length for length, j in zip(n.road_length, n.road_junction, strict=True) if j < 0) / 1000.0
-    outside = sum(j < 0 for j in n.road_junction)
-    junctions = len({j for j in n.road_junction if j >= 0})
-    return f"{network.name}: {outside} roads, {kilometres:.2f} km, {junctions} junctions"
+    counts = sum(j < 0 for j in n.road_junction), len(network.junction_ids)
+    roads, junctions = (
+        f"{k} {word}{'' if k == 1 else 's'}" for k, word in zip(counts, ("road", "junction"), strict=True)
+    )
+    return f"{network.name}: {roads}, {kilometres:.2f} km, {junctions}"
 
 
 def _draw_lanes(axes: Axes, network: Network, shapes: list[LaneShape]) -> None:
@@ -287,13 +297,13 @@ def _write_roads(network: Network, window: Window, placed: _Labels, scale: float
     n = network.tables
     order = sorted(range(len(n.road_length)), key=lambda road: (n.road_junction[road] >= 0, -n.road_length[road], road))
     for road in order:
-        if n.road_junction[road] < 0 or scale < 0.12:
+        if n.road_junction[road] < 0 or scale < CLOSE_VIEW:
             spots = [_beside(network, road, share, side, scale) for share in _SHARES for side in (0.0, 1.0, -1.0)]
             seen = [(x, y) for x, y in spots if holds(window, x, y)]
             placed.place(network.road_ids[road], seen, 6.5, "#1d2a33")
 
 
-_SHARES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
+_SHARES = tuple(0.5 + side * k / 40.0 for k in range(0, 20, 2) for side in (1.0, -1.0))[1:]
 
 
 def _beside(network: Network, road: int, share: float, side: float, scale: float) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.report.surroundings import Window
 from scenario_compiler.roads import geometry, lanes, mesh
-from scenario_compiler.roads.lane_types import LANE_TYPES, is_drivable
+from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, LANE_TYPES, is_drivable
 from scenario_compiler.roads.network import Network
 
 Points = NDArray[np.float64]
@@ -62,6 +62,16 @@ def lane_shapes(network: Network, window: Window) -> list[LaneShape]:
     return shapes
 
 
+def turning_paths(network: Network, shapes: list[LaneShape]) -> list[Points]:
+    """Return the centre lines (N, 2) of the lanes of connecting roads that motor traffic uses."""
+    paths = []
+    for shape in shapes:
+        if network.tables.road_junction[shape.road] >= 0 and is_drivable(LANE_TYPE_CODES[shape.type]):
+            half = len(shape.outline) // 2
+            paths.append(0.5 * (shape.outline[:half] + shape.outline[: half - 1 : -1]))
+    return paths
+
+
 def holds(window: Window, x: float, y: float) -> bool:
     """Tell whether a point lies in a window."""
     return window.x_min <= x <= window.x_max and window.y_min <= y <= window.y_max
@@ -93,7 +103,7 @@ def travel_arrows(network: Network, window: Window, length: float, spacing: floa
         window: What is shown.
         length: The least length of an arrow that can be seen, m.
         spacing: Least distance between arrows along a lane, m.
-        junctions: Whether connecting roads get arrows.
+        junctions: Whether connecting roads get arrows, one a lane.
     """
     n = network.tables
     for section in range(len(n.section_s)):
@@ -101,7 +111,7 @@ def travel_arrows(network: Network, window: Window, length: float, spacing: floa
         start, end = n.section_s[section], min(n.section_end[section], n.road_length[road])
         if (n.road_junction[road] >= 0 and not junctions) or end - start < 2.0 * length:
             continue
-        count = max(1, int((end - start) / spacing))
+        count = max(1, int((end - start) / spacing)) if n.road_junction[road] < 0 else 1
         rows = range(n.section_lane[section], n.section_lane[section + 1])
         for k in range(2 * count):
             s = start + (end - start) * (k + 0.5) / (2 * count)
@@ -139,15 +149,37 @@ def arrow_outline(arrow: Arrow) -> Points:
     return turned
 
 
-def junction_hulls(network: Network, shapes: list[LaneShape]) -> dict[str, Points]:
-    """Return the convex hull (N, 2) of each junction's connecting roads, by the junction's id."""
+def junction_hulls(network: Network, shapes: list[LaneShape], window: Window) -> dict[str, Points]:
+    """Return the convex hull (N, 2) of each junction's connecting roads in the window, by the junction's id.
+
+    Of a junction without connecting roads (a direct one) it is the hull of the road ends that meet there.
+    """
     n = network.tables
     corners: dict[int, list[Points]] = {}
     for shape in shapes:
         junction = n.road_junction[shape.road]
         if junction >= 0:
             corners.setdefault(junction, []).append(shape.outline)
+    with_roads = set(n.road_junction)
+    for road in range(len(n.road_length)):
+        for junction, s in ((n.road_start_junction[road], 0.0), (n.road_end_junction[road], n.road_length[road])):
+            if junction >= 0 and junction not in with_roads:
+                ends = _road_end(network, road, s)
+                if any(holds(window, x, y) for x, y in ends):
+                    corners.setdefault(junction, []).append(np.array(ends))
     return {network.junction_ids[j]: convex_hull(np.concatenate(corners[j])) for j in sorted(corners)}
+
+
+def _road_end(network: Network, road: int, s: float) -> list[tuple[float, float]]:
+    """Return the outer borders of a road's lanes at one of its ends and 1 m before it."""
+    n = network.tables
+    points = []
+    for at in (s, min(max(s, 1.0), max(n.road_length[road] - 1.0, 0.0))):
+        x, y, h, _ = geometry.road_reference(n, road, at)
+        found = network.lanes_at(network.road_ids[road], at)
+        for t in [found[0].t_left, found[-1].t_right] if found else [0.0]:
+            points.append((x - t * math.sin(h), y + t * math.cos(h)))
+    return points
 
 
 def convex_hull(points: Points) -> Points:
