@@ -107,6 +107,8 @@ def _add_part(
         count = max(count, min(ceil(abs(n.piece_k[piece]) * (high - low) / CHUNK_TURN), PART_LIMIT))
     elif kind == POLYNOMIAL:
         count = max(count, min(ceil(_turning(n, piece, low, high) / POLYNOMIAL_CHUNK_TURN), PART_LIMIT))
+    if len(n.chunk_s) > 2 * CHUNK_LIMIT:
+        count = 1
     step = (high - low) / count
     for i in range(count):
         s0 = low + step * i

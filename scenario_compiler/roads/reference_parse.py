@@ -35,6 +35,9 @@ RATE_LIMIT = 0.02
 PIECE_LIMIT = 2000
 """Most pieces of one spiral."""
 
+ALL_PIECES_LIMIT = 200_000
+"""Pieces of a network after which spirals are no longer cut; a bound on memory, beyond any real network of a map."""
+
 GAUSS = (
     (-0.9061798459386640, 0.2369268850561891),
     (-0.5384693101056831, 0.4786286704993665),
@@ -128,9 +131,10 @@ def _append_spiral(
     by_turn = max(abs(k0), abs(k1)) * length / TURN_LIMIT
     by_rate = length * sqrt(abs(rate) / RATE_LIMIT)
     count = max(1, ceil(max(by_turn, by_rate)))
-    if count > PIECE_LIMIT:
-        reader.report(COARSE_SPIRAL, f"the spiral needs {count} pieces; {PIECE_LIMIT} are used", shape)
-        count = PIECE_LIMIT
+    most = PIECE_LIMIT if len(n.piece_s) < ALL_PIECES_LIMIT else 1
+    if count > most:
+        reader.report(COARSE_SPIRAL, f"the spiral needs {count} pieces; {most} are used", shape)
+        count = most
     step = length / count
     for i in range(count):
         k = k0 + rate * step * i

@@ -110,6 +110,17 @@ def test_very_long_roads_have_bounded_tables(tmp_path: Path) -> None:
     assert len(made.tables.chunk_s) < 200_000
 
 
+@pytest.mark.parametrize("shape", ['<arc curvature="1e6"/>', '<spiral curvStart="-1e6" curvEnd="1e6"/>'])
+def test_very_many_tight_curves_have_bounded_tables(tmp_path: Path, shape: str) -> None:
+    plan = "".join(f'<geometry s="{i}" x="0" y="0" hdg="0" length="1">{shape}</geometry>' for i in range(1500))
+    path = tmp_path / "hostile.xodr"
+    path.write_text(whole(road(length=1500.0, plan=plan)), encoding="utf-8")
+    made = load_network(path, cache=False, sink=Diagnostics())
+    assert made is not None
+    assert len(made.tables.piece_s) < 300_000
+    assert len(made.tables.chunk_s) < 600_000
+
+
 def test_links_in_a_circle_end(tmp_path: Path) -> None:
     around = (
         '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
