@@ -103,7 +103,7 @@ def test_a_doctype_in_a_comment_is_no_doctype() -> None:
 
 
 def test_entities_are_never_resolved() -> None:
-    lol = "".join(f'<!ENTITY l{i} "{"&l%d;" % (i - 1) * 10 if i else "lol"}">' for i in range(9))
+    lol = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10 if i else "lol"}">' for i in range(9))
     assert _codes(f"<!DOCTYPE a [{lol}]><a>&l8;</a>".encode()) == [("SC103", 1)]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -42,8 +43,8 @@ def _library(path: Path) -> Library:
     return source
 
 
-def _parameters(part: Part) -> dict[str, Parameter]:
-    return template_parameters(part, Diagnostics())
+def _parameters(part: Part) -> Mapping[str, Parameter]:
+    return template_parameters(part, Diagnostics()).known
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)

@@ -101,13 +101,13 @@ def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
     A template is expanded once on its own: at its defaults, and what depends on a parameter without one is left open.
     A file that reads without fault is checked against its schema too, where that is at hand.
     """
-    known_faults = len(sink.found)
     folder = library_folder()
     if isinstance(source, Library):
         surroundings = around(source, folder, load_catalogs(folder / "catalogs", sink))
         for template in source.own_templates:
             check_template(source.templates[template], sink, surroundings)
     expanded = [expand(source, name, {}, sink) for name in source.scenarios]
-    if isinstance(source, Library) and len(sink.found) == known_faults:
+    read_without_fault = all(one.place.file != source.document.path for one in sink.found)
+    if isinstance(source, Library) and read_without_fault:
         judge_form(source.document, sink)
     return [scenario for scenario in expanded if scenario is not None]

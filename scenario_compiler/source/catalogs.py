@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -30,20 +30,36 @@ class CatalogElement(Word):
 
 @dataclass(frozen=True)
 class Catalogs:
-    """Vehicles and drivers by name."""
+    """Vehicles and drivers by name.
+
+    Attributes:
+        vehicles: Vehicles by name.
+        drivers: Drivers by name.
+        complete: Everything could be read; else what is not known may well be there.
+    """
 
     vehicles: Mapping[str, Vehicle] = field(default_factory=dict)
     drivers: Mapping[str, DriverModel] = field(default_factory=dict)
+    complete: bool = True
 
     def extended(self, other: Catalogs) -> Catalogs:
         """Return these with the other's entries added; the other's win where both have a name."""
-        return Catalogs({**self.vehicles, **other.vehicles}, {**self.drivers, **other.drivers})
+        return Catalogs(
+            {**self.vehicles, **other.vehicles},
+            {**self.drivers, **other.drivers},
+            self.complete and other.complete,
+        )
+
+    def with_a_gap(self) -> Catalogs:
+        """Return these, knowing that some could not be read."""
+        return replace(self, complete=False)
 
 
 def read_catalog(reading: Reading) -> Catalogs:
     """Return what a `<catalog>` file holds; report entries that have a name twice."""
     root = reading.document.root
     read_attributes(root, CatalogElement, reading)
+    complete = True
     vehicles: dict[str, Vehicle] = {}
     drivers: dict[str, DriverModel] = {}
     elements = [
@@ -54,6 +70,7 @@ def read_catalog(reading: Reading) -> Catalogs:
     for word, element in elements:
         entry = read_word(element, word, reading)
         if not isinstance(entry, Vehicle | DriverModel):
+            complete = False
             continue
         if entry.name in (vehicles if isinstance(entry, Vehicle) else drivers):
             reading.sink.add(
@@ -65,7 +82,7 @@ def read_catalog(reading: Reading) -> Catalogs:
             vehicles[entry.name] = entry
         else:
             drivers[entry.name] = entry
-    return Catalogs(vehicles, drivers)
+    return Catalogs(vehicles, drivers, complete)
 
 
 def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:

@@ -6,6 +6,7 @@ expanded, because an attribute's text has a meaning only once its parameters hav
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,6 +28,7 @@ from scenario_compiler.vocabulary.scenario import Classification, Parameter, Sce
 from scenario_compiler.vocabulary.storyboard import Do, When
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.word import (
+    ENTITY_ID,
     IDENTIFIER,
     Word,
     attribute,
@@ -53,7 +55,7 @@ class Use(Word):
     id: str = attribute(
         "Name of this use: prefix of the ids of what it brings. The template's name and a number when left out.",
         default="",
-        pattern=f"({IDENTIFIER})?",
+        pattern=f"({ENTITY_ID})?",
     )
     arguments: dict[str, str] = other_attributes("Values of the template's parameters.")
 
@@ -145,13 +147,23 @@ class Part:
 
 @dataclass(frozen=True)
 class Library:
-    """A file of the conflict language: scenarios and templates by name, those of its includes too."""
+    """A file of the conflict language.
+
+    Attributes:
+        document: The file.
+        scenarios: Its scenarios by name.
+        templates: Its templates and those of its includes by name.
+        own_templates: Names of the templates that stand in the file itself.
+        catalogs: Entries of the catalogs that it includes.
+        complete: Every include and every template's name could be read.
+    """
 
     document: Document
     scenarios: Mapping[str, Part] = field(default_factory=dict)
     templates: Mapping[str, Part] = field(default_factory=dict)
     own_templates: tuple[str, ...] = ()
     catalogs: Catalogs = field(default_factory=Catalogs)
+    complete: bool = True
 
 
 def read_library(document: Document, sink: Diagnostics) -> Library:
@@ -171,7 +183,8 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
     seen = {Path(document.path).resolve()}
     for element in includes:
         catalogs = _bring_in(element, reading, parts["template"], catalogs, seen)
-    return Library(document, parts["scenario"], parts["template"], own, catalogs)
+    named = all(re.fullmatch(IDENTIFIER, name) for name in own)
+    return Library(document, parts["scenario"], parts["template"], own, catalogs, named and catalogs.complete)
 
 
 def _add_part(parts: dict[str, Part], part: Part, reading: Reading) -> None:
@@ -194,7 +207,7 @@ def _bring_in(
     """Add the templates of an included file and of its includes; return the catalogs with its entries."""
     include = read_word(element, Include, reading)
     if include is None:
-        return catalogs
+        return catalogs.with_a_gap()
     place = reading.origin(element, "file")
     path = _find(include.file, reading.document.folder)
     if path.resolve() in seen:
@@ -205,13 +218,13 @@ def _bring_in(
     if document is None:
         for one in inner:
             reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}': {one.message}", place, hint=one.hint)
-        return catalogs
+        return catalogs.with_a_gap()
     inside = Reading(document, reading.sink, Environment(), place)
     if document.root.tag == CatalogElement.tag():
         return catalogs.extended(read_catalog(inside))
     if document.root.tag != LibraryElement.tag():
         reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}' holds neither templates nor a catalog", place)
-        return catalogs
+        return catalogs.with_a_gap()
     for child_element in document.root.iterchildren("template"):
         templates.setdefault(str(child_element.get("name", "")), Part(document, child_element, place))
     for child_element in document.root.iterchildren("include"):

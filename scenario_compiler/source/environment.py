@@ -37,13 +37,15 @@ class Environment:
     Attributes:
         bindings: What each name stands for: a value, or an expression over the scenario's open parameters.
         values: Values of the scenario's open parameters, in XML units.
-        undetermined: Names without a value, in a template that is read on its own.
+        undetermined: Names without a value: in a template that is read on its own, or where a declaration is at fault.
+        lenient: A declaration could not be read, so that a name that is not known is no fault of its own.
         structural: Open parameters that something other than a number turned out to depend on; filled while reading.
     """
 
     bindings: Mapping[str, Binding] = field(default_factory=dict)
     values: Mapping[str, Value] = field(default_factory=dict)
     undetermined: frozenset[str] = frozenset()
+    lenient: bool = False
     structural: set[str] = field(default_factory=set)
 
     def symbolic(self, text: str) -> Expression | None:
@@ -61,7 +63,7 @@ class Environment:
         except ExpressionError as error:
             raise ExpressionError(str(error), error.offset + start) from None
         for name in expression.names:
-            if name in self.undetermined:
+            if name in self.undetermined or (self.lenient and name not in self.bindings):
                 raise UndeterminedError(name)
             if name not in self.bindings:
                 raise UnknownNameError(name, start + _find(name, inner), self.bindings)

@@ -16,7 +16,13 @@ from scenario_compiler.source.catalogs import Catalogs
 from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
 from scenario_compiler.source.environment import Environment
 from scenario_compiler.source.events import storyboard_of
-from scenario_compiler.source.parameters import STRUCTURAL_KINDS, bind_arguments, declared, default_value
+from scenario_compiler.source.parameters import (
+    STRUCTURAL_KINDS,
+    Declared,
+    bind_arguments,
+    default_value,
+    read_parameters,
+)
 from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
 from scenario_compiler.source.templates import Expander, Scope, template_parameters
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
@@ -36,11 +42,16 @@ class Around:
     templates: Mapping[str, Part]
     library_templates: Path
     catalogs: Catalogs
+    complete: bool
+
+    def expander(self) -> Expander:
+        """Return what puts the items of one scenario in place."""
+        return Expander(self.templates, self.library_templates, self.complete)
 
 
 def around(library: Library, folder: Path, catalogs: Catalogs) -> Around:
     """Return what surrounds the scenarios of a file; `folder` is the library's."""
-    return Around(library.templates, folder / "templates", catalogs.extended(library.catalogs))
+    return Around(library.templates, folder / "templates", catalogs.extended(library.catalogs), library.complete)
 
 
 def expand_scenario(
@@ -52,14 +63,13 @@ def expand_scenario(
     the scenario is read again with that parameter's value in its place everywhere.
     """
     head = part.reading(sink, Environment())
-    read = (read_word(one, Parameter, head) for one in part.element.iterchildren(Parameter.tag()))
-    parameters = declared((one for one in read if one is not None), sink)
-    values = bind_arguments(parameters, arguments, sink)
-    settled = {name for name in values if parameters[name].type in STRUCTURAL_KINDS}
+    declared = read_parameters(part.element, head)
+    values = bind_arguments(declared, arguments, sink)
+    settled = {name for name in values if declared.known[name].type in STRUCTURAL_KINDS}
     while True:
         attempt = Diagnostics()
-        environment = _environment(parameters, values, settled)
-        scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(parameters, values)
+        environment = _environment(declared, values, settled)
+        scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(declared.known, values)
         if environment.structural <= settled:
             sink.found.extend(attempt.found)
             return scenario
@@ -68,20 +78,21 @@ def expand_scenario(
 
 def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
     """Report every fault of a template on its own, used once without arguments."""
-    parameters = template_parameters(part, sink)
-    bindings = {name: value for name, one in parameters.items() if (value := default_value(one, sink)) is not None}
-    reading = part.reading(sink, Environment(bindings, {}, frozenset(set(parameters) - set(bindings))))
-    expander = Expander(surroundings.templates, surroundings.library_templates)
+    declared = template_parameters(part, sink)
+    values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
+    reading = part.reading(sink, _environment(declared, values, set(values)))
+    expander = surroundings.expander()
     scope = Scope(part.name, Scope())
     expander.add_template(part, reading, scope)
     actors = [actor for actor, _ in expander.contents.actors]
     catalog_vehicles(actors, surroundings.catalogs, sink)
 
 
-def _environment(parameters: Mapping[str, Parameter], values: Mapping[str, Value], settled: set[str]) -> Environment:
+def _environment(declared: Declared, values: Mapping[str, Value], settled: set[str]) -> Environment:
     bindings = {name: value if name in settled else parse_expression(f"${name}") for name, value in values.items()}
-    missing = frozenset(set(parameters) - set(values))
-    return Environment(bindings, {name: values[name] for name in values if name not in settled}, missing)
+    missing = frozenset(set(declared.known) - set(values))
+    still_open = {name: value for name, value in values.items() if name not in settled}
+    return Environment(bindings, still_open, missing, not declared.all_read)
 
 
 @dataclass
@@ -95,7 +106,7 @@ class _Attempt:
     def __post_init__(self) -> None:
         self.sink = self.reading.sink
         self.scope = Scope()
-        self.expander = Expander(self.around.templates, self.around.library_templates)
+        self.expander = self.around.expander()
         self.words: dict[str, Any] = {}
 
     def scenario(self, parameters: Mapping[str, Parameter], values: Mapping[str, Value]) -> Scenario | None:
@@ -192,13 +203,14 @@ class _Attempt:
 def catalog_driver(driver: Driver, catalogs: Catalogs, sink: Diagnostics) -> Driver | DriverModel:
     """Return the catalog's driver with the takeover time that the scenario fixes; report an unknown one."""
     found = catalogs.drivers.get(driver.preset)
-    if found is None:
+    if found is None and catalogs.complete:
         sink.add(
             names.UNKNOWN_DRIVER,
             f"there is no driver '{driver.preset}'",
             driver.place_of("preset"),
             hint=did_you_mean(driver.preset, catalogs.drivers),
         )
+    if found is None:
         return driver
     return found.model_copy(update={"takeover_time": driver.takeover_time}).written_at(driver.origin)
 
@@ -208,19 +220,20 @@ def catalog_vehicles(
 ) -> tuple[Vehicle, ...]:
     """Return the catalog's vehicles that the entities are, each once.
 
-    An unknown one is reported and replaced by the first vehicle of the catalog, for the stages that go on looking.
+    An unknown one is reported, where the catalogs could be read in full, and replaced by their first vehicle, for the
+    stages that go on looking.
     """
     found: dict[str, Vehicle] = {}
     for entity in entities:
         vehicle = catalogs.vehicles.get(entity.model)
-        if vehicle is None:
+        if vehicle is None and catalogs.complete:
             sink.add(
                 names.UNKNOWN_VEHICLE,
                 f"there is no vehicle '{entity.model}'",
                 entity.place_of("model"),
                 hint=did_you_mean(entity.model, catalogs.vehicles),
             )
-            vehicle = next(iter(catalogs.vehicles.values()), None)
+        vehicle = vehicle or next(iter(catalogs.vehicles.values()), None)
         if vehicle is not None:
             found.setdefault(entity.model, vehicle.model_copy(update={"name": entity.model}))
     return tuple(found.values())

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+
+from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, FilePlace, Place, did_you_mean
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
 from scenario_compiler.source import codes, names
 from scenario_compiler.source.environment import Binding, Environment
-from scenario_compiler.source.reading import Reading, bound_value, outside
+from scenario_compiler.source.reading import Reading, bound_value, outside, read_word
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling, Word
@@ -22,10 +25,28 @@ COMMAND_LINE = FilePlace("--set")
 """The place of an argument that is at fault."""
 
 
-def declared(parameters: Iterable[Parameter], sink: Diagnostics) -> dict[str, Parameter]:
-    """Return the parameters by name; report a name that is declared twice."""
+@dataclass(frozen=True)
+class Declared:
+    """The parameters that a scenario or template declares.
+
+    Attributes:
+        known: By name, in the order of the declarations.
+        all_read: No declaration is at fault; else what is not known may well be declared.
+    """
+
+    known: Mapping[str, Parameter]
+    all_read: bool = True
+
+
+def read_parameters(element: etree._Element, reading: Reading) -> Declared:
+    """Return the parameters that an element declares; report a name that is declared twice."""
     known: dict[str, Parameter] = {}
-    for parameter in parameters:
+    sink, before = reading.sink, len(reading.sink.found)
+    for child in element.iterchildren(Parameter.tag()):
+        faults = len(sink.found)
+        parameter = read_word(child, Parameter, reading)
+        if parameter is None or len(sink.found) > faults:
+            continue
         if parameter.name in known:
             sink.add(
                 names.DUPLICATE_NAME,
@@ -33,14 +54,14 @@ def declared(parameters: Iterable[Parameter], sink: Diagnostics) -> dict[str, Pa
                 parameter.place_of("name"),
             )
         known.setdefault(parameter.name, parameter)
-    return known
+    return Declared(known, len(sink.found) == before)
 
 
-def bind_arguments(
-    parameters: Mapping[str, Parameter], arguments: Mapping[str, str], sink: Diagnostics
-) -> dict[str, Value]:
+def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, Value]:
     """Return the value of every parameter of a scenario: the argument's, else the default."""
-    report_unknown_arguments(arguments, parameters, sink)
+    parameters = declared.known
+    if declared.all_read:
+        report_unknown_arguments(arguments, parameters, sink)
     values: dict[str, Value] = {}
     for name, parameter in parameters.items():
         if name in arguments:
@@ -75,20 +96,20 @@ def default_value(parameter: Parameter, sink: Diagnostics) -> Value | None:
     return typed(parameter.default, parameter, parameter.place_of("default"), sink)
 
 
-def bind_use(parameters: Mapping[str, Parameter], given: Mapping[str, str], reading: Reading, use: Word) -> Environment:
+def bind_use(declared: Declared, given: Mapping[str, str], reading: Reading, use: Word) -> Environment:
     """Return what the parameters of a template mean in one use of it.
 
     Args:
-        parameters: The template's parameters.
+        declared: The template's parameters.
         given: The attributes of the use, as written.
         reading: How the use is read: its environment gives `$name` in `given` its meaning.
         use: The word that uses it.
     """
-    sink = reading.sink
+    sink, parameters = reading.sink, declared.known
     bindings: dict[str, Binding] = {}
     undetermined: set[str] = set()
     for name in given:
-        if name not in parameters:
+        if name not in parameters and declared.all_read:
             sink.add(
                 codes.UNKNOWN_ATTRIBUTE,
                 f"the template has no parameter '{name}'",
@@ -116,7 +137,7 @@ def bind_use(parameters: Mapping[str, Parameter], given: Mapping[str, str], read
         else:
             bindings[name] = value
     outer = reading.environment
-    return Environment(bindings, outer.values, frozenset(undetermined), outer.structural)
+    return Environment(bindings, outer.values, frozenset(undetermined), not declared.all_read, outer.structural)
 
 
 def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: Reading) -> Binding | None:

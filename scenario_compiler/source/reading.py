@@ -320,7 +320,7 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
         return "a whole number", ""
     if rule.kind == "text":
         if rule.spelling.pattern:
-            return "a name of letters, digits and _ that begins with a letter", ""
+            return "a name of letters, digits and _, with a letter first", ""
         return "a text that says something", ""
     quantity = QUANTITIES.get(rule.spelling.quantity)
     unit = f" in {quantity.unit}" if quantity and quantity.unit not in ("", "1") else ""

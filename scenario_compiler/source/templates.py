@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -23,15 +24,14 @@ from scenario_compiler.source.conflict import (
     read_library,
 )
 from scenario_compiler.source.environment import Environment
-from scenario_compiler.source.parameters import bind_use, declared
+from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
 from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.grammar import ChildRule, grammar_of
 from scenario_compiler.vocabulary.markings import Markings
-from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.traversal import AnyWord, replaced
-from scenario_compiler.vocabulary.word import Word
+from scenario_compiler.vocabulary.word import ENTITY_ID, Word
 
 
 @dataclass
@@ -42,12 +42,14 @@ class Scope:
         name: Name of the use, empty for the scenario.
         parent: The scope that the use stands in.
         ids: Id as this scope knows it, to the id in the whole scenario.
+        all_read: Every id here could be read; else one that is not known may well be there.
         uses: Names of the uses that stand here.
     """
 
     name: str = ""
     parent: Scope | None = None
     ids: dict[str, str] = field(default_factory=dict)
+    all_read: bool = True
     uses: set[str] = field(default_factory=set)
 
     def declare(self, local: str) -> str:
@@ -96,6 +98,8 @@ class Scope:
         return replaced(cast(AnyWord, in_full(word)), in_full)
 
     def _unknown(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
+        if not self._complete():
+            return named
         sink.add(
             names.UNKNOWN_ENTITY,
             f"there is no entity '{named}'",
@@ -103,6 +107,9 @@ class Scope:
             hint=did_you_mean(named, self.known()),
         )
         return named
+
+    def _complete(self) -> bool:
+        return self.all_read and (self.parent is None or self.parent._complete())
 
 
 @dataclass
@@ -121,12 +128,14 @@ class Expander:
     Attributes:
         own: Templates of the file and its includes.
         library: Folder of the library's templates.
+        complete: `own` has all that the file and its includes hold.
         contents: Where everything goes.
         unread: Ids of actors that are written but cannot be read: references to them are no faults.
     """
 
     own: Mapping[str, Part]
     library: Path
+    complete: bool = True
     contents: Contents = field(default_factory=Contents)
     unread: set[str] = field(default_factory=set)
 
@@ -149,8 +158,15 @@ class Expander:
                 self.contents.happenings.append((item.entity, item, scope))
             elif isinstance(item, Use):
                 self._add_use(item, reading, scope, chain)
-            elif element.tag in (Static.tag(), Dynamic.tag()):
-                self.unread.add(scope.declare(str(element.get("id", ""))))
+            else:
+                self._lose(element, scope)
+
+    def _lose(self, element: etree._Element, scope: Scope) -> None:
+        """Remember what an item that cannot be read would have brought."""
+        if element.tag in (Static.tag(), Dynamic.tag()) and re.fullmatch(ENTITY_ID, element.get("id", "")):
+            self.unread.add(scope.declare(str(element.get("id"))))
+        elif element.tag != Markings.tag():
+            scope.all_read = False
 
     def _add_actor(self, actor: Static | Dynamic, scope: Scope, sink: Diagnostics) -> None:
         if actor.id in scope.ids:
@@ -165,6 +181,7 @@ class Expander:
     def _add_use(self, use: Use, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
         template = self.find(use, reading.sink)
         if template is None:
+            scope.all_read = False
             return
         identity = f"{template.document.path}#{use.template}"
         if identity in chain:
@@ -189,7 +206,7 @@ class Expander:
             return self.own[use.template]
         library, faults = library_templates(self.library)
         sink.found.extend(faults)
-        if use.template not in library:
+        if use.template not in library and self.complete:
             sink.add(
                 names.UNKNOWN_TEMPLATE,
                 f"there is no template '{use.template}'",
@@ -199,18 +216,17 @@ class Expander:
         return library.get(use.template)
 
 
-def template_parameters(part: Part, sink: Diagnostics) -> dict[str, Parameter]:
+def template_parameters(part: Part, sink: Diagnostics) -> Declared:
     """Return the parameters that a template declares."""
     reading = part.reading(sink, Environment())
     read_attributes(part.element, TemplateElement, reading)
-    read = (read_word(one, Parameter, reading) for one in part.element.iterchildren(Parameter.tag()))
-    parameters = declared((one for one in read if one is not None), sink)
+    parameters = read_parameters(part.element, reading)
     for name in ("template", "id"):
-        if name in parameters:
+        if name in parameters.known:
             sink.add(
                 names.RESERVED_NAME,
                 f"<use> needs the attribute '{name}' for itself",
-                parameters[name].place_of("name"),
+                parameters.known[name].place_of("name"),
             )
     return parameters
 

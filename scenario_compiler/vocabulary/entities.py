@@ -7,7 +7,7 @@ from typing import Literal
 from scenario_compiler.vocabulary.positions import Position
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import When
-from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
 
 
 class Vehicle(Word):
@@ -21,15 +21,9 @@ class Vehicle(Word):
     length: float = attribute("Length of the box, m.", quantity="length", minimum=0, exclusive=True)
     width: float = attribute("Width of the box, m.", quantity="length", minimum=0, exclusive=True)
     height: float = attribute("Height of the box, m.", quantity="length", minimum=0, exclusive=True)
-    wheelbase: float = attribute(
-        "Distance between the axles, m.", quantity="length", minimum=0, exclusive=True
-    )
-    center: float = attribute(
-        "Distance from the rear axle forward to the box's centre, m.", quantity="length"
-    )
-    max_steer: float = attribute(
-        "Greatest angle of the front wheels, degrees.", default=40.0, minimum=1, maximum=90
-    )
+    wheelbase: float = attribute("Distance between the axles, m.", quantity="length", minimum=0, exclusive=True)
+    center: float = attribute("Distance from the rear axle forward to the box's centre, m.", quantity="length")
+    max_steer: float = attribute("Greatest angle of the front wheels, degrees.", default=40.0, minimum=1, maximum=90)
     max_acceleration: float = attribute(
         "Acceleration at full throttle, m/s2.", default=3.5, quantity="acceleration", minimum=0
     )
@@ -66,7 +60,7 @@ class Ego(Word):
 
     word: Literal["ego"] = "ego"
 
-    id: str = attribute("Id of the entity.", default="ego")
+    id: str = attribute("Id of the entity.", default="ego", pattern=ENTITY_ID)
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     desired_speed: Number | None = attribute(
@@ -88,7 +82,7 @@ class Static(Word):
 
     word: Literal["static"] = "static"
 
-    id: str = attribute("Id of the entity.")
+    id: str = attribute("Id of the entity.", pattern=ENTITY_ID)
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
     at: Position = child("Where it stands.", wrapper="at")
 
@@ -100,9 +94,7 @@ class Follow(Word):
 
     time_gap: Number = attribute("Desired time gap, s.", default=1.5, quantity="time", minimum=0.1)
     minimum_gap: Number = attribute("Gap at standstill, m.", default=2.0, quantity="length", minimum=0.1)
-    acceleration: Number = attribute(
-        "Greatest acceleration, m/s2.", default=1.5, quantity="acceleration", minimum=0.1
-    )
+    acceleration: Number = attribute("Greatest acceleration, m/s2.", default=1.5, quantity="acceleration", minimum=0.1)
     deceleration: Number = attribute(
         "Comfortable deceleration, m/s2.", default=2.0, quantity="acceleration", minimum=0.1
     )
@@ -113,7 +105,7 @@ class Dynamic(Word):
 
     word: Literal["dynamic"] = "dynamic"
 
-    id: str = attribute("Id of the entity.")
+    id: str = attribute("Id of the entity.", pattern=ENTITY_ID)
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.tesla.model3", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     start: Position = child("Where it starts.", wrapper="start")

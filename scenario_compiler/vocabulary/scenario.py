@@ -12,7 +12,7 @@ from scenario_compiler.vocabulary.markings import Markings
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.weather import Weather
-from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+from scenario_compiler.vocabulary.word import IDENTIFIER, Number, Word, attribute, child
 
 
 class Classification(Word):
@@ -39,11 +39,9 @@ class Parameter(Word):
 
     word: Literal["parameter"] = "parameter"
 
-    name: str = attribute("Name that `$name` and `--set name=value` use.")
+    name: str = attribute("Name that `$name` and `--set name=value` use.", pattern=IDENTIFIER)
     type: ParameterKind = attribute("What it measures; numbers are in the unit that XML uses for it.")
-    default: str | None = attribute(
-        "Value when none is given; without one, each use must give it.", default=None
-    )
+    default: str | None = attribute("Value when none is given; without one, each use must give it.", default=None)
     min: Number | None = attribute("Least value.", default=None)
     max: Number | None = attribute("Greatest value.", default=None)
     summary: str = attribute("What it does.", default="")
@@ -80,9 +78,7 @@ class Scenario(Word):
     duration: float | None = attribute(
         "When the run ends at the latest, s.", default=None, quantity="time", minimum=0, exclusive=True
     )
-    step: float = attribute(
-        "Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1
-    )
+    step: float = attribute("Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1)
     control_every: int = attribute("Number of time steps between two control steps.", default=1, minimum=1)
     weather: Weather = child("The weather.")
     parameters: tuple[Parameter, ...] = child("Parameters that numbers of the scenario use.", default=())

@@ -147,7 +147,10 @@ class OtherAttributesSpelling:
 Spelling: TypeAlias = AttributeSpelling | ChildSpelling | OtherAttributesSpelling
 
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
-"""Pattern of names that expressions and prefixes are made of."""
+"""Pattern of names that expressions are made of."""
+
+ENTITY_ID = "[A-Za-z_][A-Za-z0-9_\\-]*"
+"""Pattern of an entity's id as it is written; a use of a template puts its name and a point before it."""
 
 REQUIRED: Any = ...
 

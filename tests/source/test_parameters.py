@@ -6,7 +6,7 @@ import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Value
-from scenario_compiler.source.parameters import COMMAND_LINE, bind_arguments, default_value, limits, typed
+from scenario_compiler.source.parameters import COMMAND_LINE, Declared, bind_arguments, default_value, limits, typed
 from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
 
 
@@ -59,7 +59,7 @@ def test_a_fraction_lies_between_zero_and_one() -> None:
 def test_arguments_come_before_defaults() -> None:
     parameters = {name: Parameter(name=name, type="number", default="1") for name in ("a", "b")}
     sink = Diagnostics()
-    assert bind_arguments(parameters, {"b": "2"}, sink) == {"a": 1.0, "b": 2.0}
+    assert bind_arguments(Declared(parameters), {"b": "2"}, sink) == {"a": 1.0, "b": 2.0}
     assert list(sink) == []
 
 
