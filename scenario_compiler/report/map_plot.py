@@ -174,12 +174,12 @@ def draw_map(
     placed = _Labels(axes, scale)
     if labels:
         _write_junctions(hulls, placed, scale)
-    for name, point in (spawn_points or {}).items():
-        _draw_spawn_point(axes, network, name, point, shown, placed if labels else None)
+    points = (spawn_points or {}).items()
+    drawn = [_draw_spawn_point(axes, network, *point, shown, placed if labels else None) for point in points]
     if labels:
         _write_roads(network, shown, placed, scale)
     _draw_scale_bar(axes, shown, scale)
-    return _legend({shape.type for shape in shapes}, paints, bool(hulls), bool(spawn_points))
+    return _legend({shape.type for shape in shapes}, paints, bool(hulls), any(drawn))
 
 
 def _all_of(network: Network) -> Window:
@@ -298,7 +298,7 @@ def _write_roads(network: Network, window: Window, placed: _Labels, scale: float
     order = sorted(range(len(n.road_length)), key=lambda road: (n.road_junction[road] >= 0, -n.road_length[road], road))
     for road in order:
         if n.road_junction[road] < 0 or scale < CLOSE_VIEW:
-            spots = [_beside(network, road, share, side, scale) for share in _SHARES for side in (0.0, 1.0, -1.0)]
+            spots = [_beside(network, road, share, side, scale) for side in (0.0, 1.0, -1.0) for share in _SHARES]
             seen = [(x, y) for x, y in spots if holds(window, x, y)]
             placed.place(network.road_ids[road], seen, 6.5, "#1d2a33")
 
@@ -319,14 +319,14 @@ def _beside(network: Network, road: int, share: float, side: float, scale: float
 
 def _draw_spawn_point(
     axes: Axes, network: Network, name: str, point: NamedPosition, window: Window, placed: _Labels | None
-) -> None:
-    """Draw a disc at a spawn point, and its name; one that is not on the network is left out."""
+) -> bool:
+    """Draw a disc at a spawn point, and its name; False for one that is not on the network or not in the window."""
     try:
         pose = network.lane_pose(point.road, point.lane, point.s)
     except ValueError:
-        return
+        return False
     if not holds(window, pose.x, pose.y):
-        return
+        return False
     axes.plot(
         [pose.x], [pose.y], "o", markersize=6, color=_SPAWN, markeredgecolor="white", markeredgewidth=0.9, zorder=7
     )
@@ -334,6 +334,7 @@ def _draw_spawn_point(
         step = placed.step
         spots = [(pose.x + a * step * (1 + len(name) / 4), pose.y + b * step) for a, b in _AROUND]
         placed.place(name, spots, 6.5, "#8a3d00", force=True)
+    return True
 
 
 _AROUND = ((0, 2), (0, -2), (1, 1), (-1, 1), (1, -1), (-1, -1), (0, 4), (0, -4), (2, 0), (-2, 0))
