@@ -16,9 +16,7 @@ class Markings(Word):
     s_from: Number = attribute(
         "Begin of the stretch along the reference line, m.", name="from", quantity="length", minimum=0
     )
-    s_to: Number = attribute(
-        "End of the stretch along the reference line, m.", name="to", quantity="length", minimum=0
-    )
+    s_to: Number = attribute("End of the stretch along the reference line, m.", name="to", quantity="length", minimum=0)
     quality: Number = attribute(
         "Quality at the begin: 1 is fresh paint, 0 is none.", quantity="fraction", minimum=0, maximum=1
     )

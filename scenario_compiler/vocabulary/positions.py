@@ -75,9 +75,7 @@ class RelativeLanePosition(Word):
     word: Literal["ahead_of"] = "ahead_of"
 
     entity: str = attribute("Id of the entity that the position is relative to.", names="entity")
-    distance: Number = attribute(
-        "Distance ahead along the entity's lane, m; negative is behind.", quantity="length"
-    )
+    distance: Number = attribute("Distance ahead along the entity's lane, m; negative is behind.", quantity="length")
     lanes: int = attribute(
         "Lanes to the left of the entity's lane in its direction of travel; negative is to the right.",
         default=0,

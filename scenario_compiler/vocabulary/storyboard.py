@@ -37,9 +37,7 @@ class TriggerCondition(Word):
 
     condition: Condition = child("What is watched.")
     edge: Edge = attribute("Which change of the condition counts.", default="none")
-    delay: Number = attribute(
-        "How much later the trigger sees it, s.", default=0.0, quantity="time", minimum=0
-    )
+    delay: Number = attribute("How much later the trigger sees it, s.", default=0.0, quantity="time", minimum=0)
 
 
 class ConditionGroup(Word):

@@ -101,9 +101,7 @@ class DriverModel(Word):
     source: str = attribute("Where the numbers come from.", default="")
     mu: float = attribute("Mean of the logarithm of the takeover time in seconds.", default=0.0)
     sigma: float = attribute("Standard deviation of that logarithm.", default=0.0, minimum=0)
-    lapse: float = attribute(
-        "Probability of no answer at all.", default=0.0, quantity="fraction", minimum=0, maximum=1
-    )
+    lapse: float = attribute("Probability of no answer at all.", default=0.0, quantity="fraction", minimum=0, maximum=1)
     takeover_time: Number | None = attribute(
         "Time from the request to the driver's first input, s, in place of the distribution.",
         default=None,
@@ -162,8 +160,6 @@ class Takeover(Word):
         quantity="time",
         minimum=0,
     )
-    causes: tuple[Cause, ...] = child(
-        "The causes that are switched on; all of them when none is given.", default=()
-    )
+    causes: tuple[Cause, ...] = child("The causes that are switched on; all of them when none is given.", default=())
     driver: Driver | DriverModel = child("Who answers.", default_factory=Driver)
     messages: tuple[Message, ...] = child("How the automation tells the driver.", default=())

@@ -6,9 +6,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
-TakeoverState = Literal[
-    "automated", "warning", "request", "escalation", "manual", "minimum_risk", "standstill"
-]
+TakeoverState = Literal["automated", "warning", "request", "escalation", "manual", "minimum_risk", "standstill"]
 """States of the takeover: after whom the car is driven by, and what it asks."""
 
 
