@@ -13,6 +13,8 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.source.form import conflict_xsd
 
 FOLDER = Path(__file__).resolve().parent
@@ -25,6 +27,8 @@ def json_schema(model: type[BaseModel]) -> str:
 
 GENERATED: dict[str, Callable[[], str]] = {
     "conflict.xsd": conflict_xsd,
+    "events.schema.json": lambda: json_schema(EventRow),
+    "outcome.schema.json": lambda: json_schema(Outcome),
     "plan.schema.json": lambda: json_schema(Plan),
 }
 """File name to what writes its text."""
