@@ -75,18 +75,33 @@ def random_draft(number: int) -> Draft:
     right = [-1] if number % 5 in (1, 3) else [-2] if number % 10 == 2 else [-1, -2]
     motion = dice.pick(op.MOTION_BICYCLE, op.MOTION_BICYCLE, op.MOTION_BICYCLE, op.MOTION_SCRIPTED, op.MOTION_POSED)
     draft.entity(motion, draft.position(0, dice.pick(*right), 30.0), dice.between(0.0, 25.0))
-    if number % 10 == 2:
+    alone = number % 10 in (2, 5)
+    if alone:
         draft.parked(900.0)
+    if number % 10 == 2:
         p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1], [op.CAUSE_LANE_ENDS], [1]
-    for _ in range(0 if number % 10 == 2 else dice.pick(1, 2, 5)):
+    for _ in range(0 if alone else dice.pick(1, 2, 5)):
         add_other(draft, dice, right)
     p.stretch_road, p.stretch_count = [0], [1]
     p.stretch_const = [draft.block(dice.between(0.0, 150.0), dice.between(100.0, 300.0), dice.unit(), dice.unit())]
-    if dice.unit() < 0.5:
+    if number % 10 == 5:
+        fade_and_hand_back(draft)
+    elif dice.unit() < 0.5:
         p.destination_road[0], p.destination_lane[0] = 0, -1
         p.const[slots.K_DESTINATION_S] = dice.between(60.0, 400.0)
     add_story(draft, dice)
     return draft
+
+
+def fade_and_hand_back(draft: Draft) -> None:
+    """Let the marks fail over a short stretch, the driver answer soon and the automation take back."""
+    p = draft.program
+    p.const[p.stretch_const[0] : p.stretch_const[0] + slots.M_SIZE] = [60.0, 110.0, 0.0, 0.0]
+    p.const[slots.K_NOISE], p.const[slots.K_DRIVER_TIME], p.const[slots.K_HAND_BACK_AFTER] = 0.0, 0.5, 1.0
+    p.const[p.entity_const[0] + slots.E_SPEED] = p.const[p.entity_const[0] + slots.E_DESIRED_SPEED] = 15.0
+    p.driver_kind, p.perception, p.entity_motion[0] = [op.DRIVER_FIXED], [op.PERCEPTION_IDEAL], op.MOTION_BICYCLE
+    p.ego[0] = 0
+    draft.causes(op.CAUSE_LANE_CONFIDENCE)
 
 
 def add_other(draft: Draft, dice: Dice, right: list[int]) -> None:

@@ -1,0 +1,166 @@
+"""How entities move, follow, are found on the road, and collide."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine import slots
+from scenario_compiler.engine.step import begin_step, finish_step
+from tests.engine.make import CAR, Draft, bend, highway, lane, network_of, road
+
+
+def test_a_scripted_car_on_a_bend_keeps_its_lane_and_its_speed() -> None:
+    draft = Draft(bend(100.0))
+    draft.moving(-1, 50.0, 10.0)
+    run = draft.start().go(10.0)
+    assert run.st.odometer[0] == pytest.approx(100.0, abs=0.02)
+    assert math.hypot(run.st.x[0], run.st.y[0] - 100.0) == pytest.approx(101.75, abs=1e-6)
+
+
+def test_an_oncoming_car_drives_against_s_and_faces_its_travel() -> None:
+    draft = Draft(highway())
+    draft.moving(1, 500.0, 10.0)
+    run = draft.start().go(2.0)
+    assert run.st.s[0] == pytest.approx(480.0)
+    assert run.st.h[0] == pytest.approx(math.pi)
+    assert run.st.y[0] == pytest.approx(1.75)
+
+
+def test_a_car_at_the_end_of_the_road_stands_there() -> None:
+    draft = Draft(highway(100.0))
+    draft.moving(-1, 90.0, 20.0)
+    run = draft.start().go(2.0)
+    assert run.st.s[0] == pytest.approx(100.0)
+    assert run.st.v[0] == 0.0
+
+
+def test_a_relative_start_is_ahead_in_the_lane_and_turned() -> None:
+    draft = Draft(highway())
+    draft.moving(1, 500.0, 0.0)
+    draft.entity(op.MOTION_STATIC, draft.ahead_of(0, 40.0, lanes=0, offset=1.0, turn=0.5))
+    run = draft.start()
+    assert (run.st.x[1], run.st.y[1]) == (pytest.approx(460.0), pytest.approx(0.75))
+    assert run.st.h[1] == pytest.approx(math.pi + 0.5)
+
+
+def test_a_start_off_the_road_is_a_fault() -> None:
+    draft = Draft(highway())
+    draft.moving(-7, 100.0, 0.0)
+    run = draft.start()
+    assert (run.st.stop[0], run.st.flag[0], run.st.flag_at[0]) == (op.STOP_ERROR, op.FAULT_OFF_ROAD_START, 0)
+
+
+def test_a_number_that_is_none_is_a_fault() -> None:
+    draft = Draft(highway())
+    draft.moving(-1, 100.0, math.nan)
+    assert draft.start().st.flag[0] == op.FAULT_NOT_FINITE
+
+
+def test_a_follower_settles_behind_its_leader() -> None:
+    draft = Draft(highway(), {slots.K_DURATION: 80.0})
+    draft.moving(-1, 50.0, 20.0, follows=True)
+    draft.moving(-1, 150.0, 10.0)
+    run = draft.start().go(70.0)
+    gap = run.st.x[1] - run.st.x[0] - CAR[0]
+    wanted = (2.0 + 10.0 * 1.5) / math.sqrt(1.0 - (10.0 / 20.0) ** 4)
+    assert run.st.v[0] == pytest.approx(10.0, abs=0.1)
+    assert gap == pytest.approx(wanted, abs=1.0)
+
+
+def test_a_follower_sees_over_a_joint_of_roads() -> None:
+    onwards = '<successor elementType="road" elementId="2" contactPoint="start"/>'
+    back = '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
+    first = road(1, 100.0, lane(-1, link='<successor id="-1"/>'), link=onwards)
+    second = road(2, 400.0, lane(-1, link='<predecessor id="-1"/>'), x=100.0, link=back)
+    draft = Draft(network_of(first, second))
+    draft.moving(-1, 20.0, 15.0, follows=True)
+    draft.entity(op.MOTION_STATIC, draft.position(1, -1, 100.0))
+    run = draft.start().go(30.0)
+    assert run.st.collision_a[0] == -1
+    assert run.st.v[0] < 0.2
+    assert run.st.road[0] == 1
+
+
+def test_the_bicycle_turns_on_the_circle_of_its_steering_angle() -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes()
+    draft.ego(lane=-2, s=500.0, speed=5.0)
+    run = draft.start()
+    run.st.auto_steer[0] = 0.5
+    run.go(1.0)
+    before, run_heading = run.st.odometer[0], run.st.h[0]
+    run.go(2.0)
+    turned = (run.st.h[0] - run_heading + math.pi) % (2.0 * math.pi) - math.pi
+    assert turned == pytest.approx((run.st.odometer[0] - before) * math.tan(0.3) / 2.7, rel=1e-3)
+
+
+def test_braking_stops_exactly() -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes()
+    draft.ego(speed=10.0)
+    run = draft.start()
+    run.st.auto_brake[0] = 1.0
+    run.go(3.0)
+    assert run.st.v[0] == 0.0
+    assert run.st.odometer[0] == pytest.approx(100.0 / 16.0, abs=0.3)
+
+
+def test_a_posed_ego_is_moved_from_outside() -> None:
+    draft = Draft(highway())
+    draft.entity(op.MOTION_POSED, draft.position(0, -1, 50.0), 10.0)
+    run = draft.start()
+    for k in range(1, 21):
+        assert begin_step(run.n, run.p, run.st) == 1
+        run.st.x[0], run.st.y[0], run.st.v[0] = 50.0 + 0.5 * k, -1.75 - 0.1 * k, 10.0
+        finish_step(run.n, run.p, run.st)
+    assert (run.st.s[0], run.st.lane[0], run.st.off[0]) == (pytest.approx(60.0), -2, pytest.approx(1.5))
+
+
+def test_the_ego_keeps_its_lane_through_a_bend() -> None:
+    draft = Draft(bend(60.0))
+    draft.causes()
+    draft.ego(s=10.0, speed=10.0)
+    run = draft.start().go(20.0)
+    assert run.st.lane[0] == -1
+    assert abs(run.st.off[0]) < 0.5
+
+
+def test_boxes_collide_when_they_overlap_and_not_before() -> None:
+    draft = Draft(highway())
+    draft.moving(-1, 50.0, 10.0)
+    draft.parked(100.0)
+    run = draft.start()
+    while run.st.collision_a[0] < 0:
+        assert run.st.x[0] < 100.0 - CAR[0] + 0.5
+        run.go(run.st.clock[0] + 0.05)
+    assert 100.0 - CAR[0] <= run.st.x[0] <= 100.0 - CAR[0] + 0.51
+    assert (run.st.collision_a[0], run.st.collision_b[0]) == (0, 1)
+
+
+@pytest.mark.parametrize(("gap", "hits"), [(2.9, True), (3.3, False)])
+def test_a_turned_box_reaches_as_far_as_its_corner(gap: float, hits: bool) -> None:
+    draft = Draft(highway())
+    draft.parked(100.0)
+    middle = 1.4 * math.sin(math.pi / 4)
+    draft.parked(101.4 - middle, offset=-gap - middle, turn=math.pi / 4)
+    corner = 0.9 + (2.25 + 0.9) * math.sin(math.pi / 4)
+    assert (gap < corner) == hits
+    assert (draft.start().st.collision_a[0] == 0) == hits
+
+
+def test_a_crash_stops_the_ego_and_the_run() -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes()
+    draft.ego(speed=15.0)
+    draft.parked(120.0)
+    run = draft.start().go()
+    assert run.st.stop[0] == op.STOP_COLLISION
+    assert run.st.v[0] == 0.0
+    assert run.st.collision_count[0] == 1
+    assert run.st.min_ttc[0] == 0.0

@@ -1,0 +1,164 @@
+"""Triggers, priorities, executions and stops of the storyboard."""
+
+from __future__ import annotations
+
+import pytest
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine import slots
+from tests.engine.make import Draft, Run, highway
+
+DT = 0.05
+
+
+def with_car() -> tuple[Draft, int]:
+    """Return a draft with one scripted car at 20 m/s."""
+    draft = Draft(highway(), {slots.K_DURATION: 10.0})
+    return draft, draft.moving(-2, 100.0, 20.0)
+
+
+def speeds(run: Run) -> dict[float, float]:
+    """Return the first entity's speed by time."""
+    found = {0.0: run.st.v[0]}
+    while run.st.stop[0] == op.STOP_NONE:
+        run.go(run.st.clock[0] + DT)
+        found[round(run.st.clock[0], 3)] = run.st.v[0]
+    return found
+
+
+def test_a_condition_true_at_a_time_shows_one_step_later() -> None:
+    draft, car = with_car()
+    draft.event(draft.maneuver(), draft.at_time(1.0), draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))
+    v = speeds(draft.start())
+    assert (v[1.0], v[1.05]) == (20.0, 10.0)
+
+
+def test_a_condition_true_at_0_acts_in_the_first_row() -> None:
+    draft, car = with_car()
+    draft.event(draft.maneuver(), draft.at_time(0.0), draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))
+    assert speeds(draft.start())[0.0] == 10.0
+
+
+def test_an_event_without_trigger_starts_with_its_act() -> None:
+    draft, car = with_car()
+    draft.event(draft.maneuver(), op.NONE, draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))
+    assert speeds(draft.start())[0.0] == 10.0
+
+
+def test_a_trigger_without_groups_never_fires() -> None:
+    draft, car = with_car()
+    draft.event(draft.maneuver(), draft.trigger(), draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))
+    assert set(speeds(draft.start()).values()) == {20.0}
+
+
+def test_groups_are_alternatives_and_conditions_of_a_group_all_hold() -> None:
+    draft, car = with_car()
+    draft.condition(op.CONDITION_TIME, 1.0)
+    draft.condition(op.CONDITION_SPEED, 100.0, entities=(car,))
+    draft.close_group()
+    draft.condition(op.CONDITION_TIME, 2.0)
+    draft.event(draft.maneuver(), draft.trigger(), draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))
+    v = speeds(draft.start())
+    assert (v[1.5], v[2.0], v[2.05]) == (20.0, 20.0, 10.0)
+
+
+@pytest.mark.parametrize(("limit", "last"), [(1, 1), (3, 3)])
+def test_an_event_runs_as_often_as_it_may(limit: int, last: int) -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver()
+    event = draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 1.0), limit=limit)
+    run = draft.start().go(8.0)
+    assert run.st.element_runs[event] == last
+    assert run.st.element_state[event] == op.COMPLETE
+    assert run.st.element_state[0] == op.COMPLETE
+
+
+def test_a_stop_trigger_ends_its_act_and_what_runs_in_it() -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver(stop=draft.at_time(2.0))
+    draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 30.0, 5.0))
+    run = draft.start().go(6.0)
+    assert run.st.v[0] == pytest.approx(22.0)
+    assert run.st.element_stopped[maneuver] > 0
+
+
+def test_the_run_ends_on_its_stop_trigger_without_another_row() -> None:
+    draft, _ = with_car()
+    draft.program.stop_trigger[0] = draft.at_time(3.0)
+    run = draft.start().go()
+    assert run.st.stop[0] == op.STOP_TRIGGER
+    assert run.st.clock[0] == pytest.approx(3.0)
+
+
+def test_a_duration_ends_the_run_with_the_row_that_reaches_it() -> None:
+    draft, _ = with_car()
+    run = draft.start().go()
+    assert run.st.stop[0] == op.STOP_DURATION
+    assert run.st.clock[0] == pytest.approx(10.0)
+
+
+def test_a_later_action_takes_over_the_domain_of_an_earlier_one() -> None:
+    draft, car = with_car()
+    first = draft.event(draft.maneuver(), draft.at_time(1.0), draft.speed(car, 30.0, 5.0))
+    draft.event(draft.maneuver(), draft.at_time(3.0), draft.speed(car, 10.0, 5.0))
+    run = draft.start().go(3.1)
+    assert run.st.element_state[first] == op.COMPLETE
+    assert run.st.v[0] < 24.1
+
+
+def test_a_delay_keeps_pulses() -> None:
+    draft, car = with_car()
+    draft.event(
+        draft.maneuver(),
+        draft.at_time(1.0, edge=op.EDGE_RISING, delay=2.0),
+        draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP),
+    )
+    v = speeds(draft.start())
+    assert (v[3.0], v[3.05]) == (20.0, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "rule", "expected"),
+    [
+        (op.CONDITION_DISTANCE, 30.0, op.RULE_LESS, 2.0),
+        (op.CONDITION_LONGITUDINAL_DISTANCE, 30.0, op.RULE_LESS, 2.0),
+        (op.CONDITION_TIME_HEADWAY, 1.5, op.RULE_LESS, 2.0),
+        (op.CONDITION_TIME_TO_COLLISION, 3.0, op.RULE_LESS, 2.0),
+    ],
+)
+def test_conditions_between_entities(kind: int, value: float, rule: int, expected: float) -> None:
+    draft, car = with_car()
+    lead = draft.moving(-2, 150.05, 10.0)
+    draft.condition(kind, value, rule=rule, entities=(car,), other=lead)
+    event = draft.event(draft.maneuver(), draft.trigger(), draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))
+    run = draft.start().go(9.0)
+    assert run.st.element_started[event] * DT == pytest.approx(expected + DT, abs=DT + 1e-6)
+
+
+def test_reached_and_traveled_and_any_or_all_entities() -> None:
+    draft, car = with_car()
+    other = draft.moving(-1, 100.0, 10.0)
+    place = draft.position(0, -2, 140.0)
+    draft.condition(op.CONDITION_REACH_POSITION, 5.0, rule=op.RULE_LESS, entities=(car,), other=place)
+    reached = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))
+    draft.condition(op.CONDITION_TRAVELED_DISTANCE, 40.0, entities=(car, other), every=True)
+    both = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))
+    draft.condition(op.CONDITION_TRAVELED_DISTANCE, 40.0, entities=(car, other))
+    either = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))
+    run = draft.start().go(9.0)
+    times = [run.st.element_started[event] * DT for event in (reached, both, either)]
+    assert times == pytest.approx([1.8, 4.0, 2.0], abs=0.11)
+
+
+def test_an_overflowing_delay_is_a_fault_not_a_wrong_result() -> None:
+    draft, car = with_car()
+    draft.program.const[slots.K_DURATION] = 60.0
+    draft.condition(op.CONDITION_SPEED, 20.0, rule=op.RULE_NOT_EQUAL, entities=(car,), delay=1000.0)
+    draft.event(draft.maneuver(), draft.trigger(), draft.speed(car, 5.0, 0.0))
+    run = draft.start()
+    for k in range(600):
+        if run.st.stop[0] != op.STOP_NONE:
+            break
+        run.st.v[0] = 20.0 + k % 2
+        run.go(run.st.clock[0] + DT)
+    assert run.st.flag[0] == op.FAULT_DELAY_OVERFLOW
