@@ -30,13 +30,20 @@ class Findings:
         element: etree._Element,
         attribute: str | None = None,
         *,
+        by_name: bool = False,
         hint: str = "",
         severity: Severity | None = None,
     ) -> None:
-        """Report a finding at an element or at one of its attributes."""
+        """Report a finding at an element, at the value of one of its attributes, or at the attribute's name."""
         self._counts[code.id] += 1
         if self._counts[code.id] <= SHOWN_OF_A_CODE:
-            self._sink.add(code, message, self.document.origin(element, attribute), hint=hint, severity=severity)
+            origin = self.document.origin(element, attribute)
+            place = origin.name_of(attribute) if by_name and attribute is not None else origin
+            self._sink.add(code, message, place, hint=hint, severity=severity)
+
+    def lists(self, code: Code) -> bool:
+        """Tell whether one more finding of a code will be listed; where not, its hint need not be found."""
+        return self._counts[code.id] < SHOWN_OF_A_CODE
 
     def close(self) -> None:
         """Say how many findings are not listed."""

@@ -5,8 +5,10 @@ The tables of a network hold what can be used; checks ask what stands in the fil
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite
 from typing import NamedTuple
 
@@ -37,6 +39,14 @@ class Section:
     s: float
     lanes: dict[int, etree._Element]
     row: int = -1
+    _linked: dict[tuple[int, str], frozenset[int]] = field(default_factory=dict)
+
+    def linked(self, lane: int, end: str) -> frozenset[int]:
+        """Return the ids that a lane of the section is linked to at an end."""
+        key = (lane, end)
+        if key not in self._linked:
+            self._linked[key] = frozenset(target for target, _ in lane_links(self.lanes[lane], end))
+        return self._linked[key]
 
 
 @dataclass(slots=True)
@@ -65,7 +75,8 @@ class Road:
 
     def section_at(self, s: float) -> Section | None:
         """Return the lane section that holds s."""
-        return next((one for one in reversed(self.sections) if one.s <= s), None)
+        at = bisect_right(self.sections, s, key=lambda one: one.s) - 1
+        return self.sections[at] if at >= 0 else None
 
 
 @dataclass(slots=True)
@@ -79,19 +90,29 @@ class Connection:
     lanes: list[tuple[int, int, etree._Element]]
 
 
-@dataclass(slots=True)
+@dataclass
 class Filed:
-    """The file and the network that was read from it (None when it gave none)."""
+    """The file and the network that was read from it (None when it gave none); connections stand by junction."""
 
     document: Document
     network: Network | None
     roads: dict[str, Road] = field(default_factory=dict)
     junctions: list[etree._Element] = field(default_factory=list)
+    connections: list[list[Connection]] = field(default_factory=list)
+
+    def junction(self, name: str) -> int:
+        """Return the index of a junction (the first of its id), -1 when there is none."""
+        return self._junctions.get(name, -1)
+
+    @cached_property
+    def _junctions(self) -> dict[str, int]:
+        return {one.get("id", ""): i for i, one in reversed(list(enumerate(self.junctions)))}
 
 
 def read_filed(document: Document, network: Network | None) -> Filed:
     """Collect what a document files; elements that cannot be told apart (no id, an id twice) count once."""
-    filed = Filed(document, network, {}, list(document.root.iterfind("junction")))
+    junctions = list(document.root.iterfind("junction"))
+    filed = Filed(document, network, {}, junctions, [list(_connections(junction)) for junction in junctions])
     for element in document.root.iterfind("road"):
         name = element.get("id")
         if name is not None and name not in filed.roads:
@@ -129,7 +150,7 @@ def lane_links(lane: etree._Element, end: str) -> Iterator[tuple[int, etree._Ele
             yield name, element
 
 
-def connections(junction: etree._Element) -> Iterator[Connection]:
+def _connections(junction: etree._Element) -> Iterator[Connection]:
     """Yield the connections of a junction; those without a physical road ("virtual") are left out."""
     for element in junction.iterfind("connection"):
         if element.get("type") == "virtual":

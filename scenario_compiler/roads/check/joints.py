@@ -13,10 +13,10 @@ from scenario_compiler.roads.check.filed import (
     END,
     OTHER_END,
     START,
+    Connection,
     Filed,
     Road,
     Section,
-    connections,
     lane_links,
     number,
 )
@@ -90,8 +90,8 @@ def check_joints(filed: Filed, findings: Findings) -> None:
             _check_sections(n, road, findings)
             for end in road.links:
                 _check_road_joint(n, filed, road, end, findings)
-    for junction in filed.junctions:
-        _check_connections(n, filed, junction, findings)
+    for junction, found in zip(filed.junctions, filed.connections, strict=True):
+        _check_connections(n, filed, junction, found, findings)
 
 
 def _check_reference_line(n: RoadTables, road: Road, findings: Findings) -> None:
@@ -228,9 +228,11 @@ def _borders(n: RoadTables, road: Road, end: str, lane: int) -> _Borders | None:
     return _Borders((x - left * sin(h), y + left * cos(h)), (x - right * sin(h), y + right * cos(h)))
 
 
-def _check_connections(n: RoadTables, filed: Filed, junction: etree._Element, findings: Findings) -> None:
+def _check_connections(
+    n: RoadTables, filed: Filed, junction: etree._Element, found: list[Connection], findings: Findings
+) -> None:
     """Compare the borders of lanes that a junction links."""
-    for connection in connections(junction):
+    for connection in found:
         ends = touched_ends(filed, junction, connection)
         if ends is None or ends[0].index < 0 or ends[2].index < 0:
             continue

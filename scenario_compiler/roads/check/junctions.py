@@ -11,7 +11,6 @@ from scenario_compiler.roads.check.filed import (
     Connection,
     Filed,
     Road,
-    connections,
 )
 from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, is_drivable
@@ -70,8 +69,7 @@ CONNECTING_AS_INCOMING = Code(
 
 def check_junctions(filed: Filed, findings: Findings) -> None:
     """Report what is wrong with the connections of each junction."""
-    for junction in filed.junctions:
-        found = list(connections(junction))
+    for junction, found in zip(filed.junctions, filed.connections, strict=True):
         direct = junction.get("type") == "direct"
         inner = set() if direct else {one.connecting for one in found}
         pairs: set[tuple[str, str]] = set()
@@ -154,15 +152,16 @@ def _check_incoming_lanes(filed: Filed, junction: etree._Element, found: list[Co
     """Report lanes of incoming roads on which traffic drives into the junction and which go on nowhere."""
     name = junction.get("id", "")
     linked: dict[str, set[int]] = {}
+    whole: set[str] = set()
     for connection in found:
         linked.setdefault(connection.incoming, set()).update(first for first, _, _ in connection.lanes)
         if not connection.lanes:
-            linked[connection.incoming].update(range(-100, 100))
+            whole.add(connection.incoming)
     if junction.get("type") in {"virtual", "crossing"}:
         return
     for road_name, lanes in linked.items():
         road = filed.roads.get(road_name)
-        if road is None:
+        if road is None or road_name in whole:
             continue
         for end, link in road.links.items():
             section = road.section(end)

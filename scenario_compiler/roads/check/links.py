@@ -12,10 +12,10 @@ from scenario_compiler.roads.check.filed import (
     END,
     OTHER_END,
     START,
+    Connection,
     Filed,
     Road,
     Section,
-    connections,
     lane_links,
 )
 from scenario_compiler.roads.findings import Findings
@@ -72,10 +72,11 @@ ZERO_WIDTH = 1e-6
 def check_road_links(filed: Filed, findings: Findings) -> None:
     """Report links that are not returned and ends that several roads are linked to."""
     taken: dict[tuple[str, str], etree._Element] = {}
+    known = [_joined_roads(filed, found) for found in filed.connections]
     for road in filed.roads.values():
         for end, link in road.links.items():
             if link.kind == "junction":
-                _check_junction_link(filed, road, end, findings)
+                _check_junction_link(filed, road, end, known, findings)
                 continue
             other = filed.roads.get(link.id)
             if other is None or link.contact not in OTHER_END:
@@ -94,21 +95,26 @@ def check_road_links(filed: Filed, findings: Findings) -> None:
                     findings.report(ONE_SIDED_LINK, message, link.element)
 
 
-def _check_junction_link(filed: Filed, road: Road, end: str, findings: Findings) -> None:
+def _check_junction_link(filed: Filed, road: Road, end: str, known: list[set[str]], findings: Findings) -> None:
     """A road that leads into a junction has a connection there."""
     link = road.links[end]
-    junction = next((one for one in filed.junctions if one.get("id") == link.id), None)
-    if junction is None or junction.get("type") in {"virtual", "crossing"}:
+    at = filed.junction(link.id)
+    if at < 0 or filed.junctions[at].get("type") in {"virtual", "crossing"}:
         return
+    if road.id not in known[at]:
+        message = f"junction {link.id} has no connection from or to road {road.id}"
+        findings.report(ONE_SIDED_LINK, message, link.element)
+
+
+def _joined_roads(filed: Filed, found: list[Connection]) -> set[str]:
+    """Return the ids of the roads that a junction's connections join, those that connecting roads lead to included."""
     known: set[str] = set()
-    for connection in connections(junction):
+    for connection in found:
         known.update((connection.incoming, connection.connecting))
         inner = filed.roads.get(connection.connecting)
         if inner is not None:
             known.update(one.id for one in inner.links.values() if one.kind == "road")
-    if road.id not in known:
-        message = f"junction {link.id} has no connection from or to road {road.id}"
-        findings.report(ONE_SIDED_LINK, message, link.element)
+    return known
 
 
 class _Joint(NamedTuple):
@@ -137,7 +143,7 @@ def _check_lane_link(joint: _Joint, name: int, target: int, element: etree._Elem
     if linked is None:
         message = f"lane {name} is linked to lane {target}, which does not exist there"
         findings.report(UNKNOWN_LANE, message, element, "id")
-    elif name != 0 and not joint.in_junction and name not in {back for back, _ in lane_links(linked, joint.contact)}:
+    elif name != 0 and not joint.in_junction and name not in joint.other.linked(target, joint.contact):
         message = f"lane {name} is linked to lane {target}, which is not linked back to it"
         findings.report(ONE_SIDED_LANE, message, element)
 

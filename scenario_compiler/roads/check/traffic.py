@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.check.filed import (
     OTHER_END,
     Filed,
     Road,
     Section,
-    connections,
     lane_links,
     number,
 )
@@ -71,8 +72,8 @@ def check_traffic(filed: Filed, findings: Findings) -> None:
             if speeds is not None:
                 _check_speeds(section, speeds, findings)
         _check_level_along(filed, road, findings)
-    for junction in filed.junctions:
-        for connection in connections(junction):
+    for junction, found in zip(filed.junctions, filed.connections, strict=True):
+        for connection in found:
             ends = touched_ends(filed, junction, connection)
             if ends is not None:
                 here, there = ends[0].section(ends[1]), ends[2].section(ends[3])
@@ -86,12 +87,14 @@ def check_traffic(filed: Filed, findings: Findings) -> None:
 def _check_access(section: Section, findings: Findings) -> None:
     for lane in section.lanes.values():
         records = sorted(
-            ((number(one, "sOffset"), one.get("rule", "deny"), one) for one in lane.iterfind("access")),
+            ((number(one, "sOffset"), one.get("rule") == "allow", one) for one in lane.iterfind("access")),
             key=lambda record: record[0],
         )
-        for i, (s, rule, element) in enumerate(records):
-            if any(other != rule and s - at < SAME_PLACE for at, other, _ in records[:i]):
+        last: dict[bool, float] = {}
+        for s, allows, element in records:
+            if s - last.get(not allows, -inf) < SAME_PLACE:
                 findings.report(MIXED_ACCESS, f"access is allowed and denied at sOffset = {s:g}", element)
+            last[allows] = s
 
 
 def _check_level(section: Section, findings: Findings) -> None:

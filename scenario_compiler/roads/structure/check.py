@@ -124,9 +124,12 @@ class _Walk:
 
     def _unknown_attribute(self, element: etree._Element, name: str, declaration: Declaration) -> None:
         tag = _tag(element)
-        hint = self._elsewhere(versions_of(tag, name)) or did_you_mean(name, declaration.attributes)
+        hint = ""
+        if self.findings.lists(codes.UNKNOWN_ATTRIBUTE):
+            hint = self._elsewhere(versions_of(tag, name)) or did_you_mean(name, declaration.attributes)
         shown = name if not name.startswith("{") else etree.QName(name).localname
-        self._report(codes.UNKNOWN_ATTRIBUTE, f"<{tag}> has no attribute {shown[:60]}", element, name, hint)
+        message = f"<{tag}> has no attribute {shown[:60]}"
+        self.findings.report(codes.UNKNOWN_ATTRIBUTE, message, element, name, by_name=True, hint=hint)
 
     def _elsewhere(self, versions: list[int]) -> str:
         """Return a hint naming the versions that know something which this one does not."""
@@ -144,8 +147,10 @@ class _Walk:
                 self._fine.add((kind, value))
                 return
             expected = "none of its words"
-            later = [minor for minor in range(FIRST_WITH_WORDS, LAST_MINOR + 1) if value in words(kind, minor)]
-            hint = self._elsewhere(later) or did_you_mean(value, words(kind, self.minor))
+            if self.findings.lists(codes.BAD_VALUE):
+                minors = range(FIRST_WITH_WORDS, LAST_MINOR + 1)
+                knowing = [minor for minor in minors if value in words(kind, minor)]
+                hint = self._elsewhere(knowing) or did_you_mean(value[:80], words(kind, self.minor))
         else:
             described, test = KINDS[kind]
             if test(value.strip(" \t\n\r"), self.minor):
@@ -198,13 +203,12 @@ class _Walk:
 
     def _unknown_element(self, child: etree._Element, parent: etree._Element, declaration: Declaration) -> None:
         tag = _tag(child)
-        hint = did_you_mean(tag, declaration.content.tags())
-        other = [
-            minor
-            for minor in range(FIRST_MINOR, LAST_MINOR + 1)
-            if declarations(minor)[declaration.name].content.declaration(tag) is not None
-        ]
-        hint = self._elsewhere(other) or hint
+        hint = ""
+        if self.findings.lists(codes.UNKNOWN_ELEMENT):
+            knowing = [
+                minor for minor in range(FIRST_MINOR, LAST_MINOR + 1) if _has_child(declaration.name, tag, minor)
+            ]
+            hint = self._elsewhere(knowing) or did_you_mean(tag, declaration.content.tags())
         self._report(codes.UNKNOWN_ELEMENT, f"<{_tag(parent)}> has no child <{tag[:60]}>", child, None, hint)
 
     def _no_text(self, element: etree._Element) -> None:
@@ -213,6 +217,10 @@ class _Walk:
         if stray is not None:
             shown = stray.strip()[:40]
             self._report(codes.STRAY_TEXT, f"text in <{_tag(element)}>: '{shown}'", element)
+
+
+def _has_child(name: str, tag: str, minor: int) -> bool:
+    return declarations(minor)[name].content.declaration(tag) is not None
 
 
 def _tag(element: etree._Element) -> str:

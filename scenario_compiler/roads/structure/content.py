@@ -67,6 +67,7 @@ class Content:
     _follow: list[set[int]] = field(default_factory=lambda: [set()])
     _last: frozenset[int] = frozenset()
     _moves: dict[tuple[State, str], State] = field(default_factory=dict)
+    _missing: dict[tuple[State, str | None], tuple[list[str], State] | None] = field(default_factory=dict)
 
     @classmethod
     def of(cls, model: Model) -> Content:
@@ -102,6 +103,12 @@ class Content:
 
     def missing(self, state: State, tag: str | None) -> tuple[list[str], State] | None:
         """Return the fewest children missing before `tag` (None: before the end), and the state after all of them."""
+        key = (state, tag)
+        if key not in self._missing:
+            self._missing[key] = self._shortest(state, tag)
+        return self._missing[key]
+
+    def _shortest(self, state: State, tag: str | None) -> tuple[list[str], State] | None:
         queue: deque[tuple[State, list[str]]] = deque([(state, [])])
         seen = {state}
         while queue:

@@ -30,7 +30,6 @@ WORDS = {
     "environment_semantics": "fog | rain | snow",
     "fill": "grass | concrete | cobble | asphalt | pavement | gravel | soil | paint@1.8-",
     "global_only": "global",
-    "one": "1",
     "road_only": "road",
     "junction_group_type": "roundabout | unknown | complexJunction@1.8- | highwayInterchange@1.8-",
     "junction_type": "default | virtual | direct@1.7- | crossing@1.8-",
