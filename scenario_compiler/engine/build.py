@@ -13,7 +13,6 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +25,7 @@ from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.engine.sweep import SUMMARY_SIZE
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import REGISTRY
+from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
@@ -135,15 +135,6 @@ def bounds_checked() -> bool:
     return os.environ.get("NUMBA_BOUNDSCHECK", "0") == "1"
 
 
-def cache_folder() -> Path:
-    """Return where generated modules are kept: $SCENARIO_COMPILER_CACHE, else the user's cache folder."""
-    named = os.environ.get("SCENARIO_COMPILER_CACHE")
-    if named:
-        return Path(named) / "engine"
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
-    return (Path(base) if base else Path.home() / ".cache") / "scenario-compiler" / "engine"
-
-
 def compile_engine(say: Callable[[str], None] | None = None) -> ModuleType:
     """Return the module of the compiled engine, written and imported if need be.
 
@@ -165,7 +156,7 @@ def _load_engine(checked: bool, say: Callable[[str], None] | None) -> ModuleType
     name = f"scenario_compiler_engine_{key}"
     if name in sys.modules:
         return sys.modules[name]
-    path = cache_folder() / f"{name}.py"
+    path = cache_folder() / "engine" / f"{name}.py"
     if not path.is_file():
         path.parent.mkdir(parents=True, exist_ok=True)
         draft = path.with_suffix(f".{os.getpid()}.tmp")

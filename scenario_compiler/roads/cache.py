@@ -23,20 +23,12 @@ from functools import lru_cache
 from pathlib import Path
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, FilePlace, Severity
+from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads.parse import ParsedNetwork
 from scenario_compiler.roads.tables import FLOAT_COLUMNS, RoadTables
 
 MAGIC = b"SCROADS1"
 DIGEST_SIZE = 32
-
-
-def cache_folder() -> Path:
-    """Return the user's cache folder: $SCENARIO_COMPILER_CACHE, else one in $XDG_CACHE_HOME or ~/.cache."""
-    own = os.environ.get("SCENARIO_COMPILER_CACHE")
-    if own:
-        return Path(own)
-    shared = os.environ.get("XDG_CACHE_HOME")
-    return (Path(shared) if shared else Path("~/.cache").expanduser()) / "scenario-compiler"
 
 
 def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.roads import cache as road_cache
+from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads import load_network
 from tests.roads.make import lane, network, road, section
 
@@ -67,4 +67,4 @@ def test_a_cache_that_cannot_be_written_is_no_fault(
 def test_the_folder_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv("SCENARIO_COMPILER_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert road_cache.cache_folder() == tmp_path / "scenario-compiler"
+    assert cache_folder() == tmp_path / "scenario-compiler"
