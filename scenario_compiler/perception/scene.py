@@ -96,13 +96,17 @@ class RoadScene:
 
 
 def _joined(surface: Surface) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Return quads that span all neighbouring quads of one material, and the first of each."""
+    """Return quads that span all neighbouring quads of one material, and the first of each.
+
+    Neighbours to the right come later, as `road_surface` gives them; others (twisted slivers) are left as they are.
+    """
     wide = np.nonzero((surface.quads[:, :2] != surface.quads[:, :1:-1]).any(axis=(1, 2)))[0].tolist()
     materials = surface.material.tolist()
     left_edge = {(surface.quads[k, 0].tobytes(), surface.quads[k, 1].tobytes(), materials[k]): k for k in wide}
     beside = {
         k: left_edge.get((surface.quads[k, 3].tobytes(), surface.quads[k, 2].tobytes(), materials[k]), -1) for k in wide
     }
+    beside = {k: other if other > k else -1 for k, other in beside.items()}
     starts = sorted(set(beside) - set(beside.values()))
     ends = []
     for start in starts:

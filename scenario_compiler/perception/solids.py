@@ -22,6 +22,10 @@ REACH = 200.0
 """Boxes farther away than this are not drawn, m."""
 
 
+Kind = Literal["vehicle", "van", "cycle", "pedestrian", "cone", "barrier", "sign", "object"]
+"""What a box is drawn as: a car, anything with a box for a body, a rider on two wheels, a person, and things."""
+
+
 class Box(NamedTuple):
     """A thing that stands or moves on the road.
 
@@ -45,7 +49,7 @@ class Box(NamedTuple):
     width: float
     height: float
     colour: Colour = (150, 80, 60)
-    kind: Literal["vehicle", "pedestrian", "object"] = "vehicle"
+    kind: Kind = "vehicle"
 
 
 class Face(NamedTuple):
@@ -113,23 +117,90 @@ LIT = 2.0
 """Shade of a face that shines by itself."""
 
 
+WHITE, RED, ORANGE, YELLOW = (225, 225, 225), (40, 40, 200), (30, 95, 235), (20, 190, 245)
+DARK, SKIN, CLOTH = (28, 28, 28), (130, 160, 205), (70, 60, 50)
+ALL = (-0.5, 0.5)
+
+
 def _faces(box: Box, lamps: bool) -> Iterator[Face]:
     if box.kind == "object":
-        yield from _block(box, (-0.5, 0.5), (-0.5, 0.5), (0.0, 1.0), box.colour)
-        return
-    if box.kind == "pedestrian":
-        yield from _block(box, (-0.3, 0.3), (-0.35, 0.35), (0.0, 0.48), (70, 60, 50))
-        yield from _block(box, (-0.35, 0.35), (-0.5, 0.5), (0.48, 0.85), box.colour)
-        yield from _block(box, (-0.25, 0.25), (-0.22, 0.22), (0.86, 1.0), (130, 160, 205))
-        return
+        yield from _block(box, ALL, ALL, (0.0, 1.0), box.colour)
+    elif box.kind == "pedestrian":
+        yield from _block(box, (-0.3, 0.3), (-0.35, 0.35), (0.0, 0.48), CLOTH)
+        yield from _block(box, (-0.35, 0.35), ALL, (0.48, 0.85), box.colour)
+        yield from _block(box, (-0.25, 0.25), (-0.22, 0.22), (0.86, 1.0), SKIN)
+    elif box.kind == "cycle":
+        yield from _cycle(box)
+    elif box.kind == "cone":
+        yield from _cone(box)
+    elif box.kind == "barrier":
+        yield from _barrier(box)
+    elif box.kind == "sign":
+        yield from _sign(box)
+    elif box.kind == "van":
+        yield from _van(box, lamps)
+    else:
+        yield from _car(box, lamps)
+
+
+def _car(box: Box, lamps: bool) -> Iterator[Face]:
     belt = 0.55
     for axle in (-0.31, 0.31):
-        yield from _block(box, (axle - 0.075, axle + 0.075), (-0.49, 0.49), (0.0, 0.42), (28, 28, 28))
-    yield from _block(box, (-0.5, 0.5), (-0.5, 0.5), (0.15, belt), box.colour)
+        yield from _block(box, (axle - 0.075, axle + 0.075), (-0.49, 0.49), (0.0, 0.42), DARK)
+    yield from _block(box, ALL, ALL, (0.15, belt), box.colour)
     yield from _lights(box, belt, lamps)
     roof = list(_block(box, (-0.38, 0.24), (-0.47, 0.47), (belt, 1.0), (70, 60, 52)))
     yield from roof[:4]
     yield Face(roof[4].corners, box.colour, roof[4].shade)
+
+
+def _van(box: Box, lamps: bool) -> Iterator[Face]:
+    """Van, truck or bus: one box on wheels with a band of windows in front and at the sides."""
+    for axle in (-0.31, 0.36):
+        yield from _block(box, (axle - 0.06, axle + 0.06), (-0.49, 0.49), (0.0, 0.26), DARK)
+    yield from _block(box, ALL, ALL, (0.1, 0.5), box.colour)
+    yield from _lights(box, 0.34, lamps)
+    band = list(_block(box, ALL, ALL, (0.5, 0.78), (70, 60, 52)))
+    yield Face(band[0].corners, box.colour, band[0].shade)
+    yield from band[1:4]
+    yield from _block(box, ALL, ALL, (0.78, 1.0), box.colour)
+
+
+def _cycle(box: Box) -> Iterator[Face]:
+    """Two wheels, a frame and the rider on it."""
+    for middle in (-0.33, 0.33):
+        yield from _block(box, (middle - 0.17, middle + 0.17), (-0.06, 0.06), (0.0, 0.36), DARK)
+    yield from _block(box, (-0.3, 0.3), (-0.08, 0.08), (0.22, 0.42), box.colour)
+    yield from _block(box, (0.2, 0.28), ALL, (0.54, 0.58), DARK)
+    yield from _block(box, (-0.16, 0.08), (-0.22, 0.22), (0.28, 0.55), CLOTH)
+    yield from _block(box, (-0.16, 0.06), (-0.32, 0.32), (0.55, 0.86), box.colour)
+    yield from _block(box, (-0.08, 0.08), (-0.16, 0.16), (0.86, 1.0), SKIN)
+
+
+def _cone(box: Box) -> Iterator[Face]:
+    """Foot, and a cone of four steps with a white collar."""
+    yield from _block(box, ALL, ALL, (0.0, 0.06), DARK)
+    for half, low, high, colour in (
+        (0.36, 0.06, 0.32, ORANGE), (0.28, 0.32, 0.55, WHITE), (0.2, 0.55, 0.78, ORANGE), (0.12, 0.78, 1.0, ORANGE),
+    ):  # fmt: skip
+        yield from _block(box, (-half, half), (-half, half), (low, high), colour)
+
+
+def _barrier(box: Box) -> Iterator[Face]:
+    """Two feet and a board striped in red and white."""
+    for middle in (-0.4, 0.4):
+        yield from _block(box, (middle - 0.05, middle + 0.05), ALL, (0.0, 0.5), DARK)
+    for k in range(6):
+        stripe = (-0.5 + k / 6, -0.5 + (k + 1) / 6)
+        yield from _block(box, stripe, (-0.2, 0.2), (0.5, 1.0), RED if k % 2 == 0 else WHITE)
+
+
+def _sign(box: Box) -> Iterator[Face]:
+    """A stand with a board across the heading: red rim, yellow field."""
+    yield from _block(box, (-0.06, 0.06), (-0.06, 0.06), (0.0, 0.45), DARK)
+    yield from _block(box, (-0.03, 0.03), ALL, (0.45, 1.0), RED)
+    for side in (-0.035, 0.03):
+        yield from _block(box, (side, side + 0.005), (-0.38, 0.38), (0.52, 0.93), YELLOW)
 
 
 def _lights(box: Box, belt: float, lamps: bool) -> Iterator[Face]:

@@ -216,24 +216,21 @@ def _quads(left: Floats, right: Floats) -> Floats:
 
 def _borders(n: RoadTables, road: int, section: int, rows: list[int], s: float) -> list[Point]:
     """Return points from left to right: the verge's rim, left and right border of each lane, the other rim."""
-    x, y, h, _, _ = geometry.piece_point(n, geometry.road_piece_at(n, road, s), s)
-    sin, cos = math.sin(h), math.cos(h)
-    t = lanes.lane_offset(n, road, s)
-    t += sum(lanes.row_width(n, row, s) for row in rows if n.lane_id[row] > 0)
+    s = _inside(n, section, s)
     points: list[Point] = []
     for row in rows:
-        width = lanes.row_width(n, row, s)
-        for border in (t, t - width):
-            plane_t, z, _, _ = lanes.lane_surface(n, road, row, s, border)
-            points.append((x - plane_t * sin, y + plane_t * cos, z))
-        t -= width
+        half = 0.5 * lanes.row_width(n, row, s)
+        for offset in (half, -half):
+            points.append(lanes.lane_pose(n, road, n.lane_id[row], s, offset)[:3])
+    heading = geometry.road_reference(n, road, s)[2]
+    x, y = -VERGE_WIDTH * math.sin(heading), VERGE_WIDTH * math.cos(heading)
     left, right = points[0], points[-1]
-    w = VERGE_WIDTH
-    return [
-        (left[0] - w * sin, left[1] + w * cos, left[2]),
-        *points,
-        (right[0] + w * sin, right[1] - w * cos, right[2]),
-    ]
+    return [(left[0] + x, left[1] + y, left[2]), *points, (right[0] - x, right[1] - y, right[2])]
+
+
+def _inside(n: RoadTables, section: int, s: float) -> float:
+    """Return s, moved by a micrometre where it is the section's end, so that it is not the next one's."""
+    return max(min(s, n.section_end[section] - 1e-6), n.section_s[section])
 
 
 def _needed(borders: Floats, s: Floats, tolerance: float) -> list[int]:
@@ -371,17 +368,13 @@ def _across(
     n: RoadTables, road: int, row: int, mark: int, s: float, beside: float, width: float
 ) -> tuple[Point, Point]:
     """Return the left and right rim of a line at s on the outer border of a lane's row."""
-    x, y, h, _, _ = geometry.piece_point(n, geometry.road_piece_at(n, road, s), s)
+    s = _inside(n, n.lane_section[row], s)
     lane = n.lane_id[row]
-    border = lanes.lane_offset(n, road, s) if lane == 0 else lanes.row_inner_border(n, road, row, s)
-    if lane != 0:
-        border += math.copysign(lanes.row_width(n, row, s), lane)
-    t = border + beside + geometry.cubic_value(n, n.mark_sway_first[mark], n.mark_sway_last[mark], s)
-    rims: list[Point] = []
-    for rim in (t + width / 2.0, t - width / 2.0):
-        if lane == 0:
-            plane_t, z, _, _ = geometry.road_surface(n, road, s, rim)
-        else:
-            plane_t, z, _, _ = lanes.lane_surface(n, road, row, s, rim)
-        rims.append((x - plane_t * math.sin(h), y + plane_t * math.cos(h), z))
-    return rims[0], rims[1]
+    t = beside + geometry.cubic_value(n, n.mark_sway_first[mark], n.mark_sway_last[mark], s)
+    if lane == 0:
+        t += lanes.lane_offset(n, road, s)
+        left, right = (geometry.road_pose(n, road, s, rim) for rim in (t + width / 2.0, t - width / 2.0))
+    else:
+        t += math.copysign(0.5 * lanes.row_width(n, row, s), lane)
+        left, right = (lanes.lane_pose(n, road, lane, s, rim) for rim in (t + width / 2.0, t - width / 2.0))
+    return left[:3], right[:3]

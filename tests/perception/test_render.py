@@ -172,3 +172,30 @@ def test_a_town_costs_no_more_than_what_is_near(corpus: Path) -> None:
         view = camera.view(pose)
         assert len(scene.surface_grid.ahead(view, SURFACE_DISTANCE)) < 0.2 * len(scene.surface_grid.quads)
         assert RoadCamera(scene, camera).frame(pose, [], CLEAR, 0.0, 0).std() > 5.0
+
+
+@pytest.mark.parametrize("kind", ["van", "cycle", "cone", "barrier", "sign", "pedestrian", "object"])
+def test_each_kind_of_box_has_its_own_look(kind: Kind) -> None:
+    view = np.zeros((256, 512, 3), np.uint8)
+    del view
+    scenery = {one: list(_outline(one)) for one in ("vehicle", kind)}
+    assert scenery[kind] != scenery["vehicle"]
+
+
+def _outline(kind: Kind) -> Iterator[tuple[tuple[int, int, int], float]]:
+    for face in faces_of(Box(0.0, 0.0, 0.0, 0.0, 2.0, 1.0, 1.5, (38, 38, 160), kind)):
+        yield face.colour, float(face.corners.sum())
+
+
+def test_slivers_that_neighbour_each_other_on_both_sides_do_no_harm() -> None:
+    quad = np.array([[[40, 2, 0], [60, 2, 0], [60, -2, 0], [40, -2, 0]]], np.float32)
+    twisted = quad[:, [3, 2, 1, 0]]
+    surface = Surface(
+        np.concatenate([quad, twisted, quad]),
+        np.full(3, Material.ASPHALT, np.uint8),
+        np.zeros(3, np.uint8),
+        np.zeros(3, np.int32),
+        np.zeros(3, np.int32),
+        np.zeros((3, 2), np.float32),
+    )
+    assert shot(RoadCamera(RoadScene(surface, two_lanes(STRAIGHT).marks))).any()
