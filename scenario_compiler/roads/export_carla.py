@@ -8,7 +8,7 @@ use:
   connecting roads of that length lie there instead, one a direction of travel and neighbour, with links of roads and
   lanes on both sides: 0.9.16 follows a connection only where the connecting road names the incoming road as its
   predecessor and its lanes name theirs.
-* A lane link that only one of two joined lanes states is stated by both: 0.9.16 follows no other.
+* A lane link that only one of two joined lanes states is stated by both: traffic that leaves the other does not follow.
 * In a ring of one road or of two, 0.9.16 joins nothing. Such a ring gets one or two roads more, of `JOINT_LENGTH` each.
 * Both take a link to a junction for one to the road of the same id. Such a junction gets an id of its own.
 * A connection that names no connecting road at all (those of virtual junctions) is left out: both clients die of it.
