@@ -9,13 +9,22 @@ from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
 
+Category = Literal[
+    "car", "van", "truck", "bus", "motorbike", "bicycle", "pedestrian", "cone", "barrier", "sign", "prop"
+]  # fmt: skip
+"""What an entity is: how it is drawn, and what background traffic is made of."""
+
 
 class Vehicle(Word):
-    """A kind of vehicle: the catalog's entry. The reference point is the rear axle's centre on the ground."""
+    """A kind of vehicle, person or thing: the catalog's entry.
+
+    The reference point is on the ground: a vehicle's rear axle, anything else's middle.
+    """
 
     word: Literal["vehicle"] = "vehicle"
 
     name: str = attribute("CARLA blueprint id.")
+    category: Category = attribute("What it is.", default="car")
     summary: str = attribute("What it is.", default="")
     source: str = attribute("Where the numbers come from.", default="")
     length: float = attribute("Length of the box, m.", quantity="length", minimum=0, exclusive=True)

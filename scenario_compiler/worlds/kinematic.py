@@ -10,6 +10,7 @@ from scenario_compiler.controllers.model import CameraMounting, SensorData
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import MarkStretch, Network
+from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds.model import Snapshot
@@ -19,10 +20,25 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from scenario_compiler.perception.road_camera import RoadCamera
-    from scenario_compiler.perception.solids import Box
+    from scenario_compiler.perception.solids import Box, Kind
 
 PAINTS = ((38, 38, 160), (150, 92, 40), (60, 60, 60), (205, 205, 205), (40, 120, 60), (30, 140, 190))
 """Colours of vehicles (blue, green, red); an entity's is chosen by its id."""
+
+KINDS: dict[Category, Kind] = {
+    "car": "vehicle",
+    "van": "van",
+    "truck": "van",
+    "bus": "van",
+    "motorbike": "cycle",
+    "bicycle": "cycle",
+    "pedestrian": "pedestrian",
+    "cone": "cone",
+    "barrier": "barrier",
+    "sign": "sign",
+    "prop": "object",
+}
+"""What an entity of each category is drawn as."""
 
 
 class KinematicWorld:
@@ -96,7 +112,8 @@ class KinematicWorld:
             vehicle = entity.vehicle
             x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
             paint = PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)]
-            boxes.append(Box(x, y, pose.z, pose.heading, vehicle.length, vehicle.width, vehicle.height, paint))
+            size = (vehicle.length, vehicle.width, vehicle.height)
+            boxes.append(Box(x, y, pose.z, pose.heading, *size, paint, KINDS[vehicle.category]))
         return boxes
 
 
