@@ -15,10 +15,9 @@ from scenario_compiler.source import codes, names
 from scenario_compiler.source.aisa import AisaConfig, expand_aisa, read_aisa
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
 from scenario_compiler.source.conflict import Library, LibraryElement, read_library
-from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.expansion import around, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
-from scenario_compiler.source.reading import Reading
 from scenario_compiler.vocabulary.scenario import Scenario
 
 

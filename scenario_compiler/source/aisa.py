@@ -18,11 +18,11 @@ from scenario_compiler.document import Document
 from scenario_compiler.expressions import Expression, Value, format_value, parse_expression
 from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import Catalogs
-from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.events import storyboard_of
 from scenario_compiler.source.expansion import catalog_driver, catalog_vehicles
 from scenario_compiler.source.parameters import COMMAND_LINE, report_unknown_arguments, typed
-from scenario_compiler.source.reading import Reading, read_word
+from scenario_compiler.source.reading import read_word
 from scenario_compiler.vocabulary.actions import LaneChangeAction
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
 from scenario_compiler.vocabulary.entities import Actor, Dynamic, Ego, Static

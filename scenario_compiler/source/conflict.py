@@ -18,8 +18,8 @@ from scenario_compiler.diagnostics import Diagnostics, Place
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
-from scenario_compiler.source.environment import Environment
-from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
+from scenario_compiler.source.environment import Environment, Reading
+from scenario_compiler.source.reading import place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static

@@ -1,4 +1,4 @@
-"""What names mean while a part of a file is read, and how `$name` and `${expression}` become values."""
+"""What a part of a file is read with: what names mean, how `$name` and `${expression}` get values, the sink."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from scenario_compiler.diagnostics import did_you_mean
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
+from scenario_compiler.document import Document, Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
 
 _PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_.]*)\Z")
@@ -75,9 +78,18 @@ class Environment:
         return expression.evaluate(self.values)
 
 
-def is_expression(text: str) -> bool:
-    """Return whether an attribute's text is a parameter or an expression, not a literal."""
-    return _inner(text)[0] is not None
+@dataclass(frozen=True)
+class Reading:
+    """What a word is read with: its document, what names mean, where faults go, and the use that brought it in."""
+
+    document: Document
+    sink: Diagnostics
+    environment: Environment
+    within: Place | None = None
+
+    def origin(self, element: etree._Element, attribute: str | None = None) -> Origin:
+        """Return the place of an element or attribute."""
+        return self.document.origin(element, attribute, self.within)
 
 
 def _inner(text: str) -> tuple[str | None, int]:

@@ -14,7 +14,7 @@ from scenario_compiler.expressions import Value, format_value, parse_expression
 from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import Catalogs
 from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
-from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.events import storyboard_of
 from scenario_compiler.source.parameters import (
     STRUCTURAL_KINDS,
@@ -23,7 +23,7 @@ from scenario_compiler.source.parameters import (
     default_value,
     read_parameters,
 )
-from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
+from scenario_compiler.source.reading import place_children, read_attributes, read_word
 from scenario_compiler.source.templates import Expander, Scope, template_parameters
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of

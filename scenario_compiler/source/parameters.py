@@ -12,8 +12,9 @@ from scenario_compiler.diagnostics import Diagnostics, FilePlace, Place, did_you
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
 from scenario_compiler.source import codes, names
-from scenario_compiler.source.environment import Binding, Environment
-from scenario_compiler.source.reading import Reading, bound_value, outside, read_word
+from scenario_compiler.source.environment import Binding, Environment, Reading
+from scenario_compiler.source.reading import read_word
+from scenario_compiler.source.values import bound_value, outside
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling, Word

@@ -23,9 +23,9 @@ from scenario_compiler.source.conflict import (
     Use,
     read_library,
 )
-from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
-from scenario_compiler.source.reading import Reading, place_children, read_attributes, read_word
+from scenario_compiler.source.reading import place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.grammar import ChildRule, grammar_of
 from scenario_compiler.vocabulary.markings import Markings

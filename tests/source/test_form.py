@@ -18,9 +18,9 @@ from scenario_compiler.resources import library_folder
 from scenario_compiler.source import codes
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.source.environment import Environment
+from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.form import conflict_xsd, judge_form
-from scenario_compiler.source.reading import Reading, read_word
+from scenario_compiler.source.reading import read_word
 
 SCHEMA = etree.XMLSchema(etree.fromstring(conflict_xsd().encode()))
 EVERY_WORD = Path(__file__).with_name("every_word.xml")

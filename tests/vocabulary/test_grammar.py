@@ -62,7 +62,7 @@ def test_every_word_and_attribute_stands_in_the_file_of_every_word() -> None:
 
 @pytest.mark.parametrize("word", WORDS, ids=lambda word: word.__name__)
 def test_word_is_described(word: type[Word]) -> None:
-    assert (word.__doc__ or "").endswith(".")
+    assert (word.__doc__ or "").rstrip().endswith(".")
     grammar = grammar_of(word)
     for rule in grammar.attributes.values():
         assert rule.description.endswith("."), rule.name
