@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, NoReturn, TypeAlias
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
 from scenario_compiler.diagnostics import CODES, Code, Diagnostic, Diagnostics, FilePlace, Severity, did_you_mean
@@ -74,7 +74,7 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
-_Commands = argparse._SubParsersAction  # type: ignore[type-arg]  # argparse gives the type no public name
+_Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 def _add_validate(commands: _Commands) -> None:
@@ -258,7 +258,7 @@ def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Netw
     if not options.target.endswith(".json"):
         compilation = _compiled(options, sink)
         return None if compilation is None else (compilation.plan, compilation.network)
-    from scenario_compiler.compiler import open_plan_map
+    from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
@@ -349,7 +349,7 @@ def print_run(run: Run, folder: Path | None) -> None:
 
 def report_command(options: argparse.Namespace) -> int:
     """Write the report of a run folder again from its plan and recording."""
-    from scenario_compiler.compiler import open_plan_map
+    from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.recording.store import RecordingError, read_recording
@@ -492,5 +492,6 @@ def prewarm_command(options: argparse.Namespace) -> int:
     del options
     from scenario_compiler.engine.build import warm
 
-    print(f"the compiled engine is ready: {warm()}")
+    warm(say=lambda text: print(text, file=sys.stderr))
+    print("the compiled engine is ready")
     return FINE

@@ -7,25 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.diagnostics import CompileError, Diagnostics
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.plan.lower import Perception, lower
+from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
-from scenario_compiler.roads import Network, load_network
+from scenario_compiler.roads import Network
 from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.source import Source, check_source, expand, parse
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
-
-UNKNOWN_MAP = Code(
-    "SC204",
-    "unknown-map",
-    "There is no OpenDRIVE file of that name on the map search path: the folder of the scenario's file, the folders of "
-    "--maps, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, and the maps that come along. "
-    "CARLA's towns are not among those: they are part of a CARLA installation (set CARLA_ROOT), and "
-    "`open(name, 'w').write(world.get_map().to_opendrive())` saves one from a running server.",
-)
 
 
 @dataclass(frozen=True)
@@ -123,40 +114,6 @@ def compile_expanded(
         return None
     check_controller(plan, sink)
     return None if sink.has_errors else Compilation(plan, network, scenario)
-
-
-def open_map(
-    name: str, beside: Path | None, place: Place, sink: Diagnostics, maps: Sequence[Path] = ()
-) -> Network | None:
-    """Find and load a map; report where it was looked for when it is not there."""
-    try:
-        path = find_map(name, beside=beside, folders=maps)
-    except MapNotFoundError as missing:
-        folders = list(dict.fromkeys(str(file.parent) for file in missing.looked))
-        hint = did_you_mean(Path(name).stem, known_maps(maps))
-        get = "give its folder with --maps, or set CARLA_ROOT to a CARLA installation for CARLA's towns"
-        hint = "; ".join(part for part in (hint, get, "looked in: " + ", ".join(folders)) if part)
-        sink.add(UNKNOWN_MAP, f"there is no map '{name}'", place, hint=hint)
-        return None
-    return load_network(path, sink=sink)
-
-
-def open_plan_map(plan: Plan, sink: Diagnostics, maps: Sequence[Path] = ()) -> Network | None:
-    """Load the map of a stored plan: the file it was compiled with, or one of its name on the search path."""
-    name = plan.map.file if Path(plan.map.file).is_file() else plan.map.name
-    network = open_map(name, None, FilePlace(plan.name), sink, maps)
-    if network is not None and network.sha256 != plan.map.sha256:
-        sink.add(CHANGED_MAP, f"the map '{plan.map.name}' is not the one of the plan", FilePlace(network.path))
-        return None
-    return network
-
-
-CHANGED_MAP = Code(
-    "SC231",
-    "changed-map",
-    "The map has changed since the plan was compiled, so the plan's positions may no longer lie where they did. "
-    "Compile the scenario again.",
-)
 
 
 def compile_scenario(path: str | Path, **arguments: object) -> Plan:

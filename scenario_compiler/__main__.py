@@ -1,0 +1,5 @@
+"""`python -m scenario_compiler` is the command line."""
+
+from scenario_compiler.cli import main
+
+main()

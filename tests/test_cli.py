@@ -1,0 +1,189 @@
+"""The command line as a user meets it: what is written, what is printed where, and the exit codes."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.cli import main
+
+CONFLICT = """\
+<scenarios version="1">
+  <scenario name="fade" map="highway_loop" duration="2">
+    <parameter name="speed" type="speed" default="20" min="5" max="40"/>
+    <ego speed="$speed"><start><spawn_point name="straight"/></start></ego>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+TWO = CONFLICT.replace("</scenarios>", "") + CONFLICT[CONFLICT.index("  <scenario ") :].replace('"fade"', '"other"')
+
+RUN_FOLDER = ["events.csv", "outcome.json", "plan.json", "recording.parquet", "report.html"]
+
+
+@pytest.fixture
+def conflict(tmp_path: Path) -> Path:
+    file = tmp_path / "mine.xml"
+    file.write_text(CONFLICT)
+    return file
+
+
+def call(*arguments: object) -> int:
+    """Return the exit code of a command."""
+    with pytest.raises(SystemExit) as left:
+        main([str(argument) for argument in arguments])
+    assert isinstance(left.value.code, int)
+    return left.value.code
+
+
+def test_run_writes_the_run_folder(conflict: Path, tmp_path: Path) -> None:
+    assert call("run", conflict, "--perception", "ideal", "-o", tmp_path / "out") == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == RUN_FOLDER
+
+
+def test_run_without_a_folder_writes_nothing(conflict: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert call("run", conflict, "--perception", "ideal") == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.xml"]
+
+
+def test_run_keeps_a_folder_that_is_not_empty(conflict: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine")
+    assert call("run", conflict, "--perception", "ideal", "-o", folder) == 2
+    assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+    assert call("run", conflict, "--perception", "ideal", "-o", folder, "--force") == 0
+
+
+def test_a_plan_runs_as_its_scenario_does(conflict: Path, tmp_path: Path) -> None:
+    assert call("compile", conflict, "--perception", "ideal", "--set", "speed=30", "-o", tmp_path / "plan.json") == 0
+    assert call("run", tmp_path / "plan.json", "--trajectory", tmp_path / "plan.csv") == 0
+    direct = ("run", conflict, "--perception", "ideal", "--set", "speed=30", "--trajectory", tmp_path / "direct.csv")
+    assert call(*direct) == 0
+    assert (tmp_path / "plan.csv").read_bytes() == (tmp_path / "direct.csv").read_bytes()
+
+
+def test_trajectory_has_the_contracts_columns_and_rows(conflict: Path, tmp_path: Path) -> None:
+    call("run", conflict, "--perception", "ideal", "--trajectory", tmp_path / "out.csv", "--dt", "0.1")
+    rows = list(csv.DictReader((tmp_path / "out.csv").read_text().splitlines()))
+    assert list(rows[0]) == ["t", "name", "x", "y", "h", "v", "road", "lane", "s", "off"]
+    assert [row["t"] for row in rows[:2]] == ["0", "0.1"]
+    assert float(rows[-1]["t"]) >= 2.0 - 1e-6
+    assert float(rows[-2]["t"]) < 2.0 - 1e-6
+
+
+def test_a_report_is_written_again_from_its_folder(conflict: Path, tmp_path: Path) -> None:
+    call("run", conflict, "--perception", "ideal", "-o", tmp_path / "out")
+    report = tmp_path / "out" / "report.html"
+    first = report.read_bytes()
+    report.unlink()
+    assert call("report", tmp_path / "out") == 0
+    assert report.read_bytes() == first
+
+
+def test_several_scenarios_need_a_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "two.xml"
+    file.write_text(TWO)
+    assert call("run", file, "--perception", "ideal") == 2
+    assert "fade, other" in capsys.readouterr().err
+    assert call("run", f"{file}#other", "--perception", "ideal") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--set", "speed"], "NAME=VALUE"),
+        (["--world", "moon"], "no world 'moon'"),
+        (["--dt", "0"], "not a time"),
+        (["--perception", "dreams"], "invalid choice"),
+    ],
+)
+def test_wrong_use_exits_with_2(
+    conflict: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], said: str
+) -> None:
+    assert call("run", conflict, *arguments) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_faulty_input_exits_with_1_and_writes_nothing(
+    conflict: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    conflict.write_text(CONFLICT.replace("highway_loop", "highway_lop").replace("<no_collision/>", "<no_colision/>"))
+    assert call("run", conflict, "-o", tmp_path / "out") == 1
+    said = capsys.readouterr().err
+    assert "mine.xml:2:" in said
+    assert "did you mean 'highway_loop'" in said
+    assert "mine.xml:5:" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_criterion_that_fails_exits_with_3_when_strict(conflict: Path) -> None:
+    conflict.write_text(
+        CONFLICT.replace("<no_collision/></criteria>", "<reach_destination/></criteria>").replace(
+            "</ego>", '<destination><lane road="1" lane="-2" s="900"/></destination></ego>'
+        )
+    )
+    assert call("run", conflict, "--perception", "ideal") == 0
+    assert call("run", conflict, "--perception", "ideal", "--strict") == 3
+
+
+@pytest.mark.parametrize("form", ["json", "sarif", "github"])
+def test_diagnostics_for_programs_go_to_stdout(conflict: Path, capsys: pytest.CaptureFixture[str], form: str) -> None:
+    conflict.write_text(CONFLICT.replace("$speed", "$sped"))
+    assert call("validate", conflict, "--format", form) == 1
+    out = capsys.readouterr().out
+    if form == "github":
+        assert out.startswith("::error file=")
+    elif form == "json":
+        assert json.loads(out)[0]["line"] == 4
+    else:
+        assert json.loads(out)["runs"][0]["results"][0]["level"] == "error"
+
+
+def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:
+    conflict.write_text(CONFLICT.replace(' duration="2"', ""))
+    assert call("validate", conflict) == 0
+    assert call("validate", conflict, "--strict") == 1
+    assert call("validate", conflict, "--error", "SC601") == 1
+    assert call("validate", conflict, "--error", "all", "--allow", "SC601") == 0
+
+
+def test_every_code_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("explain", "sc601") == 0
+    assert "60 s" in capsys.readouterr().out
+    assert call("explain", "SC000") == 2
+
+
+def test_the_library_is_valid() -> None:
+    assert call("validate", Path(__file__).parent.parent / "library") == 0
+
+
+def test_equal_runs_give_equal_files_in_another_process_with_another_hash_seed(conflict: Path, tmp_path: Path) -> None:
+    for number in ("1", "2"):
+        command = [sys.executable, "-m", "scenario_compiler", "run", str(conflict), "-o", str(tmp_path / number)]
+        environment = os.environ | {"PYTHONHASHSEED": number}
+        subprocess.run([*command, "--duration", "1.2"], check=True, env=environment, capture_output=True, timeout=120)
+    for name in RUN_FOLDER:
+        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes(), name
+
+
+def test_running_a_plan_never_imports_a_front_end(conflict: Path, tmp_path: Path) -> None:
+    call("compile", conflict, "--perception", "ideal", "-o", tmp_path / "plan.json")
+    probe = (
+        "import sys; from scenario_compiler.cli import main\n"
+        "try: main(sys.argv[1:])\n"
+        "except SystemExit: pass\n"
+        "assert not [m for m in sys.modules if m.startswith('scenario_compiler.source')]\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", probe, "run", str(tmp_path / "plan.json")], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
