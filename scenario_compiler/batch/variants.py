@@ -18,7 +18,7 @@ from scenario_compiler.plan.store import digest_of, read_plan
 from scenario_compiler.roads import Network
 from scenario_compiler.source.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
 from scenario_compiler.source.parameters import limits
-from scenario_compiler.source.reading import outside
+from scenario_compiler.source.values import outside
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 
