@@ -27,9 +27,7 @@ def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
 
 def _sarif(found: list[Diagnostic]) -> dict[str, object]:
     used = sorted({d.code.id for d in found})
-    rules = [
-        {"id": c, "name": CODES[c].name, "fullDescription": {"text": CODES[c].explanation}} for c in used
-    ]
+    rules = [{"id": c, "name": CODES[c].name, "fullDescription": {"text": CODES[c].explanation}} for c in used]
     return {
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -49,9 +47,7 @@ def _sarif_result(d: Diagnostic) -> dict[str, object]:
         "ruleId": d.code.id,
         "level": _SARIF_LEVEL[d.severity],
         "message": {"text": text},
-        "locations": [
-            {"physicalLocation": {"artifactLocation": {"uri": d.place.file}, "region": region}}
-        ],
+        "locations": [{"physicalLocation": {"artifactLocation": {"uri": d.place.file}, "region": region}}],
     }
 
 

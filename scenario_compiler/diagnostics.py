@@ -118,9 +118,7 @@ class Diagnostics:
 
     found: list[Diagnostic] = field(default_factory=list)
 
-    def add(
-        self, code: Code, message: str, place: Place, *, hint: str = "", severity: Severity | None = None
-    ) -> None:
+    def add(self, code: Code, message: str, place: Place, *, hint: str = "", severity: Severity | None = None) -> None:
         """Report one finding with the code's severity, unless another is given."""
         self.found.append(Diagnostic(code, message, place, hint, severity or code.severity))
 
@@ -131,9 +129,7 @@ class Diagnostics:
 
     def __iter__(self) -> Iterator[Diagnostic]:
         """Yield the findings by file, line and column, each once."""
-        unique = {
-            (d.place.file, d.place.line, d.place.column, d.code.id, d.message): d for d in self.found
-        }
+        unique = {(d.place.file, d.place.line, d.place.column, d.code.id, d.message): d for d in self.found}
         return iter([unique[key] for key in sorted(unique)])
 
 

@@ -1,8 +1,9 @@
 """Draws that depend on nothing but their names: before a run by stream, inside a run by a counter.
 
-Before a run, `uniform` and `normal` give the number of (seed, variant, stream): a hash of the three, so that a variant's
-draws do not depend on which other variants run, nor on the order. Inside a step there is no generator: `random_hash` is a
-function of (seed, stream, entity, step) in masked integers, the same bits interpreted and compiled.
+Before a run, `uniform` and `normal` give the number of (seed, variant, stream): a hash of the three, so that a
+variant's draws do not depend on which other variants run, nor on the order. Inside a step there is no generator:
+`random_hash` is a function of (seed, stream, entity, step) in masked integers, the same bits interpreted and
+compiled.
 """
 
 from __future__ import annotations

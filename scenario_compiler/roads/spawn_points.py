@@ -14,7 +14,7 @@ else:
     import tomli as tomllib
 
 BAD_DESCRIPTION = Code(
-    "SC308",
+    "SC378",
     "bad-map-description",
     "The map.toml beside the map cannot be read as TOML, or a [[spawn_point]] in it lacks name, road, lane or s.",
 )
