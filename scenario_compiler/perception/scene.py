@@ -67,7 +67,6 @@ class Projected:
     Attributes:
         index: (K,) which quads, nearest last.
         polygons: For each of them its corners, (corners, 2), in units of 2**-SUBPIXEL pixels.
-        depth: (K,) mean distance along the optical axis, m.
         thickness: (K,) area by longest side, pixels: how thin a mark looks.
         from_below: (K,) bool, the quad's underside is seen.
         height: (K,) mean height over the ground that the vehicle stands on, m.
@@ -75,7 +74,6 @@ class Projected:
 
     index: NDArray[np.int64]
     polygons: list[Polygon]
-    depth: NDArray[np.float64]
     thickness: NDArray[np.float64]
     from_below: NDArray[np.bool_]
     height: NDArray[np.float64]
@@ -146,7 +144,6 @@ def project(view: View, grid: QuadGrid, distance: float, first_row: int) -> Proj
     return Projected(
         index,
         polygons,
-        points[..., 2].mean(axis=1),
         np.where(whole, _thickness(flat), np.inf),
         np.einsum("ij,ij->i", normal, points[:, 0]) < 0.0,
         (world.mean(axis=1) - view.foot) @ (view.position - view.foot) / view.camera.z,
