@@ -71,7 +71,11 @@ def test_case_shows_the_code_it_is_named_for(path: Path) -> None:
 def test_every_code_has_a_case() -> None:
     for module in pkgutil.walk_packages(scenario_compiler.__path__, "scenario_compiler."):
         if not module.name.endswith("__main__"):
-            importlib.import_module(module.name)
+            try:
+                importlib.import_module(module.name)
+            except ModuleNotFoundError as missing:
+                if (missing.name or "").startswith("scenario_compiler"):
+                    raise
     shown = {path.stem.partition("_")[0] for path in CASES}
     due = {code for code in CODES if not ROAD_FILES.fullmatch(code)} - set(WITHOUT_CASE)
     assert sorted(due - shown) == []

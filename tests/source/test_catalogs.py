@@ -1,0 +1,57 @@
+"""Catalogs: entries by name, faults in them, and what a gap in one means."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.source.catalogs import Catalogs, load_catalogs
+from tests.source.made import EGO, codes_of, library_text, parsed
+
+CAR = '<vehicle name="our.car" length="4" width="2" height="1.5" wheelbase="2.5" center="1.2"/>'
+DRIVER = '<driver_model name="ours" mu="1" sigma="0.3"/>'
+
+
+def _catalog(entries: str) -> str:
+    return f'<catalog version="1">{entries}</catalog>'
+
+
+def _codes(entries: str) -> list[str]:
+    sink = Diagnostics()
+    parsed(_catalog(entries), sink)
+    return [one.code.id for one in sink]
+
+
+def test_entries_of_a_folder_come_by_name(tmp_path: Path) -> None:
+    (tmp_path / "cars.xml").write_text(_catalog(CAR))
+    (tmp_path / "people.xml").write_text(_catalog(DRIVER))
+    (tmp_path / "notes.txt").write_text("no catalog")
+    catalogs = load_catalogs(tmp_path, Diagnostics())
+    assert (list(catalogs.vehicles), list(catalogs.drivers), catalogs.complete) == (["our.car"], ["ours"], True)
+
+
+def test_a_catalogs_faults_are_reported_each_time(tmp_path: Path) -> None:
+    (tmp_path / "cars.xml").write_text(_catalog(CAR.replace('"4"', '"-4"')))
+    for _ in range(2):
+        sink = Diagnostics()
+        assert load_catalogs(tmp_path, sink).vehicles == {}
+        assert [one.code.id for one in sink] == ["SC112"]
+
+
+def test_entries_that_stand_twice() -> None:
+    assert _codes(CAR + CAR) == ["SC216"]
+    assert _codes(DRIVER + DRIVER) == ["SC216"]
+    assert _codes(CAR + DRIVER.replace("ours", "our.car")) == []
+
+
+def test_later_catalogs_win() -> None:
+    first, second = parsed(_catalog(CAR), Diagnostics()), parsed(_catalog(CAR.replace('"4"', '"5"')), Diagnostics())
+    both = first.catalogs.extended(second.catalogs)  # type: ignore[union-attr]
+    assert both.vehicles["our.car"].length == 5.0
+    assert both.extended(Catalogs().with_a_gap()).complete is False
+
+
+def test_what_a_faulty_entry_would_have_been_is_not_missed(tmp_path: Path) -> None:
+    (tmp_path / "fleet.xml").write_text(_catalog(CAR.replace('"4"', '"four"')))
+    text = library_text(head='<include file="fleet.xml"/>', ego=EGO.replace("<ego", '<ego model="our.car"'))
+    assert codes_of(text, tmp_path / "made.xml") == ["SC111"]
