@@ -15,9 +15,7 @@ settings.load_profile("repeatable")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add `--update`: files that are made from the code are rewritten instead of compared."""
-    parser.addoption(
-        "--update", action="store_true", help="rewrite generated files instead of comparing them"
-    )
+    parser.addoption("--update", action="store_true", help="rewrite generated files instead of comparing them")
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""The five conflicts of the library do what they are for, by the camera and, where the camera adds nothing, without it."""
+"""The five conflicts of the library do what they are for, by the camera and, where it adds nothing, without it."""
 
 from __future__ import annotations
 

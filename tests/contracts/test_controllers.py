@@ -102,5 +102,5 @@ def test_a_controller_of_ones_own_is_named_by_module_and_class(tmp_path: Path, m
 
 @pytest.mark.parametrize("name", ["lane_detectoin", "no.such:Class", "math:pi", "pathlib:Path", "a:b:c", ""])
 def test_what_is_no_controller_is_said_so(name: str) -> None:
-    with pytest.raises(UnknownControllerError, match="controller|ControllerModel"):
+    with pytest.raises(UnknownControllerError, match=r"controller|ControllerModel"):
         controller_class(name)
