@@ -10,9 +10,10 @@ from pathlib import Path
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
-from scenario_compiler.compiler import compile_target, open_plan_map
+from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import CompileError, Diagnostics
 from scenario_compiler.expressions import Value, format_value
+from scenario_compiler.plan.maps import open_plan_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import digest_of, read_plan
 from scenario_compiler.roads import Network
