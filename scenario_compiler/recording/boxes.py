@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.recording import Booleans, Floats, Integers
 from scenario_compiler.recording.traces import Traces
 
 STRAIGHT = 1e-6
@@ -12,6 +12,9 @@ STRAIGHT = 1e-6
 
 STILL = 0.5
 """Speed below which a vehicle's curvature is not measured, m/s."""
+
+ROUNDING = 1e-6
+"""Slack of the circles around and inside a box, m."""
 
 
 def corners(traces: Traces) -> tuple[Floats, Floats]:
@@ -58,19 +61,58 @@ def along_path(traces: Traces) -> tuple[Floats, Floats, Floats]:
     return along, across, traces.v * np.cos(traces.h - tangent)
 
 
-def box_distance(traces: Traces) -> Floats:
-    """Return the distance in the plane from the ego vehicle's box to each other one, m, 0 where they overlap.
+def least_box_distance(traces: Traces) -> Floats:
+    """Return the least distance in the plane from the ego vehicle's box to another one over the run, m, (...).
 
-    Shape (..., n, m - 1); NaN where the entity is absent.
+    0 where boxes overlap, NaN without another entity. Only rows whose boxes can be the nearest are looked at: a box lies
+    between the circles of its half diagonal and of its smaller half side.
     """
-    x, y = corners(traces)
-    both = np.stack([x, y], axis=-1)
-    ego, others = both[..., :1, :, :], both[..., 1:, :, :]
-    ego = np.broadcast_to(ego, others.shape)
-    apart = np.fmin(_to_edges(ego, others), _to_edges(others, ego))
-    present = traces.present[..., 1:]
-    overlap = _overlap(ego, others) & present
-    return np.where(overlap, 0.0, np.where(present, apart, np.nan))
+    apart, outer, inner = _centres_apart(traces)
+    nearest = np.fmin.reduce(apart - inner, axis=(-1, -2), initial=np.inf)
+    near = apart - outer <= np.maximum(nearest, 0.0)[..., None, None]
+    distance = np.full(apart.shape, np.nan)
+    ego, other = _boxes_at(traces, near)
+    gap = np.fmin(_to_edges(ego, other), _to_edges(other, ego))
+    distance[near] = np.where(_overlap(ego, other), 0.0, gap)
+    return np.asarray(np.fmin.reduce(distance, axis=(-1, -2), initial=np.nan))
+
+
+def touching(traces: Traces) -> Booleans:
+    """Return in which rows the ego vehicle's box overlaps another one, (..., n)."""
+    apart, outer, _ = _centres_apart(traces)
+    near = apart <= outer
+    overlap = np.zeros(apart.shape, dtype=bool)
+    overlap[near] = _overlap(*_boxes_at(traces, near))
+    return overlap.any(axis=-1)
+
+
+def _centres_apart(traces: Traces) -> tuple[Floats, Floats, Floats]:
+    """Return how far the boxes' centres are from the ego vehicle's, m, (..., n, m - 1), NaN where absent.
+
+    And the sums of both boxes' half diagonals and of both boxes' smaller half sides, (m - 1,).
+    """
+    x = traces.x + traces.center * np.cos(traces.h)
+    y = traces.y + traces.center * np.sin(traces.h)
+    apart = np.hypot(x[..., 1:] - x[..., :1], y[..., 1:] - y[..., :1])
+    outer = 0.5 * np.hypot(traces.length, traces.width) + ROUNDING
+    inner = 0.5 * np.minimum(traces.length, traces.width) - ROUNDING
+    return np.where(traces.present[..., 1:], apart, np.nan), outer[0] + outer[1:], inner[0] + inner[1:]
+
+
+def _boxes_at(traces: Traces, where: Booleans) -> tuple[Floats, Floats]:
+    """Return the corners of the ego vehicle's box and of the other one, (k, 4, 2), for the k true places of `where`."""
+    at = np.nonzero(where)
+    rows, other = at[:-1], at[-1] + 1
+    return _corners_at(traces, rows, np.zeros_like(other)), _corners_at(traces, rows, other)
+
+
+def _corners_at(traces: Traces, rows: tuple[Integers, ...], entity: Integers) -> Floats:
+    place = (*rows, entity)
+    x, y, h = traces.x[place][:, None], traces.y[place][:, None], traces.h[place][:, None]
+    along = traces.center[entity, None] + 0.5 * traces.length[entity, None] * np.array([1.0, -1.0, -1.0, 1.0])
+    across = 0.5 * traces.width[entity, None] * np.array([1.0, 1.0, -1.0, -1.0])
+    c, s = np.cos(h), np.sin(h)
+    return np.stack([x + along * c - across * s, y + along * s + across * c], axis=-1)
 
 
 def _to_edges(points: Floats, boxes: Floats) -> Floats:
@@ -83,7 +125,7 @@ def _to_edges(points: Floats, boxes: Floats) -> Floats:
     return np.asarray(np.sqrt((gap * gap).sum(-1)).min(axis=(-1, -2)))
 
 
-def _overlap(a: Floats, b: Floats) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _overlap(a: Floats, b: Floats) -> Booleans:
     """Return where two boxes overlap, by the separating axes of both."""
     apart = np.zeros(a.shape[:-2], dtype=bool)
     for box in (a, b):

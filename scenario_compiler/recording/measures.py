@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenario_compiler.engine.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
-from scenario_compiler.recording.boxes import along_path, box_distance, path_curvature
+from scenario_compiler.recording.boxes import along_path, least_box_distance, path_curvature, touching
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.traces import Traces
@@ -101,8 +101,7 @@ def time_to_collision(traces: Traces) -> Floats:
     closing = traces.v[..., :1] - speed[..., 1:]
     counts = traces.present[..., 1:] & (low < half) & (high > -half) & (gap >= 0) & (closing > 0)
     ttc = np.where(counts, gap / np.where(counts, closing, 1.0), np.nan)
-    touching = (box_distance(traces) == 0).any(axis=-1)
-    return np.where(touching, 0.0, np.fmin.reduce(ttc, axis=-1, initial=np.nan))
+    return np.where(touching(traces), 0.0, np.fmin.reduce(ttc, axis=-1, initial=np.nan))
 
 
 def minimum_time_to_collision(traces: Traces) -> Floats:
@@ -112,7 +111,7 @@ def minimum_time_to_collision(traces: Traces) -> Floats:
 
 def minimum_distance(traces: Traces) -> Floats:
     """Least distance to another entity."""
-    return np.asarray(np.fmin.reduce(box_distance(traces), axis=(-1, -2), initial=np.nan))
+    return least_box_distance(traces)
 
 
 def maximum_longitudinal_acceleration(traces: Traces) -> Floats:

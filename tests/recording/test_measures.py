@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from scenario_compiler.recording.boxes import box_distance, path_curvature
+from scenario_compiler.recording.boxes import least_box_distance, path_curvature
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
@@ -158,7 +158,7 @@ def test_a_road_that_runs_the_other_way_turns_no_offset_into_a_lane_change() -> 
 )
 def test_distance_between_boxes(x: float, y: float, h: float, distance: float) -> None:
     run = record(IDS, 1, lambda _: {"x": (0.0, x), "y": (0.0, y), "h": (0.0, h)})
-    assert box_distance(traces(run))[0, 0] == pytest.approx(distance)
+    assert least_box_distance(traces(run)) == pytest.approx(distance)
 
 
 def test_measures_of_many_runs_at_once_equal_those_of_each() -> None:
