@@ -1,0 +1,51 @@
+"""What the README shows is true: its conflict is valid, its commands and its Python run."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.cli import main
+
+README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+
+
+def block(language: str, holding: str) -> str:
+    """Return the README's block of a language that holds a text."""
+    return next(text for text in re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL) if holding in text)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder that is the working one and holds the README's conflict, cut to two seconds."""
+    monkeypatch.chdir(tmp_path)
+    text = block("xml", "paint_fades").replace('duration="30"', 'duration="2"')
+    (tmp_path / "paint.xml").write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def commands() -> list[list[str]]:
+    lines = (line for line in block("sh", "validate paint.xml").splitlines() if line.startswith("scenario-compiler "))
+    return [shlex.split(line, comments=True)[1:] for line in lines]
+
+
+@pytest.mark.parametrize("arguments", commands(), ids=" ".join)
+def test_command_runs(folder: Path, arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(arguments)
+    assert left.value.code == 0
+
+
+def test_python_runs(folder: Path) -> None:
+    exec(compile(block("python", "compile_scenario"), "README.md", "exec"), {})
+    assert (folder / "out" / "report.html").is_file()
+
+
+def test_files_that_it_names_exist() -> None:
+    here = Path(__file__).parent.parent
+    links = re.findall(r"\]\(([^)#:]+)\)", README)
+    assert links
+    assert [link for link in links if not (here / link).exists()] == []
