@@ -189,11 +189,9 @@ def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
 
 def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     """Parse the bytes of an XML file called `name`; see `read_document`."""
-    head = _COMMENTS.sub(b"", raw.replace(b"\x00", b"")[:65536])
-    doctype = head.find(b"<!DOCTYPE")
-    if doctype >= 0:
-        line = raw[: raw.find(b"<!DOCTYPE")].count(b"\n") + 1
-        sink.add(FORBIDDEN, "a document type declaration is not allowed", FilePlace(name, line, 1))
+    line = _doctype_line(raw)
+    if line > 0:
+        sink.add(FORBIDDEN, _DOCTYPE_MESSAGE, FilePlace(name, line, 1))
         return None
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_blank_text=False
@@ -208,7 +206,11 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
         place = FilePlace(name, line, column if source else 0, 1, source)
         sink.add(MALFORMED, f"not well-formed XML: {_short(str(error))}", place)
         return None
-    document = Document(name, _decode(raw, root.getroottree().docinfo.encoding), root)
+    info = root.getroottree().docinfo
+    if info.internalDTD is not None:
+        sink.add(FORBIDDEN, _DOCTYPE_MESSAGE, FilePlace(name, 1, 1))
+        return None
+    document = Document(name, _decode(raw, info.encoding), root)
     for element in root.iter(etree.Element):
         if len(element.attrib) > MAX_ATTRIBUTES:
             message = f"<{element.tag}> has {len(element.attrib)} attributes; at most {MAX_ATTRIBUTES} are read"
@@ -217,13 +219,33 @@ def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     return document
 
 
-_COMMENTS = re.compile(rb"<!--.*?-->", re.DOTALL)
+_DOCTYPE_MESSAGE = "a document type declaration is not allowed"
 _TOKENS = re.compile(
     r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|</[^>]*>|"
     r"(?P<tag><[^\s!?/<>](?:[^\"'<>]|\"[^\"]*\"|'[^']*')*>)",
     re.DOTALL,
 )
 _ATTRIBUTES = re.compile(r"(?<=\s)(?P<name>[^\s=\"'<>/]+)\s*=\s*(?P<value>\"[^\"]*\"|'[^']*')")
+
+
+def _doctype_line(raw: bytes) -> int:
+    """Return the line of a document type declaration before the root element, 0 when there is none.
+
+    It is found before anything is parsed, so that entities are never expanded. Texts of two or four bytes a character
+    are seen without their zero bytes; in other encodings that do not extend ASCII the parser finds the declaration.
+    """
+    text = raw.replace(b"\x00", b"") if b"\x00" in raw[:8] else raw
+    at = text.find(b"<")
+    while at >= 0:
+        if text.startswith(b"<!DOCTYPE", at):
+            return text.count(b"\n", 0, at) + 1
+        begin, close = next((pair for pair in _BEFORE_THE_ROOT if text.startswith(pair[0], at)), (b"", b""))
+        end = text.find(close, at + len(begin)) if begin else -1
+        at = text.find(b"<", end) if end >= 0 else -1
+    return 0
+
+
+_BEFORE_THE_ROOT = ((b"<!--", b"-->"), (b"<?", b"?>"))
 
 
 def _decode(raw: bytes, encoding: str | None) -> str:
