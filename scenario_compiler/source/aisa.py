@@ -23,7 +23,7 @@ from scenario_compiler.source.events import storyboard_of
 from scenario_compiler.source.expansion import catalog_driver, catalog_vehicles
 from scenario_compiler.source.parameters import COMMAND_LINE, report_unknown_arguments, typed
 from scenario_compiler.source.reading import read_word
-from scenario_compiler.vocabulary.actions import LaneChangeAction
+from scenario_compiler.vocabulary.actions import LaneChangeAction, SpeedAction
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
 from scenario_compiler.vocabulary.entities import Actor, Dynamic, Ego, Static
 from scenario_compiler.vocabulary.positions import WorldPosition
@@ -46,8 +46,8 @@ STEP, CONTROL_EVERY = 1.0 / 30.0, 2
 DURATION = 60.0
 """Length of a run, s; the toolkit runs until its window is closed."""
 
-DRIFT_SPEED, DRIFT_WIDTH = 0.3, 3.5
-"""Speed of the moving obstacle, m/s (0.01 m a frame at 30 frames a second), and the width of a lane of Town05, m."""
+DRIFT_SPEED, DRIFT_DISTANCE = 0.3, 5.3
+"""Speed of the moving obstacle, m/s (0.01 m a frame at 30 frames a second), and how far it drifts here, m."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ KNOWN: dict[str, _Known] = {
         tuple((2370.0 + 1000.0 * i, -256.0, 90.0) for i in range(8)),
     ),
     "obstaclestatic": _Known("A car stands across the lane ahead", _OBSTACLE, ((151.4, -38.4, 0.0),)),
-    "obstacledynamic": _Known("A car drifts across the lane ahead", _OBSTACLE, ((155.4, -38.4, 0.0),), moving=True),
+    "obstacledynamic": _Known("A car drifts across the lane ahead", _OBSTACLE, ((155.4, -38.4, 180.0),), moving=True),
     "narrowingroad": _Known("A parked car narrows the lane ahead", (7, "3", "2"), ((149.4, -38.4, 90.0),)),
     "vanishinglanes_weather": _Known("Rain hides the lane markings", _MARKINGS),
     "vanishinglanes_map": _Known("Lane markings are missing on a town road", _MARKINGS),
@@ -256,20 +256,27 @@ def _obstacles(known: _Known, origin: Place) -> list[Actor]:
         where = WorldPosition(frame="carla", x=x, y=y, yaw=math.radians(yaw)).written_at(origin)
         name = f"obstacle{number}"
         if known.moving:
-            actors.append(Dynamic(id=name, model=MODEL, start=where, whens=(_drift(),)).written_at(origin))
+            car = Dynamic(id=name, model=MODEL, speed=DRIFT_SPEED, start=where, whens=_drift())
+            actors.append(car.written_at(origin))
         else:
             actors.append(Static(id=name, model=MODEL, at=where).written_at(origin))
     return actors
 
 
-def _drift() -> When:
-    """Return the moving obstacle's way: across the middle of the road to the lane of the ego vehicle, and no farther.
+def _drift() -> tuple[When, ...]:
+    """Return the moving obstacle's way: straight across the middle of the road into the lane of the ego vehicle.
 
-    The toolkit moves the car by -0.01 m in x a frame without end. It stands in the oncoming lane, from where the ego's
-    lane lies to the left.
+    The toolkit moves the car by -0.01 m in x a frame without end, tail first. Here it is turned about, which leaves its
+    box as it is, so that it drives that way: it stands at the edge of the oncoming lane, from where the ego vehicle's
+    lane is the second to the left. The change of lane asks for more than its speed gives, so it goes straight across,
+    and there it stops.
     """
-    change = LaneChangeAction(by=1, over_time=DRIFT_WIDTH / DRIFT_SPEED, shape="linear")
-    return When(conditions=(SimulationTimeCondition(after=0.0),), do=Do(actions=(change,)))
+    change = LaneChangeAction(by=2, over_time=1.0, shape="linear")
+    stop = SpeedAction(to=0.0)
+    return (
+        When(conditions=(SimulationTimeCondition(after=0.0),), do=Do(actions=(change,))),
+        When(conditions=(SimulationTimeCondition(after=DRIFT_DISTANCE / DRIFT_SPEED),), do=Do(actions=(stop,))),
+    )
 
 
 def _takeover(catalogs: Catalogs, origin: Place, sink: Diagnostics) -> Takeover:

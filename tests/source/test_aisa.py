@@ -11,7 +11,7 @@ from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.source import Source, check_source, expand, parse
-from scenario_compiler.vocabulary.actions import LaneChangeAction
+from scenario_compiler.vocabulary.actions import LaneChangeAction, SpeedAction
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import WorldPosition
 from scenario_compiler.vocabulary.scenario import Scenario
@@ -108,13 +108,13 @@ def test_the_moving_obstacle_drifts_at_three_decimetres_a_second(config: Source)
     assert scenario is not None
     (car,) = scenario.actors
     assert isinstance(car, Dynamic)
-    assert car.start == WorldPosition(frame="carla", x=155.4, y=-38.4)
-    event = scenario.storyboard.stories[0].acts[0].groups[0].maneuvers[0].events[0]
-    action = event.actions[0].action
-    assert isinstance(action, LaneChangeAction)
-    assert isinstance(action.over_time, float)
-    assert (action.by, action.shape) == (1, "linear")
-    assert 3.5 / action.over_time == pytest.approx(0.3)
+    assert car.start == WorldPosition(frame="carla", x=155.4, y=-38.4, yaw=math.pi)
+    assert car.speed == 0.3
+    first, last = scenario.storyboard.stories[0].acts[0].groups[0].maneuvers[0].events
+    drift, stop = first.actions[0].action, last.actions[0].action
+    assert isinstance(drift, LaneChangeAction)
+    assert isinstance(stop, SpeedAction)
+    assert (drift.by, drift.shape, stop.to) == (2, "linear", 0.0)
 
 
 def test_the_maps_own_weather_is_noted(config: Source) -> None:
