@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-import scenario_compiler.engine.sweep  # noqa: F401  (marks every function of the engine and of roads)
+from scenario_compiler.engine.build import engine_text, layout_of_containers
 from scenario_compiler.engine.lint import lint
 from scenario_compiler.engine.source import module_text
 from scenario_compiler.engine.state import State
@@ -28,7 +28,7 @@ def test_every_marked_function_keeps_the_rules() -> None:
 
 
 def test_all_marked_functions_fit_in_one_module() -> None:
-    compile(module_text(REGISTRY), "engine", "exec")
+    compile(engine_text(), "engine", "exec")
 
 
 def raises(p: Program) -> float:
@@ -128,10 +128,11 @@ def test_a_guarded_division_is_no_finding() -> None:
 
 
 def test_the_generator_refuses_what_is_not_marked_and_double_names() -> None:
+    layout = layout_of_containers(checked=False)
     with pytest.raises(TypeError, match="uses divides, which is a function"):
-        module_text([calls_unmarked])
+        module_text([calls_unmarked], layout)
     with pytest.raises(TypeError, match="two compiled functions are called divides"):
-        module_text([divides, divides])
+        module_text([divides, divides], layout)
 
 
 def calls_unmarked(x: float) -> float:

@@ -1,9 +1,9 @@
 """The compiled form: one generated module with all marked functions, kept in a cache, and the calls into it.
 
 The module's file is named by a hash of its text and of the versions of numba, numpy and Python, so that a change
-anywhere gives a new file: numba's own cache beside it can then never be stale. Only here are numba and numpy imported. A container becomes
-a table of its columns' addresses: a column without an owner needs no counting of references, which would cost more than
-the step itself.
+anywhere gives a new file: numba's own cache beside it can then never be stale. Only here are numba and numpy imported. A
+container becomes a table of its columns' addresses: a column without an owner needs no counting of references, which
+would cost more than the step itself.
 """
 
 from __future__ import annotations
@@ -77,7 +77,8 @@ def layout_of_containers(*, checked: bool) -> Layout:
 
 def engine_text(*, checked: bool = False) -> str:
     """Return the text of the generated module; `checked` reads columns as arrays, whose bounds numba can check."""
-    functions = [function for function in REGISTRY if function.__module__.startswith("scenario_compiler.")]
+    ours = [function for function in REGISTRY if function.__module__.startswith("scenario_compiler.")]
+    functions = sorted(ours, key=lambda function: (function.__module__, function.__code__.co_firstlineno))
     return HEAD + module_text(functions, layout_of_containers(checked=checked)) + ENTRY
 
 

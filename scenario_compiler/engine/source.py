@@ -11,14 +11,15 @@ import builtins
 import inspect
 import math
 import textwrap
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
+
+DECORATOR = '@njit(error_model="python", no_cpython_wrapper=True, no_cfunc_wrapper=True)'
+"""Division by zero as in Python; no wrappers, because Python calls only the entry."""
 
 BUILTINS = frozenset({"abs", "float", "int", "len", "max", "min", "range"})
 """Built-in functions that mean the same in both forms."""
-
-SIZE = "_size"
-"""Ending of the field that holds a column's length: `len(n.road_length)` becomes `n.road_length_size`."""
 
 CompiledFunction = Callable[..., Any]
 
@@ -44,11 +45,40 @@ def global_names(tree: ast.FunctionDef) -> list[str]:
     return [name for name in dict.fromkeys(read) if name not in local]
 
 
-class _Plain(ast.NodeTransformer):
-    """Drops what only readers need and writes numbers in place of their names."""
+@dataclass(frozen=True)
+class Layout:
+    """Where the compiled form finds a column: its place in the container's table, and the kind of its values.
 
-    def __init__(self, numbers: dict[str, float]) -> None:
+    A container is a table of addresses, one a column, and after them the columns' lengths.
+
+    Attributes:
+        columns: By container argument (n, p, st) and column: (place, whether it holds floats).
+        checked: Read columns as arrays, whose bounds numba can check.
+    """
+
+    columns: Mapping[str, Mapping[str, tuple[int, bool]]]
+    checked: bool = False
+
+    def column(self, owner: str, name: str) -> str:
+        """Return the expression of a column."""
+        place, floats = self.columns[owner][name]
+        address = f"{'float' if floats else 'int'}_column({owner}[{place}])"
+        return f"carray({address}, {self.size(owner, name)})" if self.checked else address
+
+    def size(self, owner: str, name: str) -> str:
+        """Return the expression of a column's length."""
+        return f"{owner}[{self.columns[owner][name][0] + len(self.columns[owner])}]"
+
+
+class _Plain(ast.NodeTransformer):
+    """Drops what only readers need, writes numbers in place of their names, and columns by their places."""
+
+    def __init__(self, numbers: dict[str, float], layout: Layout) -> None:
         self.numbers = numbers
+        self.layout = layout
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        return _expression(self.layout.column(ast.unparse(node.value), node.attr))
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
         node.decorator_list = []
@@ -68,7 +98,7 @@ class _Plain(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> ast.AST:
         argument = node.args[0] if node.args else None
         if isinstance(node.func, ast.Name) and node.func.id == "len" and isinstance(argument, ast.Attribute):
-            return ast.copy_location(ast.Attribute(argument.value, argument.attr + SIZE, ast.Load()), node)
+            return _expression(self.layout.size(ast.unparse(argument.value), argument.attr))
         self.generic_visit(node)
         return node
 
@@ -84,20 +114,12 @@ def _number(value: float) -> ast.expr:
     return ast.Constant(value)
 
 
-def measured_columns(functions: Iterable[CompiledFunction]) -> list[str]:
-    """Return the columns whose length some function asks for, sorted."""
-    found = set()
-    for function in functions:
-        for node in ast.walk(function_tree(function)):
-            if not isinstance(node, ast.Call) or ast.unparse(node.func) != "len":
-                continue
-            if isinstance(node.args[0], ast.Attribute):
-                found.add(node.args[0].attr)
-    return sorted(found)
+def _expression(text: str) -> ast.expr:
+    return ast.parse(text, mode="eval").body
 
 
-def module_text(functions: Iterable[CompiledFunction]) -> str:
-    """Return the source of all functions, each under `@njit`, with `len` of a column as a field of its container.
+def module_text(functions: Iterable[CompiledFunction], layout: Layout) -> str:
+    """Return the source of all functions, each under `@njit`, with every column taken from its container's table.
 
     Raises:
         TypeError: Two functions share a name, or one uses something else than marked functions, finite numbers,
@@ -115,7 +137,7 @@ def module_text(functions: Iterable[CompiledFunction]) -> str:
         numbers: dict[str, float] = {}
         for used in global_names(tree):
             _resolve(function, used, registry, numbers, imports)
-        plain = ast.fix_missing_locations(_Plain(numbers).visit(tree))
+        plain = ast.fix_missing_locations(_Plain(numbers, layout).visit(tree))
         body.append(
             f'@njit(error_model="python", no_cpython_wrapper=True, no_cfunc_wrapper=True)\n{ast.unparse(plain)}\n'
         )

@@ -42,7 +42,7 @@ def test_a_relative_start_is_ahead_in_the_lane_and_turned() -> None:
     draft.moving(1, 500.0, 0.0)
     draft.entity(op.MOTION_STATIC, draft.ahead_of(0, 40.0, lanes=0, offset=1.0, turn=0.5))
     run = draft.start()
-    assert (run.st.x[1], run.st.y[1]) == (pytest.approx(460.0), pytest.approx(0.75))
+    assert [run.st.x[1], run.st.y[1]] == pytest.approx([460.0, 0.75])
     assert run.st.h[1] == pytest.approx(math.pi + 0.5)
 
 
@@ -118,7 +118,7 @@ def test_a_posed_ego_is_moved_from_outside() -> None:
         assert begin_step(run.n, run.p, run.st) == 1
         run.st.x[0], run.st.y[0], run.st.v[0] = 50.0 + 0.5 * k, -1.75 - 0.1 * k, 10.0
         finish_step(run.n, run.p, run.st)
-    assert (run.st.s[0], run.st.lane[0], run.st.off[0]) == (pytest.approx(60.0), -2, pytest.approx(1.5))
+    assert [run.st.s[0], run.st.lane[0], run.st.off[0]] == pytest.approx([60.0, -2, 1.5])
 
 
 def test_the_ego_keeps_its_lane_through_a_bend() -> None:

@@ -18,6 +18,7 @@ from scenario_compiler.plan.model import Entity, MapReference, Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import LaneChangeAction, SensorNoiseAction, SpeedAction
 from scenario_compiler.vocabulary.conditions import (
+    Condition,
     DistanceCondition,
     LaneConfidenceCondition,
     ReachPositionCondition,
@@ -50,7 +51,7 @@ from scenario_compiler.vocabulary.weather import Weather
 from tests.engine.make import Draft, highway
 
 CAR = Vehicle(name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4)
-CONDITIONS = (
+CONDITIONS: tuple[Condition, ...] = (
     SimulationTimeCondition(after=1.0),
     TimeHeadwayCondition(entity="other", to="ego", below=2.0),
     DistanceCondition(entity="other", to="ego", below=50.0),

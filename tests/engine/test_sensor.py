@@ -108,7 +108,7 @@ def test_confidence_is_the_marks_quality_where_the_plan_overrides_it() -> None:
     p.stretch_road, p.stretch_count = [0], [1]
     p.stretch_const = [draft.block(0.0, 200.0, 0.4, 0.4)]
     st = look(draft).st
-    assert (st.conf_left[0], st.conf_right[0]) == (pytest.approx(0.4, abs=0.001), pytest.approx(0.4, abs=0.001))
+    assert [st.conf_left[0], st.conf_right[0]] == pytest.approx([0.4, 0.4], abs=0.001)
 
 
 def test_health_is_one_half_at_30_grey_levels() -> None:
