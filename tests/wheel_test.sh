@@ -7,8 +7,9 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
 library=$("$environment/bin/python" -I -c 'from scenario_compiler.resources import library_folder; print(library_folder())')
-"$environment/bin/scenario-compiler" list
 "$environment/bin/scenario-compiler" validate "$library"
-for conflict in "$library"/conflicts/*.xml; do
-	"$environment/bin/scenario-compiler" run "$conflict" -o "runs/$(basename "$conflict" .xml)"
+for conflict in sensor_failure ramp_blocked road_narrows obstacle_ahead markings_missing; do
+	"$environment/bin/scenario-compiler" run "$library/conflicts/$conflict.xml" --duration 3 -o "runs/$conflict"
 done
+"$environment/bin/scenario-compiler" map plot town_grid -o town.png
+"$environment/bin/scenario-compiler" prewarm
