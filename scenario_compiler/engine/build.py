@@ -1,9 +1,9 @@
 """The compiled form: one generated module with all marked functions, kept in a cache, and the calls into it.
 
 The module's file is named by a hash of its text and of the versions of numba, numpy and Python, so that a change
-anywhere gives a new file: numba's own cache beside it can then never be stale. Only here are numba and numpy imported. A
-container becomes a table of its columns' addresses: a column without an owner needs no counting of references, which
-would cost more than the step itself.
+anywhere gives a new file: numba's own cache beside it can then never be stale. Only here are numba and numpy
+imported. A container becomes a table of its columns' addresses: a column without an owner needs no counting of
+references, which would cost more than the step itself.
 """
 
 from __future__ import annotations

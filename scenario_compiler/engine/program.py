@@ -25,11 +25,11 @@ from scenario_compiler.vocabulary.conditions import (
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
-from scenario_compiler.vocabulary.positions import LanePosition, Position, RelativeLanePosition
+from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, DriverModel
-from scenario_compiler.vocabulary.word import number_value
+from scenario_compiler.vocabulary.word import Word, number_value
 
 Slot = float | Expression
 
@@ -219,7 +219,7 @@ class _Draft:
             )
         )
 
-    def position(self, position: Position) -> int:
+    def position(self, position: Word) -> int:
         """Append a position; return its row."""
         p = self.program
         if isinstance(position, LanePosition):
@@ -231,7 +231,7 @@ class _Draft:
             code = op.POSITION_RELATIVE
             base = self.block(position.distance, position.offset, position.turn)
         else:
-            raise ValueError(f"the plan holds a position that is not bound to a lane: {position.word}")
+            raise ValueError(f"the plan holds a position that is not bound to a lane: {position.tag()}")
         p.position_op.append(code)
         p.position_road.append(road)
         p.position_lane.append(lane)
