@@ -2,8 +2,8 @@
 
 Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
 dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
-there, its speed is written for one more row and is then 0. The bicycle is the kinematic one about the rear axle
-(Rajamani 2012, Vehicle Dynamics and Control, section 2.2, without side slip).
+there, its speed is written for one more row and is then 0. The bicycle is the usual kinematic one about
+the rear axle, without side slip.
 """
 
 from __future__ import annotations

@@ -79,8 +79,8 @@ CAUSE_CODES: dict[CauseKind, int] = {
 MOTIONS = {"ego": op.MOTION_BICYCLE, "static": op.MOTION_STATIC, "dynamic": op.MOTION_SCRIPTED}
 
 FOLLOW_EGO = (1.5, 2.0, 1.5, 2.0)
-"""Car following of the automation: time gap s, gap at standstill m, acceleration and comfortable deceleration m/s2
-(Treiber, Hennecke and Helbing 2000, table I, with the larger deceleration of Treiber and Kesting 2013, table 11.2)."""
+"""Car following of the automation: time gap s, gap at standstill m, acceleration and comfortable deceleration m/s2. Our
+choice, the same as the defaults of `vocabulary.entities.Follow`."""
 
 
 def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Program:
