@@ -26,6 +26,7 @@ from scenario_compiler.roads.check.traffic import check_traffic
 from scenario_compiler.roads.check.unread import Unread, unread
 from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.network import Network, load_network
+from scenario_compiler.roads.parse import drop_namespace
 from scenario_compiler.roads.structure import check_structure
 
 CHECKS = (
@@ -46,7 +47,7 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
     """Report what is wrong in a road file beyond its structure and beyond what reading it reports.
 
     Args:
-        document: The file.
+        document: The file, its elements without namespace (`parse.drop_namespace`).
         network: What was read from it; None when it gave no network, then only what stands in the file is checked.
         sink: Where the findings go.
     """
@@ -63,5 +64,6 @@ def check_file(path: str | Path, sink: Diagnostics) -> None:
     if document is None:
         return
     check_structure(document, sink)
+    drop_namespace(document.root)
     network = load_network(path, cache=False, sink=sink)
     check_network(document, network, sink)

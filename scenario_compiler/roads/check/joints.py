@@ -129,7 +129,11 @@ def _compare(
     gap = hypot(after[0] - before[0], after[1] - before[1])
     if gap > GAP_TOLERANCE:
         findings.report(GAP, f"a gap of {gap:.3g} m to {what}", element)
-    turn = abs(wrap_angle(after[2] - before[2]))
+    _compare_headings(findings, element, before[2], after[2], what)
+
+
+def _compare_headings(findings: Findings, element: etree._Element, before: float, after: float, what: str) -> None:
+    turn = abs(wrap_angle(after - before))
     if turn > KINK_TOLERANCE:
         findings.report(KINK, f"a kink of {degrees(turn):.3g} degrees against {what}", element)
 
@@ -175,7 +179,9 @@ def _check_road_joint(n: RoadTables, filed: Filed, road: Road, end: str, finding
     within = road.in_junction or other.in_junction
     here, there = _end_pose(n, road, end), _end_pose(n, other, link.contact)
     turned = pi if end == link.contact else 0.0
-    if not within:
+    if within:
+        _compare_headings(findings, link.element, here[2], there[2] + turned, f"road {other.id}")
+    else:
         _compare(findings, link.element, here[:3], (there[0], there[1], there[2] + turned), f"road {other.id}")
         step = abs(there[3] - here[3])
         if step > STEP_TOLERANCE:

@@ -42,7 +42,7 @@ right
 center
 left_lane id type level direction
 right_lane id type level direction
-centre_lane id type
+centre_lane id type level
 lane_link
 lane_neighbour id
 width sOffset a b c d
@@ -82,7 +82,8 @@ junction_controller id
 """
 """Declarations (see `structure.grammar`) whose elements are read, with the attributes that are."""
 
-_READ = {line.split()[0]: frozenset(line.split()[1:]) for line in READ.split("\n") if line}
+READ_ATTRIBUTES = {line.split()[0]: frozenset(line.split()[1:]) for line in READ.split("\n") if line}
+"""The same by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,15 +118,18 @@ def unread(document: Document) -> tuple[Unread, ...]:
         if declaration.switch is not None:
             attribute, cases = declaration.switch
             declaration = known[cases.get(element.get(attribute, ""), declaration.name)]
+        if declaration.name not in READ_ATTRIBUTES:
+            _count(found, (path, ""), element)
+            continue
         for name in cast("Mapping[str, str]", element.attrib):
-            if name not in _READ[declaration.name] and not name.startswith("{"):
+            if name not in READ_ATTRIBUTES[declaration.name] and not name.startswith("{"):
                 _count(found, (path, name), element)
         inner = []
         for child in element.iterchildren(etree.Element) if not declaration.anything else ():
             tag = etree.QName(child).localname
             below = f"{path}/{tag}".lstrip("/")
             target = declaration.content.declaration(tag)
-            if target is None or target not in _READ:
+            if target is None or (target not in READ_ATTRIBUTES and known[target].switch is None):
                 _count(found, (below, ""), child)
             else:
                 inner.append((child, known[target], below))
