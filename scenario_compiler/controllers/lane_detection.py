@@ -2,7 +2,8 @@
 
 Pure pursuit of the middle between the detected boundaries and a proportional speed controller, with the AISA toolkit's
 numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last path it trusted is
-kept in the odometry's frame and followed to its end, and then on at its last curvature.
+kept in the odometry's frame and followed to its end, and then on at its last curvature. Whatever the forward sensor
+sees ahead in its way is followed at a time gap.
 """
 
 from __future__ import annotations
@@ -46,6 +47,10 @@ class LaneDetectionParams(ControllerParams):
     look_ahead_min: float = Field(3.0, gt=0, le=50, description="Least look-ahead, m.")
     look_ahead_max: float = Field(20.0, gt=0, le=100, description="Greatest look-ahead, m.")
     speed_gain: float = Field(2.0, gt=0, le=20, description="Throttle per m/s of missing speed.")
+    time_gap: float = Field(1.5, gt=0, le=10, description="Time gap to the vehicle ahead, s.")
+    minimum_gap: float = Field(2.0, gt=0, le=20, description="Gap at standstill, m.")
+    following_acceleration: float = Field(1.5, gt=0, le=10, description="Greatest acceleration in following, m/s2.")
+    following_deceleration: float = Field(2.0, gt=0, le=10, description="Comfortable deceleration, m/s2.")
 
 
 class LaneDetectionController(ControllerModel):
@@ -75,17 +80,36 @@ class LaneDetectionController(ControllerModel):
         reach = min(max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max)
         x, y = _target(path, reach)
         angle = math.atan2(2.0 * vehicle.wheelbase * y, x * x + y * y)
-        missing = self.params.speed_gain * (vehicle.desired_speed - speed)
+        throttle, brake = self._pedals(sensor_data, speed, vehicle)
         return Control(
-            throttle=min(max(missing, 0.0), 1.0),
+            throttle=throttle,
             steer=min(max(angle / vehicle.max_steer, -1.0), 1.0),
-            brake=min(max(-missing / 4.0, 0.0), 1.0),
+            brake=brake,
             trajectory=tuple(point for point in path if point[0] > 0.0),
             confidence_left=lanes.p_left,
             confidence_right=lanes.p_right,
             sensor_health=lanes.sensor_health,
             lanes=lanes,
         )
+
+    def _pedals(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> tuple[float, float]:
+        """Return throttle and brake that hold the desired speed, or the gap to whatever is ahead."""
+        missing = self.params.speed_gain * (vehicle.desired_speed - speed)
+        throttle, brake = min(max(missing, 0.0), 1.0), min(max(-missing / 4.0, 0.0), 1.0)
+        if sensor_data.lead_gap is None:
+            return throttle, brake
+        followed = self._following(speed, sensor_data.lead_speed, sensor_data.lead_gap, vehicle.desired_speed)
+        if followed >= 0.0:
+            return min(throttle, followed / vehicle.max_acceleration), brake
+        return 0.0, max(brake, min(-followed / vehicle.max_deceleration, 1.0))
+
+    def _following(self, speed: float, lead: float, gap: float, desired: float) -> float:
+        """Return the acceleration of the intelligent driver model (Treiber, Hennecke and Helbing 2000), m/s2."""
+        a, b = self.params.following_acceleration, self.params.following_deceleration
+        closing = speed * (speed - lead) / (2.0 * math.sqrt(a * b))
+        wanted = self.params.minimum_gap + max(0.0, speed * self.params.time_gap + closing)
+        free = (speed / max(desired, 0.1)) ** 4
+        return a * (1.0 - min(free, 2.0) - (wanted / max(gap, 0.1)) ** 2)
 
     def display_info(self) -> dict[str, str]:
         """Return both sides' confidences and the sensor's health."""

@@ -51,11 +51,16 @@ class SensorData:
         t: Time, s.
         image: (height, width, 3) uint8, BGR.
         camera: The camera that took it.
+        lead_gap: Distance from the front bumper to whatever the forward sensor sees in the car's own way, m; None
+            when it sees nothing there.
+        lead_speed: Its speed along the way, m/s.
     """
 
     t: float
     image: NDArray[np.uint8]
     camera: CameraMounting
+    lead_gap: float | None = None
+    lead_speed: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +74,8 @@ class VehicleState:
         wheelbase: Distance between the axles, m.
         center: Distance from the rear axle ahead to the box's centre, m.
         max_steer: Greatest angle of the front wheels, rad.
+        max_acceleration: Acceleration at full throttle, m/s2.
+        max_deceleration: Deceleration at full brake, m/s2.
         desired_speed: Speed that the automation aims for, m/s.
         period: Time between two control steps, s.
     """
@@ -79,6 +86,8 @@ class VehicleState:
     wheelbase: float
     center: float
     max_steer: float
+    max_acceleration: float
+    max_deceleration: float
     desired_speed: float
     period: float
 

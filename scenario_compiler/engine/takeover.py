@@ -146,18 +146,21 @@ def asking_cause(p: Program, st: State, i: int) -> int:
 
 
 @compiled
-def warns(p: Program, st: State) -> int:
-    """Return 1 where a side's confidence or the health is low, or a cause of the road ahead has been seen once."""
+def warning_cause(p: Program, st: State) -> int:
+    """Return the cause that warns, CAUSE_NONE without one.
+
+    A side's confidence or the health is low, or a cause of the road ahead has been seen once.
+    """
+    if p.cause_on[CAUSE_SENSOR_HEALTH] == 1 and st.health[0] < p.const[K_HEALTH_WARNING]:
+        return CAUSE_SENSOR_HEALTH
     weaker = min(st.conf_left[0], st.conf_right[0])
     if p.cause_on[CAUSE_LANE_CONFIDENCE] == 1 and weaker < p.const[K_CONFIDENCE_WARNING]:
-        return 1
-    if p.cause_on[CAUSE_SENSOR_HEALTH] == 1 and st.health[0] < p.const[K_HEALTH_WARNING]:
-        return 1
+        return CAUSE_LANE_CONFIDENCE
     if p.cause_on[CAUSE_PATH_BLOCKED] == 1 and st.history[CAUSE_PATH_BLOCKED] % 2 == 1:
-        return 1
+        return CAUSE_PATH_BLOCKED
     if p.cause_on[CAUSE_LANE_ENDS] == 1 and st.history[CAUSE_LANE_ENDS] % 2 == 1:
-        return 1
-    return 0
+        return CAUSE_LANE_ENDS
+    return CAUSE_NONE
 
 
 @compiled
@@ -193,16 +196,18 @@ def request_takeover(p: Program, st: State, cause: int) -> None:
 def step_automated(p: Program, st: State, i: int) -> None:
     """Automated or warning: request for a cause, warn, or end the warning."""
     cause = asking_cause(p, st, i)
-    warned = warns(p, st)
+    warned = warning_cause(p, st)
     if cause != CAUSE_NONE:
         request_takeover(p, st, cause)
-    elif warned == 1 and st.takeover_state[0] == TAKEOVER_AUTOMATED:
+    elif warned != CAUSE_NONE and st.takeover_state[0] == TAKEOVER_AUTOMATED:
         st.takeover_state[0] = TAKEOVER_WARNING
+        st.cause[0] = warned
         if st.time_warning[0] < 0.0:
             st.time_warning[0] = st.clock[0]
-        log_event(st, EVENT_WARNING, 0.0)
-    elif warned == 0 and st.takeover_state[0] == TAKEOVER_WARNING:
+        log_event(st, EVENT_WARNING, 1.0 * warned)
+    elif warned == CAUSE_NONE and st.takeover_state[0] == TAKEOVER_WARNING:
         st.takeover_state[0] = TAKEOVER_AUTOMATED
+        st.cause[0] = CAUSE_NONE
         log_event(st, EVENT_WARNING_OVER, 0.0)
 
 
@@ -256,7 +261,7 @@ def step_manual(p: Program, st: State, i: int) -> None:
     wait = p.const[K_HAND_BACK_AFTER]
     if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != CAUSE_NONE:
         return
-    if warns(p, st) == 0 and st.manoeuvre[0] == MANOEUVRE_KEEP and st.crashed[0] == 0:
+    if warning_cause(p, st) == CAUSE_NONE and st.manoeuvre[0] == MANOEUVRE_KEEP and st.crashed[0] == 0:
         st.takeover_state[0] = TAKEOVER_HAND_BACK
         st.cause[0] = CAUSE_NONE
         for c in range(CAUSES):

@@ -6,10 +6,12 @@ import importlib
 import math
 import platform
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.metadata import version
 
 from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
-from scenario_compiler.engine.opcodes import STOP_NONE
+from scenario_compiler.engine.following import leader_gap
+from scenario_compiler.engine.opcodes import FAR, STOP_NONE
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.state import make_draws, new_state
 from scenario_compiler.engine.step import reset, step
@@ -129,7 +131,9 @@ class _Execution:
 
     def _let_control(self, controller: ControllerModel) -> None:
         st, ego = self.state, self.plan.ego.vehicle
-        self.seen = self.world.observe(self.snapshot())
+        gap, lead = leader_gap(self.program, st, 0, 0.0, 1, -FAR)
+        seen = self.world.observe(self.snapshot())
+        self.seen = seen if gap >= FAR else replace(seen, lead_gap=gap, lead_speed=lead)
         vehicle = VehicleState(
             x=st.x[0],
             y=st.y[0],
@@ -137,6 +141,8 @@ class _Execution:
             wheelbase=ego.wheelbase,
             center=ego.center,
             max_steer=math.radians(ego.max_steer),
+            max_acceleration=ego.max_acceleration,
+            max_deceleration=ego.max_deceleration,
             desired_speed=st.target_speed[0],
             period=self.plan.step * self.plan.control_every,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from scenario_compiler.controllers import (
 from scenario_compiler.vocabulary.entities import Controller, Property
 
 CAMERA = CameraMounting(512, 256, math.radians(45.0), 0.5, 1.3, math.radians(-5.0))
-VEHICLE = VehicleState(0.0, 0.0, 0.0, 2.6, 1.3, math.radians(40.0), 10.0, 0.1)
+VEHICLE = VehicleState(0.0, 0.0, 0.0, 2.6, 1.3, math.radians(40.0), 3.5, 8.0, 10.0, 0.1)
 
 
 def images() -> list[SensorData]:
@@ -62,6 +63,12 @@ def test_same_inputs_give_the_same_commands_after_a_reset(controller: Controller
         return [(c.throttle, c.steer, c.brake, c.trajectory, c.confidence_left, c.confidence_right) for c in found]
 
     assert plain(commands(controller)) == plain(commands(controller))
+
+
+def test_it_brakes_for_what_stands_close_ahead(controller: ControllerModel) -> None:
+    controller.reset(1)
+    close = replace(images()[1], lead_gap=8.0, lead_speed=0.0)
+    assert controller.control(close, 8.0, VEHICLE).brake > 0.2
 
 
 def test_display_and_messages_are_texts_before_and_after_an_image(controller: ControllerModel) -> None:
