@@ -74,16 +74,16 @@ def files() -> Iterator[tuple[str, str, set[str]]]:
     yield "itself", whole(road(0, 100, links(0, 1))), {"SC344"}
     yield "no_length", whole(road(1, 0), road(2)), {"SC303", "SC323"}
     station = '<laneSection s="{}e4"><center><lane id="0" type="none"/></center></laneSection>'
-    yield "sections", whole(road(lanes=f"<lanes>{times(40_000, station)}</lanes>")), {"SC349"}
+    yield "sections", whole(road(lanes=f"<lanes>{times(15_000, station)}</lanes>")), {"SC349"}
     piece = '<geometry s="{}" x="0" y="0" hdg="0" length="1"><line/></geometry>'
     yield "geometries", whole(road(1, 40_000).replace("<planView>", f"<planView>{times(40_000, piece)}")), {"SC344"}
-    yield "unknown_elements", whole(road(more=times(60_000, "<made_up_{}/>"))), {"SC307", "SC320"}
+    yield "unknown_elements", whole(road(more=times(30_000, "<made_up_{}/>"))), {"SC307", "SC320"}
     made_up = times(900, 'made{}="1" ')
     yield "unknown_attributes", whole(f"<road {made_up}/>" * 200), {"SC307", "SC321"}
-    yield "misplaced", whole(road(more="<objects/><signals/>" + "<objects/>" * 60_000)), {"SC307", "SC324"}
+    yield "misplaced", whole(road(more="<objects/><signals/>" + "<objects/>" * 30_000)), {"SC307", "SC324"}
     words = '<type s="0" type="unheard of {}"/>'
-    yield "words", whole(road().replace("<planView>", times(60_000, words) + "<planView>", 1)), {"SC307", "SC323"}
-    access = times(60_000, '<access sOffset="{}" rule="allow" restriction="none"/>')
+    yield "words", whole(road().replace("<planView>", times(30_000, words) + "<planView>", 1)), {"SC307", "SC323"}
+    access = times(30_000, '<access sOffset="{}" rule="allow" restriction="none"/>')
     yield "records", whole(road(inside=access)), {"SC307", "SC351"}
     linked = "<link>" + '<predecessor id="-1"/><successor id="-1"/>' * 30_000 + "</link>"
     twice = LANES.format(linked).replace("</lanes>", "").replace("<lanes>", "")
@@ -91,9 +91,9 @@ def files() -> Iterator[tuple[str, str, set[str]]]:
     yield "lane_links", whole(road(lanes=f"<lanes>{twice}{behind}</lanes>")), {"SC335"}
     connection = '<connection id="{0}" incomingRoad="{0}" connectingRoad="0" contactPoint="start"/>'
     into = '<successor elementType="junction" elementId="1"/>'
-    many = (road(i, 100, into) for i in range(4000))
-    yield "junction", whole(*many, f'<junction id="1" name="">{times(20_000, connection)}</junction>'), {"SC328"}
-    objects = times(30_000, '<object id="{0}" s="{0}" t="0" zOffset="0"><markings/></object>')
+    many = (road(i, 100, into) for i in range(1500))
+    yield "junction", whole(*many, f'<junction id="1" name="">{times(10_000, connection)}</junction>'), {"SC328"}
+    objects = times(15_000, '<object id="{0}" s="{0}" t="0" zOffset="0"><markings/></object>')
     yield "objects", whole(road(more=f"<objects>{objects}</objects>")), {"SC355"}
     yield "same_ids", whole(road() * 3000), {"SC302", "SC327"}
     yield "nothing", "", {"SC102"}

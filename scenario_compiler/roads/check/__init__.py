@@ -1,10 +1,9 @@
 """What real road files get wrong, beyond their structure: `CHECKS`, one function a family of rules.
 
 What enters: a document and the network that was read from it. What leaves: diagnostics with places
-(`check_network`); all of them are
-warnings or notes, because the rest of the file can be used. Each check gets the file as filed (`filed.Filed`) and
-reports into
-`Findings`. Imports the hall and the modules of `roads` that read files and evaluate geometry.
+(`check_network`); all of them are warnings or notes, because the rest of the file can be used. Each check gets the
+file as filed (`filed.Filed`) and reports into `Findings`. Imports the hall and the modules of `roads` that read files
+and evaluate geometry.
 
 Sources of the rules: the ASAM quality checker for OpenDRIVE and openMSL's, named by their rule UIDs in the codes'
 explanations.

@@ -44,8 +44,7 @@ def check_structure(document: Document, sink: Diagnostics) -> bool:
 
     Returns:
         True when the structure is valid. A file of no known version counts as valid unless its root is not
-        <OpenDRIVE>: nothing
-        more can be said of it.
+        <OpenDRIVE>: nothing more can be said of it.
     """
     walk = _Walk(document, sink)
     walk.run()

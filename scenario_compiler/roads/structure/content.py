@@ -1,8 +1,7 @@
 """The order and number of an element's children, as an automaton over tags.
 
 A content model is a tree: a name, a sequence, a choice, a repetition. Its automaton is Glushkov's: one position for
-each name in
-the model, and for each position those that may follow. States are built when they are first met.
+each name in the model, and for each position those that may follow. States are built when they are first met.
 
 Source: V. M. Glushkov, The abstract theory of automata, Russian Mathematical Surveys 16 (1961).
 """
@@ -11,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +63,8 @@ class _Ends:
 class Content:
     """The automaton of one content model."""
 
+    start: ClassVar[State] = frozenset({0})
+
     names: list[Name] = field(default_factory=lambda: [Name("", "")])
     _follow: list[set[int]] = field(default_factory=lambda: [set()])
     _last: frozenset[int] = frozenset()
@@ -77,8 +79,6 @@ class Content:
         content._follow[0] |= ends.first
         content._last = ends.last | ({0} if ends.empty else frozenset())
         return content
-
-    start: State = frozenset({0})
 
     def declaration(self, tag: str) -> str | None:
         """Return the declaration of a child, None when no child has that tag."""

@@ -3,13 +3,11 @@
 A declaration is a name at the start of a line and indented lines below it:
 
 - `name? length:positive rule?:traffic_rule@1.5-` are attributes: `?` optional, `:` the kind of value (see `words`;
-  none: any text),
-  `@` the versions that know it: `@1.4`, `@1.4-`, `@-1.5`, `@1.4-1.6`. Before 1.5 no attribute is required.
-- `= link=road_link? type* (width+ | border+) ...` are the children in their order: `tag` or `tag=declaration`, `? *
-  + {2,4} {2,}`
-  how often, `|` one of, `...` additional data (userData, include, dataQuality), `..` the same but not in 1.6 and 1.7
-  (whose
-  schemas leave it out), `text` or `text:kind` text instead of children, `anything` any children.
+  none: any text), `@` the versions that know it: `@1.4`, `@1.4-`, `@-1.5`, `@1.4-1.6`. Before 1.5 no attribute is
+  required.
+- `= link=road_link? type* (width+ | border+) ...` are the children in their order: `tag` or `tag=declaration`, `? * +
+  {2,4} {2,}` how often, `|` one of, `...` additional data (userData, include, dataQuality), `..` the same but not in
+  1.6 and 1.7 (whose schemas leave it out), `text` or `text:kind` text instead of children, `anything` any children.
 - `by type@1.8-: virtual=virtual_junction` another declaration takes over where the attribute has that value.
 """
 
