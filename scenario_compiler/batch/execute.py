@@ -14,7 +14,7 @@ from typing import Protocol
 from scenario_compiler.batch.distributions import SweepError, value_of
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
-from scenario_compiler.batch.results import PARAMETER, ResultStore
+from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant, send
 from scenario_compiler.batch.sampling import Sample, Sampler, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
@@ -277,6 +277,7 @@ def run_sweep(
     scheduler: str | None = None,
     workers: int | None = None,
     maps: Sequence[Path] = (),
+    report: bool = True,
     say: Callable[[str], None] | None = None,
 ) -> SweepResult:
     """Run a sweep into a folder.
@@ -290,6 +291,7 @@ def run_sweep(
         scheduler: Address of a Dask scheduler that runs the variants.
         workers: Number of processes; as many as pay when None.
         maps: Folders that maps are looked for in first.
+        report: Write report.html too.
         say: Told what runs the variants, and that the engine is compiled.
 
     Raises:
@@ -303,15 +305,36 @@ def run_sweep(
     store.open(resume=resume)
     count = workers_for(sweep, workers)
     if not store.finished:
+        executor: Executor
+        if scheduler is None:
+            executor = open_executor(sweep, count, say)
+        else:
+            from scenario_compiler.batch.cluster import Cluster
+
+            executor = Cluster(sweep.form, spec.seed, scheduler)
         if say is not None:
-            say(describe(sweep, count))
-        execute(sweep, store, open_executor(sweep, count, say), progress)
+            say(describe(sweep, count, scheduler))
+        execute(sweep, store, executor, progress)
         store.merge(sweep.parts)
+    if report or spec.traces:
+        present(sweep, folder, report=report)
     failed = store.failures()
     return SweepResult(folder, store.table, sweep.sampler.total, failed, sweep.form, count)
 
 
-def describe(sweep: Sweep, workers: int) -> str:
+def present(sweep: Sweep, folder: Path, *, report: bool) -> None:
+    """Write the chosen traces and the report of a finished sweep."""
+    from scenario_compiler.batch.presenting import write_page
+    from scenario_compiler.batch.worst import chosen, write_traces
+
+    rows, _ = read_results(folder)
+    spec = sweep.spec
+    write_traces(sweep.families, rows, chosen(rows, spec), spec.seed, folder)
+    if report:
+        write_page(sweep.target, spec, sweep.families, rows, sweep.form, folder)
+
+
+def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
     """Return what runs a sweep, in words."""
     how = {
         "camera": "with a camera in the loop, each in Python",
@@ -320,5 +343,7 @@ def describe(sweep: Sweep, workers: int) -> str:
     }[sweep.form]
     if sweep.spec.form == "interpreted" and sweep.form == "interpreted":
         how = "interpreted"
-    where = "in this process" if workers == 1 else f"in {workers} processes"
+    where = "in this process" if workers == 1 and sweep.form != "camera" else f"in {workers} processes"
+    if scheduler is not None:
+        where = f"on the cluster at {scheduler}"
     return f"{sweep.sampler.total} variants {how}, {where}"

@@ -106,7 +106,7 @@ def timeline_plot(run: Run, prefix: str) -> str:
             axes[3].set_ylim(bottom=0)
         axes[-1].set_xlabel("time (s)")
         axes[-1].set_xlim(float(recording.t[0]), max(float(recording.t[-1]), float(recording.t[0]) + 1e-3))
-        return _svg(figure, prefix)
+        return svg_of(figure, prefix)
 
 
 def _state_bar(axis: Axes, run: Run) -> None:
@@ -228,7 +228,7 @@ def _map(run: Run, prefix: str, turn: float, frame: Floats, margin: tuple[float,
         axis.set_axis_off()
         _draw_scale(axis, turn, low, high)
         axis.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=6, handlelength=1.2, numpoints=1)
-        return _svg(figure, prefix)
+        return svg_of(figure, prefix)
 
 
 def _draw_roads(axis: Axes, around: Surroundings, turn: float, points_per_metre: float) -> None:
@@ -349,7 +349,7 @@ def _row_at(t: Floats, time: float) -> int:
     return min(int(np.searchsorted(t, time - 1e-6)), len(t) - 1)
 
 
-def _svg(figure: Figure, prefix: str) -> str:
+def svg_of(figure: Figure, prefix: str) -> str:
     """Return the figure as an SVG element whose ids begin with `prefix`, to stand in a page with others."""
     text = io.StringIO()
     FigureCanvasSVG(figure)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import math
+import shlex
 from pathlib import Path
 
 import pytest
+from lxml import etree
 
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import Progress, prepare, run_sweep
@@ -14,9 +15,14 @@ from scenario_compiler.batch.results import PARAMETER, read_results
 from scenario_compiler.batch.runner import record
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import with_values
+from scenario_compiler.batch.worst import repeat_command
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.plan.store import read_plan, write_plan
 from scenario_compiler.recording.outcome import judge
+from scenario_compiler.recording.store import read_recording
+from scenario_compiler.report.statistics import wilson_interval
+from scenario_compiler.runtime import open_world, run
 
 LIBRARY = Path(__file__).parents[2] / "library" / "conflicts"
 VARY = ("distance=uniform(10, 350)", "speed=choice(8, 13.9, 20)")
@@ -26,14 +32,10 @@ def _spec(**settings: object) -> SweepSpec:
     return SweepSpec.model_validate({"vary": VARY, "samples": 40, "perception": "ideal", **settings})
 
 
-def _same(one: object, other: object) -> bool:
-    return one == other or (other is None and isinstance(one, float) and math.isnan(one))
-
-
 @pytest.mark.parametrize("form", ["interpreted", "compiled"])
 def test_a_row_says_what_the_outcome_of_its_run_says(conflict: Path, tmp_path: Path, form: str) -> None:
     spec = _spec(samples=12, form=form, seed=5)
-    run_sweep(conflict, spec, tmp_path / "sweep", workers=1)
+    run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=False)
     rows, about = read_results(tmp_path / "sweep")
     sweep = prepare(conflict, spec, Diagnostics())
     assert {"pass", "fail"} <= set(rows["result"])
@@ -64,7 +66,7 @@ def test_library_conflicts_run_compiled_as_interpreted(name: str, tmp_path: Path
     tables = []
     for form in ("interpreted", "compiled"):
         spec = SweepSpec.model_validate({"vary": vary, "samples": 2, "perception": "ideal", "form": form})
-        run_sweep(target, spec, tmp_path / form, workers=1)
+        run_sweep(target, spec, tmp_path / form, workers=1, report=False)
         tables.append(read_results(tmp_path / form)[0])
     assert tables[0] == tables[1]
 
@@ -73,7 +75,7 @@ def test_no_split_changes_a_byte(conflict: Path, tmp_path: Path) -> None:
     contents = set()
     for workers in (1, 2):
         folder = tmp_path / str(workers)
-        assert run_sweep(conflict, _spec(), folder, workers=workers).workers == workers
+        assert run_sweep(conflict, _spec(), folder, workers=workers, report=False).workers == workers
         contents.add((folder / "results.parquet").read_bytes())
     assert len(contents) == 1
 
@@ -87,30 +89,30 @@ def test_an_interrupted_sweep_is_resumed_to_the_same_bytes(conflict: Path, tmp_p
             raise StopError
 
     spec = _spec(samples=40)
-    run_sweep(conflict, spec, tmp_path / "whole", workers=1)
+    run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     with contextlib.suppress(StopError):
-        run_sweep(conflict, spec, tmp_path / "parts", workers=1, progress=stop)
+        run_sweep(conflict, spec, tmp_path / "parts", workers=1, progress=stop, report=False)
     kept = list((tmp_path / "parts" / "parts").glob("*.parquet"))
     assert len(kept) == 2
     (kept[0].with_suffix(".parquet.tmp")).write_bytes(b"half a part")
     with pytest.raises(SweepError, match="--resume"):
-        run_sweep(conflict, spec, tmp_path / "parts", workers=1)
+        run_sweep(conflict, spec, tmp_path / "parts", workers=1, report=False)
     with pytest.raises(SweepError, match="another sweep: it differs in spec"):
-        run_sweep(conflict, _spec(seed=2), tmp_path / "parts", workers=1, resume=True)
+        run_sweep(conflict, _spec(seed=2), tmp_path / "parts", workers=1, resume=True, report=False)
     seen: list[Progress] = []
-    run_sweep(conflict, spec, tmp_path / "parts", workers=1, resume=True, progress=seen.append)
+    run_sweep(conflict, spec, tmp_path / "parts", workers=1, resume=True, progress=seen.append, report=False)
     assert seen[0].resumed == 32
     files = [sorted(p.name for p in (tmp_path / name).iterdir()) for name in ("whole", "parts")]
     assert files[0] == files[1]
     tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("whole", "parts")]
     assert tables[0] == tables[1]
-    again = run_sweep(conflict, spec, tmp_path / "parts", workers=1, resume=True)
+    again = run_sweep(conflict, spec, tmp_path / "parts", workers=1, resume=True, report=False)
     assert (again.total, again.failed) == (40, 0)
 
 
 def test_structure_makes_families_and_a_bad_one_costs_only_its_rows(conflict: Path, tmp_path: Path) -> None:
     spec = _spec(vary=("preset=choice(urgent, nobody, absent)", "distance=grid(60, 80, 3)"), method="grid")
-    result = run_sweep(conflict, spec, tmp_path / "sweep", workers=1)
+    result = run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=False)
     rows, _ = read_results(tmp_path / "sweep")
     assert rows[PARAMETER + "preset"] == ["urgent"] * 3 + ["nobody"] * 3 + ["absent"] * 3
     assert len(set(rows["digest"])) == 3
@@ -120,7 +122,7 @@ def test_structure_makes_families_and_a_bad_one_costs_only_its_rows(conflict: Pa
 
 
 def test_a_value_outside_its_limits_is_a_row_with_its_error(conflict: Path, tmp_path: Path) -> None:
-    run_sweep(conflict, _spec(vary=("distance=grid(5, 60, 2)",)), tmp_path / "sweep", workers=1)
+    run_sweep(conflict, _spec(vary=("distance=grid(5, 60, 2)",)), tmp_path / "sweep", workers=1, report=False)
     rows, _ = read_results(tmp_path / "sweep")
     assert rows["result"] == ["error", "fail"]
     assert rows["error"][0] == "distance is 5, but must be at least 10"
@@ -129,26 +131,75 @@ def test_a_value_outside_its_limits_is_a_row_with_its_error(conflict: Path, tmp_
 @pytest.mark.parametrize("vary", [("distanse=uniform(1, 2)",), ()])
 def test_a_wrong_sweep_writes_nothing(conflict: Path, tmp_path: Path, vary: tuple[str, ...]) -> None:
     with pytest.raises((CompileError, SweepError)):
-        run_sweep(conflict, _spec(vary=vary), tmp_path / "sweep")
+        run_sweep(conflict, _spec(vary=vary), tmp_path / "sweep", report=False)
     assert not (tmp_path / "sweep").exists()
 
 
 def test_other_files_are_left_alone(conflict: Path, tmp_path: Path) -> None:
     with pytest.raises(SweepError, match="holds no sweep"):
-        run_sweep(conflict, _spec(), tmp_path)
+        run_sweep(conflict, _spec(), tmp_path, report=False)
 
 
 def test_a_plan_is_swept_over_its_open_parameters(conflict: Path, tmp_path: Path) -> None:
-    from scenario_compiler.plan.store import write_plan
-
     done = compile_target(conflict, {}, Diagnostics(), overrides=Overrides(perception="ideal"))
     assert done is not None
     write_plan(done.plan, tmp_path / "plan.json")
     tables = []
     for target, perception in ((conflict, "ideal"), (tmp_path / "plan.json", None)):
         folder = tmp_path / target.suffix[1:]
-        run_sweep(target, _spec(samples=4, perception=perception), folder, workers=1)
+        run_sweep(target, _spec(samples=4, perception=perception), folder, workers=1, report=False)
         tables.append(read_results(folder)[0])
     assert tables[0] == tables[1]
     with pytest.raises(SweepError, match="no open parameter 'preset'"):
         prepare(tmp_path / "plan.json", _spec(vary=("preset=choice(a, b)",), perception=None), Diagnostics())
+
+
+def test_the_worst_cases_are_kept_and_shown(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec(samples=20, vary=("distance=uniform(12, 300)", "speed=uniform(8, 20)"), traces="worst:2")
+    folder = tmp_path / "sweep"
+    run_sweep(conflict, spec, folder, workers=1)
+    rows, _ = read_results(folder)
+    worst = [int(path.name) for path in sorted((folder / "traces").iterdir())]
+    speeds = sorted((speed for speed in rows["collision_speed"] if speed is not None), reverse=True)
+    assert sorted(rows["collision_speed"][index] for index in worst) == sorted(speeds[:2])
+    for index in worst:
+        recording = read_recording(folder / "traces" / f"{index:08}" / "recording.parquet")
+        plan = read_plan(folder / "traces" / f"{index:08}" / "plan.json", Diagnostics())
+        assert plan is not None
+        assert recording.header.variant == index
+        assert judge(plan, recording).measures["collision_time"].value == rows["collision_time"][index]
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    etree.fromstring(page.encode(), etree.HTMLParser())
+    assert f"--variant {worst[0]} -o variant-{worst[0]}" in page
+    assert "collision rate" in page
+    assert "<script" not in page
+    again = tmp_path / "again"
+    run_sweep(conflict, spec, again, workers=1)
+    assert (again / "report.html").read_text(encoding="utf-8") == page
+
+
+def test_a_case_is_repeated_from_its_command_line(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec(samples=3, seed=4, duration=4.0)
+    run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=False)
+    rows, _ = read_results(tmp_path / "sweep")
+    words = shlex.split(repeat_command(str(conflict), spec, rows, 2))
+    settings = dict(word.split("=", 1) for word in words if "=" in word)
+    assert words[-6:-2] == ["--seed", "4", "--variant", "2"]
+    done = compile_target(conflict, settings, Diagnostics(), overrides=spec.overrides)
+    assert done is not None
+    again = judge(done.plan, run(done.plan, open_world("kinematic", done.plan, done.network), 4, variant=2))
+    assert again.measures["minimum_distance"].value == rows["minimum_distance"][2]
+
+
+@pytest.mark.parametrize("text", ["worst", "worst:0", "best:3", "all:3", "random:x"])
+def test_a_wrong_wish_for_traces_is_refused(text: str) -> None:
+    with pytest.raises(SweepError, match="give worst:K"):
+        _spec(traces=text).traces_wanted()
+
+
+@pytest.mark.parametrize(
+    ("hits", "count", "low", "high"),
+    [(0, 10, 0.0, 0.2775), (5, 10, 0.2366, 0.7634), (10, 10, 0.7225, 1.0), (0, 0, 0.0, 1.0)],
+)
+def test_wilson_intervals(hits: int, count: int, low: float, high: float) -> None:
+    assert wilson_interval(hits, count) == pytest.approx((low, high), abs=1e-4)

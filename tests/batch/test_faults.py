@@ -27,19 +27,11 @@ CONTROLLER = '''
 import os
 import time
 
-from scenario_compiler import Control, ControllerModel, ControllerParams
+from scenario_compiler import Control, ControllerModel
 
 
 class Misbehaving(ControllerModel):
     """Ends the process above 19 m/s, hangs above 14 m/s, raises above 11 m/s."""
-
-    Params = ControllerParams
-
-    def __init__(self, params):
-        """Take the parameters."""
-
-    def reset(self, seed):
-        """Begin a run."""
 
     def control(self, sensor_data, speed, vehicle):
         """Misbehave, or roll on."""
@@ -49,7 +41,7 @@ class Misbehaving(ControllerModel):
             time.sleep(60)
         if speed > 11:
             raise ValueError("too fast for me")
-        return Control()
+        return Control(0.0, 0.0, 0.0)
 '''
 
 
@@ -60,7 +52,7 @@ def _spec(**settings: object) -> SweepSpec:
 
 def test_a_killed_worker_loses_and_doubles_nothing(conflict: Path, tmp_path: Path) -> None:
     spec = _spec(samples=64)
-    run_sweep(conflict, spec, tmp_path / "whole", workers=1)
+    run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     sweep = prepare(conflict, spec, Diagnostics())
     store = sweep.store(tmp_path / "killed")
     store.open(resume=False)
@@ -87,9 +79,7 @@ class _KillingPool(Pool):
             yield number, batch
 
 
-def test_variants_that_crash_or_hang_are_rows(
-    conflict: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "misbehaving.py").write_text(CONTROLLER, encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
     spec = _spec(
@@ -100,7 +90,7 @@ def test_variants_that_crash_or_hang_are_rows(
         duration=0.2,
         time_limit=5.0,
     )
-    result = run_sweep(conflict, spec, tmp_path / "sweep", workers=2)
+    result = run_sweep(conflict, spec, tmp_path / "sweep", workers=2, report=False)
     rows, _ = read_results(tmp_path / "sweep")
     assert (result.form, result.failed) == ("camera", 3)
     assert rows["error"] == [
@@ -115,7 +105,7 @@ def test_variants_that_crash_or_hang_are_rows(
 
 def test_a_full_disk_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
     spec = _spec(samples=64)
-    run_sweep(conflict, spec, tmp_path / "whole", workers=1)
+    run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     done = subprocess.run(
         [sys.executable, "-c", FULL_DISK, str(conflict), str(tmp_path / "full")],
         capture_output=True,
@@ -125,7 +115,7 @@ def test_a_full_disk_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> 
     )
     assert done.stdout.split() == ["OSError", "2"], done.stderr
     assert not list((tmp_path / "full").rglob("*.tmp"))
-    run_sweep(conflict, spec, tmp_path / "full", workers=1, resume=True)
+    run_sweep(conflict, spec, tmp_path / "full", workers=1, resume=True, report=False)
     tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("whole", "full")]
     assert tables[0] == tables[1]
 
@@ -145,7 +135,7 @@ def fill(progress):
 
 folder = Path(sys.argv[2])
 try:
-    run_sweep(sys.argv[1], spec, folder, workers=1, progress=fill)
+    run_sweep(sys.argv[1], spec, folder, workers=1, progress=fill, report=False)
 except OSError:
     print("OSError", len(list((folder / "parts").glob("*.parquet"))))
 """
@@ -154,7 +144,7 @@ except OSError:
 @pytest.mark.slow
 def test_kill_9_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
     spec = _spec(samples=640, form="interpreted")
-    run_sweep(conflict, spec, tmp_path / "whole", workers=1)
+    run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     folder = tmp_path / "killed"
     script = KILLED.format(target=str(conflict), folder=str(folder))
     process = subprocess.Popen([sys.executable, "-c", script])
@@ -164,7 +154,7 @@ def test_kill_9_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
     process.kill()
     process.wait()
     assert not (folder / "results.parquet").exists()
-    run_sweep(conflict, spec, folder, workers=2, resume=True)
+    run_sweep(conflict, spec, folder, workers=2, resume=True, report=False)
     assert (folder / "results.parquet").read_bytes() == (tmp_path / "whole" / "results.parquet").read_bytes()
 
 
@@ -174,12 +164,12 @@ from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 
 spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", form="interpreted")
-run_sweep("{target}", spec, Path("{folder}"), workers=1)
+run_sweep("{target}", spec, Path("{folder}"), workers=1, report=False)
 """
 
 
 @pytest.mark.slow
 def test_a_sweep_needs_little_memory(conflict: Path, tmp_path: Path) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    run_sweep(conflict, _spec(samples=10_000, form="compiled"), tmp_path / "sweep", workers=1)
+    run_sweep(conflict, _spec(samples=10_000, form="compiled"), tmp_path / "sweep", workers=1, report=False)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 500_000

@@ -1,0 +1,115 @@
+"""Which variants of a sweep deserve a closer look, and their recordings."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from scenario_compiler.batch.measuring import Columns
+from scenario_compiler.batch.results import PARAMETER
+from scenario_compiler.batch.runner import record
+from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.variants import Families, with_values
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.expressions import format_value
+from scenario_compiler.plan.store import write_plan
+from scenario_compiler.randomness import hash_bits
+from scenario_compiler.recording.events import write_events
+from scenario_compiler.recording.outcome import judge, write_outcome
+from scenario_compiler.recording.store import write_recording
+from scenario_compiler.report.run import Run
+
+TRACES = "traces"
+
+
+def by_severity(rows: Columns) -> list[int]:
+    """Return the variants that have a run, the worst first.
+
+    Collisions come first, the fastest first; then the least time to collision, then the least distance.
+    """
+    return sorted(
+        (index for index, result in enumerate(rows["result"]) if result != "error"),
+        key=lambda index: (
+            rows["collision_time"][index] is None,
+            -(rows["collision_speed"][index] or 0.0),
+            *(math.inf if rows[name][index] is None else rows[name][index] for name in SEVERITY),
+            index,
+        ),
+    )
+
+
+SEVERITY = ("minimum_time_to_collision", "minimum_distance")
+"""Measures that order runs without a collision, the least first."""
+
+
+def chosen(rows: Columns, spec: SweepSpec) -> list[int]:
+    """Return the variants whose traces the sweep keeps."""
+    kind, count = spec.traces_wanted()
+    order = by_severity(rows)
+    if kind == "worst":
+        return order[:count]
+    if kind == "random":
+        return sorted(sorted(order, key=lambda index: hash_bits(spec.seed, index, "sweep/traces"))[:count])
+    return sorted(order) if kind == "all" else []
+
+
+def run_again(families: Families, rows: Columns, index: int, seed: int) -> Run:
+    """Run a variant of a finished sweep again, interpreted, and return all that belongs to it.
+
+    Raises:
+        ValueError: The variant's structure does not compile any more.
+    """
+    from scenario_compiler.batch.runner import Variant
+
+    sample = {
+        name.removeprefix(PARAMETER): values[index] for name, values in rows.items() if name.startswith(PARAMETER)
+    }
+    family = families.of(sample)
+    if isinstance(family, Diagnostics):
+        raise ValueError(f"variant {index} does not compile any more")
+    variant = Variant(index, family.number, family.values(sample))
+    plan = with_values(family.plan, variant.values)
+    recording = record(family.plan, family.network, variant, seed)
+    return Run(plan, family.network, recording, judge(plan, recording))
+
+
+def write_traces(families: Families, rows: Columns, indices: Sequence[int], seed: int, folder: Path) -> list[Path]:
+    """Write the plan, recording, events and outcome of variants, one at a time, into folders; return those.
+
+    A folder that is whole already is left as it is.
+    """
+    written = []
+    for index in indices:
+        place = folder / TRACES / f"{index:08}"
+        written.append(place)
+        if (place / "outcome.json").is_file():
+            continue
+        place.mkdir(parents=True, exist_ok=True)
+        run = run_again(families, rows, index, seed)
+        write_plan(run.plan, place / "plan.json")
+        write_recording(run.recording, place / "recording.parquet")
+        write_events(run.recording.events, place / "events.csv")
+        write_outcome(run.outcome, place / "outcome.json")
+    return written
+
+
+def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int) -> str:
+    """Return the command that runs a variant alone, with the same trajectories."""
+    words = ["scenario-compiler", "run", target]
+    if not target.endswith(".json"):
+        settings = dict(spec.settings)
+        for name, values in rows.items():
+            if name.startswith(PARAMETER):
+                settings[name.removeprefix(PARAMETER)] = format_value(values[index])
+        words += [word for name, text in settings.items() for word in ("--set", f"{name}={text}")]
+        options = (
+            ("--perception", spec.perception),
+            ("--controller", spec.controller),
+            ("--dt", spec.step),
+            ("--duration", spec.duration),
+        )
+        words += [word for option, value in options if value is not None for word in (option, str(value))]
+    words += ["--seed", str(spec.seed), "--variant", str(index), "-o", f"variant-{index}"]
+    return shlex.join(words)

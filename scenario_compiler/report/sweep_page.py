@@ -1,0 +1,215 @@
+"""The page of a sweep: rates with their intervals, distributions, heat maps, the worst cases and how to repeat them.
+
+It takes plain tables: rows by column, as the sweep's Parquet file holds them, and runs of the cases that are shown.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.recording import Floats
+from scenario_compiler.report import plots, sweep_plots
+from scenario_compiler.report.palette import WORDS
+from scenario_compiler.report.run import Run
+from scenario_compiler.report.statistics import wilson_interval
+from scenario_compiler.report.wording import decimal
+
+TEMPLATE = "sweep.html.jinja"
+
+SHOWN = (
+    "takeover_time",
+    "time_budget",
+    "takeover_buffer",
+    "minimum_time_to_collision",
+    "minimum_distance",
+    "maximum_longitudinal_acceleration",
+    "maximum_lateral_acceleration",
+    "maximum_lateral_offset",
+    "collision_speed",
+)
+"""Measures whose distributions are drawn."""
+
+MOST_MAPS = 6
+"""Pairs of parameters with a heat map, at most."""
+
+Rows = Mapping[str, Sequence[Any]]
+
+
+@dataclass(frozen=True)
+class Rate:
+    """How often something happened.
+
+    Attributes:
+        name: What.
+        hits: How often.
+        count: Of how many runs.
+        low: Lower end of the 95 % interval.
+        high: Upper end.
+    """
+
+    name: str
+    hits: int
+    count: int
+    low: float
+    high: float
+
+    @property
+    def rate(self) -> float:
+        """The observed rate; 0 without a run."""
+        return self.hits / self.count if self.count else 0.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A variant that is shown.
+
+    Attributes:
+        index: Its index.
+        parameters: Its parameters by name.
+        command: The command that repeats it.
+        run: Its run, for the pictures; None for a row of the table alone.
+    """
+
+    index: int
+    parameters: Mapping[str, Any]
+    command: str
+    run: Run | None = None
+
+
+@dataclass(frozen=True)
+class SweepPage:
+    """What the page of a sweep shows.
+
+    Attributes:
+        title: Name of the scenario.
+        summary: What happens in it.
+        rows: The table, by column.
+        parameters: Name of each varying parameter and how it is distributed.
+        facts: Further lines on how the sweep was made: (what, value).
+        cases: The worst cases, the worst first.
+        command: The command that makes the sweep again.
+    """
+
+    title: str
+    summary: str
+    rows: Rows
+    parameters: Mapping[str, str]
+    facts: Sequence[tuple[str, str]]
+    cases: Sequence[Case]
+    command: str
+
+
+def write_sweep_report(page: SweepPage, folder: Path) -> Path:
+    """Write report.html into a folder and return its path; equal sweeps give equal bytes."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["number"] = lambda value: "–" if value is None else decimal(value)
+    environment.filters["percent"] = lambda share: f"{100 * share:.3g} %"
+    environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
+    environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
+    text = environment.get_template(TEMPLATE).render(
+        page=page,
+        rates=rates_of(page.rows),
+        errors=_errors(page.rows),
+        pictures=_pictures(page),
+        maps={case.index: _case_pictures(case) for case in page.cases},
+        measures=[measure for measure in MEASURES if measure.name in SHOWN],
+        values=lambda name, index: page.rows[name][index],
+    )
+    path = folder / "report.html"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def rates_of(rows: Rows) -> list[Rate]:
+    """Return how often runs collided, requested a takeover, and how the requests ended."""
+    sound = [k for k, result in enumerate(rows["result"]) if result != "error"]
+    requested = [k for k in sound if rows["resolution"][k] != "no_request"]
+
+    def rate(name: str, hits: int, count: int) -> Rate:
+        return Rate(name, hits, count, *wilson_interval(hits, count))
+
+    def resolved(name: str) -> int:
+        return sum(rows["resolution"][k] == name for k in requested)
+
+    return [
+        rate("collision", sum(rows["collision_time"][k] is not None for k in sound), len(sound)),
+        rate("a criterion broken", sum(rows["result"][k] == "fail" for k in sound), len(sound)),
+        rate("takeover request", len(requested), len(sound)),
+        rate("request answered by the driver", resolved("driver"), len(requested)),
+        rate("request ended in a minimum-risk manoeuvre", resolved("minimum_risk"), len(requested)),
+    ]
+
+
+def _pictures(page: SweepPage) -> dict[str, Any]:
+    rows = page.rows
+    sound = np.array([result != "error" for result in rows["result"]], dtype=bool)
+    defined = []
+    for measure in MEASURES:
+        if measure.name in SHOWN:
+            values = _numbers(rows[measure.name])
+            values = values[np.isfinite(values)]
+            if len(values):
+                defined.append((measure.name.replace("_", " "), measure.unit, values))
+    pictures: dict[str, Any] = {
+        "distributions": sweep_plots.distributions_plot(defined, "measures") if defined else "",
+        "along": [],
+        "maps": [],
+    }
+    collided = np.array([time is not None for time in rows["collision_time"]], dtype=np.float64)[sound]
+    requested = np.array([end != "no_request" for end in rows["resolution"]], dtype=np.float64)[sound]
+    closest = _numbers(rows["minimum_time_to_collision"])[sound]
+    axes = {}
+    for name in page.parameters:
+        taken = rows[f"parameter.{name}"]
+        if all(isinstance(value, float) for value in taken) and sound.any() and len(set(taken)) > 1:
+            axes[name] = _numbers(taken)[sound]
+    for name, values in axes.items():
+        hits = [("collision", collided), ("takeover request", requested)]
+        pictures["along"].append((name, sweep_plots.rate_plot((name, values), hits, f"rate-{name}")))
+    for first, second in list(combinations(axes, 2))[:MOST_MAPS]:
+        both = (first, axes[first]), (second, axes[second])
+        drawn = [sweep_plots.heat_map(*both, collided, "collision rate", f"collision-{first}-{second}")]
+        if np.isfinite(closest).any():
+            label = "mean of the minimum time to collision (s)"
+            drawn.append(sweep_plots.heat_map(*both, closest, label, f"ttc-{first}-{second}"))
+        pictures["maps"].append((first, second, drawn))
+    return pictures
+
+
+def _case_pictures(case: Case) -> dict[str, Any]:
+    run = case.run
+    if run is None or not len(run.recording.t):
+        return {"frames": (), "map": "", "course": ""}
+    return {
+        "frames": run.recording.frames[:3],
+        "map": plots.close_up_map(run, f"case-{case.index}-map"),
+        "course": plots.timeline_plot(run, f"case-{case.index}-course"),
+    }
+
+
+def _errors(rows: Rows) -> list[tuple[str, int, int]]:
+    """Return each error with how often it occurred and the first variant that it is of, the most frequent first."""
+    found: dict[str, list[int]] = {}
+    for index, (result, error) in enumerate(zip(rows["result"], rows["error"], strict=True)):
+        if result == "error":
+            found.setdefault(error, []).append(index)
+    return sorted(((error, len(of), of[0]) for error, of in found.items()), key=lambda one: (-one[1], one[2]))
+
+
+def _numbers(values: Sequence[float | None]) -> Floats:
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)

@@ -1,0 +1,87 @@
+"""A Dask cluster of a scheduler and three worker processes on this machine gives the table of the local run."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.execute import Progress, run_sweep
+from scenario_compiler.batch.spec import SweepSpec
+
+pytest.importorskip("distributed", reason="needs the extra `cluster`")
+WORKERS = 3
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """Address of a scheduler, and its worker processes."""
+    log = tmp_path / "scheduler.log"
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0"]
+    with log.open("wb") as sink:
+        scheduler = subprocess.Popen([*command, "--no-dashboard"], stderr=sink, cwd=tmp_path)
+    processes = [scheduler]
+    try:
+        address = _address(log)
+        worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny"]
+        with (tmp_path / "workers.log").open("wb") as sink:
+            workers = [subprocess.Popen([*worker, "--no-dashboard"], stderr=sink, cwd=tmp_path) for _ in range(WORKERS)]
+        processes += workers
+        yield address, workers
+    finally:
+        for process in processes:
+            process.kill()
+        for process in processes:
+            process.wait()
+
+
+def _address(log: Path) -> str:
+    deadline = time.perf_counter() + 60
+    while time.perf_counter() < deadline:
+        found = re.search(r"Scheduler at:\s*(tcp://[\d.:]+)", log.read_text(encoding="utf-8"))
+        if found:
+            return found.group(1)
+        time.sleep(0.1)
+    raise TimeoutError(log.read_text(encoding="utf-8"))
+
+
+@pytest.mark.slow
+def test_a_cluster_gives_the_local_table_though_a_worker_is_killed(
+    conflict: Path, tmp_path: Path, cluster: tuple[str, list[subprocess.Popen[bytes]]]
+) -> None:
+    address, workers = cluster
+    spec = SweepSpec(
+        vary=("distance=uniform(10, 350)", "preset=choice(urgent, absent)"),
+        samples=300,
+        perception="ideal",
+        form="interpreted",
+    )
+    run_sweep(conflict, spec, tmp_path / "local", workers=1, report=False)
+    killed: list[int] = []
+
+    def kill(progress: Progress) -> None:
+        if progress.done >= 48 and not killed:
+            killed.append(workers[0].pid)
+            os.kill(workers[0].pid, signal.SIGKILL)
+
+    result = run_sweep(conflict, spec, tmp_path / "far", scheduler=address, progress=kill, report=False)
+    assert killed
+    assert result.failed == 0
+    tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("local", "far")]
+    assert tables[0] == tables[1]
+
+
+@pytest.mark.slow
+def test_a_missing_cluster_is_said() -> None:
+    from scenario_compiler.batch.cluster import Cluster
+
+    with pytest.raises(SweepError, match="no Dask cluster answers at tcp://127"):
+        Cluster("interpreted", 1, "tcp://127.0.0.1:9", patience=1.0)
