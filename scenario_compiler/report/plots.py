@@ -350,13 +350,18 @@ def _row_at(t: Floats, time: float) -> int:
 
 
 def svg_of(figure: Figure, prefix: str) -> str:
-    """Return the figure as an SVG element whose ids begin with `prefix`, to stand in a page with others."""
+    """Return the figure as an SVG element whose ids begin with `prefix`, to stand in a page with others.
+
+    Matplotlib names clip paths by addresses in memory; they are numbered, so that equal figures give equal text.
+    """
     text = io.StringIO()
     FigureCanvasSVG(figure)
     figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    for number, name in enumerate(re.findall(r'<clipPath id="(\w+)">', svg)):
+        svg = svg.replace(name, f"clip{number}")
     svg = re.sub(r'(?<=[ #"(])id="', f'id="{prefix}-', svg)
     svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{prefix}-", svg)
     svg = re.sub(r'^<svg[^>]*?viewBox="([^"]+)"[^>]*>', rf'<svg viewBox="\1" {_SVG_ATTRIBUTES}>', svg)
