@@ -1,16 +1,22 @@
-"""The library as files: it reads without a finding, says where things come from, and keeps to its conventions."""
+"""The library as files: it reads without a finding, says where things come from, and provokes what it is named for."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
+from lxml import etree
 
-from scenario_compiler.compiler import compile_target, validate_file
+from scenario_compiler import judge, open_world, run
+from scenario_compiler.compiler import Compilation, Overrides, compile_target, validate_file
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import format_value
+from scenario_compiler.plan.lower import Perception
+from scenario_compiler.recording.recording import Recording
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source import parse
 from scenario_compiler.source.catalogs import load_catalogs
@@ -25,13 +31,135 @@ CONFLICTS = sorted((LIBRARY / "conflicts").glob("*.xml"))
 TEMPLATES = sorted((LIBRARY / "templates").glob("*.xml"))
 
 GOLD = {
-    "sensor_failure": (2, "3", "1-2"),
-    "ramp_blocked": (5, "3", "3"),
-    "road_narrows": (7, "3", "2"),
-    "obstacle_ahead": (9, "3", "1-3"),
-    "markings_missing": (10, "3", "1"),
+    2: ("3", "1-2"),
+    5: ("3", "3"),
+    7: ("3", "2"),
+    9: ("3", "1-3"),
+    10: ("3", "1"),
 }
-"""Number, urgency and response of Gold et al. 2018 as the AISA paper's table 1 quotes them."""
+"""Urgency and response of each situation of Gold et al. 2018 as the AISA paper's table 1 quotes them."""
+
+NUMBERS = {"sensor_failure": 2, "ramp_blocked": 5, "road_narrows": 7, "obstacle_ahead": 9, "markings_missing": 10}
+"""Situation of each of the five conflicts that stand for the table's rows."""
+
+
+@dataclass(frozen=True)
+class Provokes:
+    """What a conflict makes happen.
+
+    Attributes:
+        cause: Cause of the takeover request; empty for none.
+        event: Kind of another event that comes.
+        changes: Entity that changes lane, and the greatest time gap of the ego vehicle to it just then, s.
+    """
+
+    cause: str = ""
+    event: str = ""
+    changes: tuple[str, float] | None = None
+
+
+MARKINGS, SENSOR = Provokes("lane_confidence"), Provokes("sensor_health")
+OBSTACLE, RAMP = Provokes("path_blocked"), Provokes("lane_ends")
+
+PROVOKES: dict[str, Provokes] = {
+    "sensor_failure": SENSOR,
+    "ramp_blocked": RAMP,
+    "road_narrows": OBSTACLE,
+    "obstacle_ahead": OBSTACLE,
+    "markings_missing": MARKINGS,
+    "aisa_situations#lanesdefault": Provokes(),
+    "aisa_situations#customvanishing": MARKINGS,
+    "aisa_situations#customramp": RAMP,
+    "aisa_situations#obstaclestatic": OBSTACLE,
+    "aisa_situations#obstacledynamic": OBSTACLE,
+    "aisa_situations#narrowingroad": OBSTACLE,
+    "aisa_situations#vanishinglanes_weather": MARKINGS,
+    "aisa_situations#vanishinglanes_map": MARKINGS,
+    "aisa_situations#sensornoise": SENSOR,
+    "markings_variants#town_road": MARKINGS,
+    "markings_variants#town_rain": MARKINGS,
+    "markings_variants#worn_straight": MARKINGS,
+    "markings_variants#worn_curve": MARKINGS,
+    "markings_variants#worn_winding": MARKINGS,
+    "markings_variants#covered": MARKINGS,
+    "markings_variants#missing_stretch": MARKINGS,
+    "markings_variants#worn_track": MARKINGS,
+    "markings_variants#behind_a_truck": MARKINGS,
+    "narrowing_variants#parked_van": OBSTACLE,
+    "narrowing_variants#work_zone": OBSTACLE,
+    "narrowing_variants#traffic_signs": OBSTACLE,
+    "narrowing_variants#parked_car_and_traffic": OBSTACLE,
+    "narrowing_variants#motorway_works": OBSTACLE,
+    "obstacle_variants#crossing_car": Provokes("path_blocked", changes=("crossing_vehicle1.crosser", 10.0)),
+    "obstacle_variants#cutting_in": Provokes("path_blocked", changes=("cut_in1.car", 2.5)),
+    "obstacle_variants#oncoming_in_lane": Provokes("path_blocked", changes=("wrong_side1.oncoming", 10.0)),
+    "obstacle_variants#standing_truck": OBSTACLE,
+    "obstacle_variants#accident": OBSTACLE,
+    "obstacle_variants#lost_cargo": OBSTACLE,
+    "obstacle_variants#traffic_jam": OBSTACLE,
+    "obstacle_variants#crossing_cyclist": Provokes("path_blocked", changes=("crossing_pedestrian1.walker", 4.0)),
+    "obstacle_variants#obstacle_in_curve": OBSTACLE,
+    "ramp_variants#gap": Provokes(event="merge"),
+    "ramp_variants#queue": RAMP,
+    "ramp_variants#fast_traffic": RAMP,
+    "r157_situations#cut_in": Provokes(changes=("cut_in1.car", 1.2)),
+    "r157_situations#cut_out": Provokes("path_blocked", changes=("cut_out1.leader", 4.0)),
+    "r157_situations#deceleration": OBSTACLE,
+    "r157_situations#swerving_leader": Provokes(changes=("swerving_leader1.leader", 3.0)),
+    "r157_situations#stationary_target": OBSTACLE,
+    "r157_situations#pedestrian": Provokes("path_blocked", changes=("crossing_pedestrian1.walker", 4.0)),
+    "sensor_variants#noise_burst": SENSOR,
+    "sensor_variants#noise_in_curve": SENSOR,
+}
+"""Every conflict by FILE#name, and what it provokes at its defaults."""
+
+
+@dataclass(frozen=True)
+class Close:
+    """A conflict seen by the camera, started close to what it provokes.
+
+    Attributes:
+        target: FILE#name.
+        duration: Length of the run, s.
+        use: Attributes of the template's use to set.
+        provokes: What it provokes.
+    """
+
+    target: str
+    duration: float
+    use: Mapping[str, str]
+    provokes: Provokes
+
+
+BY_CAMERA: dict[str, Close] = {
+    "accident": Close("obstacle_variants#accident", 3.0, {"distance": "150"}, OBSTACLE),
+    "blocked_lane": Close("r157_situations#stationary_target", 3.0, {"distance": "100"}, OBSTACLE),
+    "braking_leader": Close("r157_situations#deceleration", 7.0, {"onset": "0.5", "deceleration": "6"}, OBSTACLE),
+    "crossing_pedestrian": Close("r157_situations#pedestrian", 6.0, {"distance": "50"}, OBSTACLE),
+    "crossing_vehicle": Close("obstacle_variants#crossing_car", 5.0, {"distance": "60", "speed": "0.6"}, OBSTACLE),
+    "cut_in": Close("obstacle_variants#cutting_in", 6.0, {}, OBSTACLE),
+    "cut_out": Close("r157_situations#cut_out", 8.0, {"distance": "160", "room": "90"}, OBSTACLE),
+    "fading_markings": Close("markings_variants#worn_winding", 8.0, {"from": "50", "over": "40"}, MARKINGS),
+    "lost_cargo": Close("obstacle_variants#lost_cargo", 3.0, {"distance": "150"}, OBSTACLE),
+    "missing_markings": Close("markings_variants#town_road", 6.0, {"from": "60"}, MARKINGS),
+    "narrowing_road": Close("narrowing_variants#parked_van", 4.0, {"distance": "75"}, OBSTACLE),
+    "noise_burst": Close("sensor_variants#noise_burst", 3.0, {"onset": "1"}, SENSOR),
+    "occupied_ramp": Close("ramp_variants#fast_traffic", 14.0, {}, RAMP),
+    "ramp_queue": Close("ramp_variants#queue", 14.0, {}, RAMP),
+    "sensor_failure": Close("sensor_variants#noise_in_curve", 3.0, {"onset": "1"}, SENSOR),
+    "signs_in_lane": Close("narrowing_variants#traffic_signs", 4.0, {"distance": "75"}, OBSTACLE),
+    "traffic_jam": Close("obstacle_variants#traffic_jam", 3.0, {"distance": "150"}, OBSTACLE),
+    "work_zone_taper": Close("narrowing_variants#work_zone", 4.0, {"distance": "75"}, OBSTACLE),
+    "worn_markings": Close("markings_variants#town_rain", 6.0, {"from": "60", "left": "0"}, MARKINGS),
+    "wrong_side": Close("obstacle_variants#oncoming_in_lane", 12.0, {"distance": "180"}, OBSTACLE),
+}
+"""One conflict a template."""
+
+WITHOUT_REQUEST = {"ramp_gap", "swerving_leader", "oncoming_traffic", "slow_vehicle"}
+"""Templates that ask for no takeover."""
+
+LONG = {"occupied_ramp", "ramp_queue"}
+"""Templates whose way to the asserted event takes the camera longer."""
 
 
 def _library(path: Path) -> Library:
@@ -47,6 +175,51 @@ def _parameters(part: Part) -> Mapping[str, Parameter]:
     return template_parameters(part, Diagnostics()).known
 
 
+def _targets() -> list[str]:
+    """Return every conflict as FILE#name, without the name where the file is named after it."""
+    return [
+        path.stem if name == path.stem else f"{path.stem}#{name}"
+        for path in CONFLICTS
+        for name in _library(path).scenarios
+    ]
+
+
+def _path_of(target: str) -> str:
+    file, _, name = target.partition("#")
+    return f"{LIBRARY / 'conflicts' / file}.xml#{name or file}"
+
+
+def _compiled(target: str, perception: Perception = "ideal", duration: float | None = None) -> Compilation:
+    sink = Diagnostics()
+    compilation = compile_target(target, {}, sink, overrides=Overrides(perception=perception, duration=duration))
+    assert [as_text(one) for one in sink] == []
+    assert compilation is not None
+    return compilation
+
+
+def _changed_lane(recording: Recording, entity: int) -> list[float]:
+    """Return the time gap of the ego vehicle to an entity at each of that entity's changes of lane, s."""
+    lane = recording.lane[:, entity]
+    rows = np.flatnonzero(lane[1:] != lane[:-1]) + 1
+    apart = np.hypot(recording.x[:, entity] - recording.x[:, 0], recording.y[:, entity] - recording.y[:, 0])
+    return [float(apart[row] / max(recording.v[row, 0], 0.1)) for row in rows]
+
+
+def _assert_provoked(compilation: Compilation, expected: Provokes) -> None:
+    plan = compilation.plan
+    world = open_world("kinematic", plan, compilation.network)
+    recording = run(plan, world, seed=1)
+    world.close()
+    assert (judge(plan, recording).cause or "") == expected.cause
+    if expected.event:
+        assert expected.event in {event.kind for event in recording.events}
+    if expected.changes is not None:
+        entity, time_gap = expected.changes
+        gaps = _changed_lane(recording, [one.id for one in plan.entities].index(entity))
+        assert gaps
+        assert gaps[0] <= time_gap
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_file_has_no_finding(path: Path) -> None:
     sink = Diagnostics()
@@ -54,14 +227,24 @@ def test_file_has_no_finding(path: Path) -> None:
     assert [as_text(one) for one in sink] == []
 
 
-@pytest.mark.parametrize("path", [*CONFLICTS, *TEMPLATES], ids=lambda path: path.stem)
-def test_file_is_named_after_what_it_holds(path: Path) -> None:
+def test_library_is_large_enough() -> None:
+    assert len(TEMPLATES) >= 20
+    assert len(_targets()) >= 40
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.stem)
+def test_template_has_a_file_of_its_own(path: Path) -> None:
     library = _library(path)
-    held = {**library.scenarios, **library.templates}
-    assert list(held) == [path.stem]
-    element = held[path.stem].element
-    assert element.get("summary")
-    assert element.get("source")
+    assert list(library.templates) == [path.stem]
+    assert not library.scenarios
+
+
+@pytest.mark.parametrize("path", [*CONFLICTS, *TEMPLATES], ids=lambda path: path.stem)
+def test_part_says_what_happens_and_where_it_comes_from(path: Path) -> None:
+    library = _library(path)
+    for name, part in (*library.scenarios.items(), *library.templates.items()):
+        assert part.element.get("summary"), name
+        assert part.element.get("source"), name
 
 
 @pytest.mark.parametrize("path", [*CONFLICTS, *TEMPLATES], ids=lambda path: path.stem)
@@ -75,36 +258,87 @@ def test_parameters_are_documented_and_limited(path: Path) -> None:
                 assert None not in (found.minimum, found.maximum), parameter.name
 
 
-@pytest.mark.parametrize("name", sorted(GOLD))
-def test_conflict_has_its_place_in_the_taxonomy(name: str) -> None:
-    sink = Diagnostics()
-    compiled = compile_target(LIBRARY / "conflicts" / f"{name}.xml", {}, sink)
-    assert compiled is not None, [as_text(one) for one in sink]
-    found = compiled.plan.classification
-    assert found is not None
-    assert (found.scheme, found.number, found.urgency, found.response) == ("gold2018", *GOLD[name])
+@pytest.mark.parametrize("target", _targets())
+def test_conflict_has_its_place_in_the_taxonomy(target: str) -> None:
+    found = _compiled(_path_of(target)).plan.classification
+    if found is None:
+        assert target not in NUMBERS
+        return
+    assert found.number is not None
+    assert found.number == NUMBERS.get(target, found.number)
+    assert (found.scheme, found.urgency, found.response) == ("gold2018", *GOLD[found.number])
     assert (found.predictability, found.criticality) == ("", "")
 
 
-def _ends() -> list[tuple[Path, str, str]]:
-    """Return every conflict with each of its parameters at either end of its range."""
+@pytest.mark.parametrize("target", _targets())
+def test_conflict_provokes_what_it_is_named_for(target: str) -> None:
+    _assert_provoked(_compiled(_path_of(target)), PROVOKES[target])
+
+
+@pytest.mark.parametrize(
+    "template",
+    [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in sorted(BY_CAMERA)],
+)
+def test_camera_sees_what_the_template_provokes(template: str, tmp_path: Path) -> None:
+    close = BY_CAMERA[template]
+    target = _with_use(close.target, template, close.use, tmp_path)
+    _assert_provoked(_compiled(target, "camera", close.duration), close.provokes)
+
+
+def test_every_template_is_seen_by_the_camera() -> None:
+    assert {*BY_CAMERA, *WITHOUT_REQUEST} == {path.stem for path in TEMPLATES}
+
+
+def _with_use(target: str, template: str, attributes: Mapping[str, str], folder: Path) -> str:
+    """Write a conflict with other attributes of its use of a template; return its FILE#name."""
+    path, _, name = _path_of(target).rpartition("#")
+    tree = etree.parse(path)
+    use = tree.find(f"scenario[@name='{name}']/use[@template='{template}']")
+    assert use is not None
+    for key, value in attributes.items():
+        use.set(key, value)
+    written = folder / Path(path).name
+    tree.write(written)
+    return f"{written}#{name}"
+
+
+def _ends(part: Part) -> list[tuple[str, str]]:
+    """Return the ends of the range of each parameter: (name, value)."""
     return [
-        (path, parameter.name, format_value(float(end)))
-        for path in CONFLICTS
-        for part in _library(path).scenarios.values()
+        (parameter.name, format_value(float(end)))
         for parameter in _parameters(part).values()
         for end in (limits(parameter).minimum, limits(parameter).maximum)
         if end is not None
     ]
 
 
-@pytest.mark.parametrize(("path", "name", "value"), _ends(), ids=lambda part: getattr(part, "stem", part))
-def test_conflict_compiles_at_the_ends_of_its_parameters(path: Path, name: str, value: str) -> None:
-    sink = Diagnostics()
-    compiled = compile_target(path, {name: value}, sink)
-    assert [as_text(one) for one in sink] == []
-    assert compiled is not None
-    assert {one.name: one.default for one in compiled.plan.parameters}[name] == value
+@pytest.mark.parametrize("target", _targets())
+def test_conflict_compiles_at_the_ends_of_its_parameters(target: str) -> None:
+    path, _, name = _path_of(target).rpartition("#")
+    for parameter, value in _ends(_library(Path(path)).scenarios[name]):
+        sink = Diagnostics()
+        compiled = compile_target(f"{path}#{name}", {parameter: value}, sink)
+        assert [as_text(one) for one in sink] == [], (parameter, value)
+        assert compiled is not None
+        assert {one.name: one.default for one in compiled.plan.parameters}.get(parameter, value) == value
+
+
+def _host(template: str) -> str:
+    """Return the first conflict that uses a template."""
+    for target in _targets():
+        path, _, name = _path_of(target).rpartition("#")
+        uses = _library(Path(path)).scenarios[name].element.iter("use")
+        if template in [use.get("template") for use in uses]:
+            return target
+    raise AssertionError(f"no conflict uses {template}")
+
+
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.stem)
+def test_template_compiles_at_the_ends_of_its_parameters(path: Path, tmp_path: Path) -> None:
+    for parameter, value in _ends(_library(path).templates[path.stem]):
+        sink = Diagnostics()
+        compile_target(_with_use(_host(path.stem), path.stem, {parameter: value}, tmp_path), {}, sink)
+        assert [as_text(one) for one in sink] == [], (parameter, value)
 
 
 def test_every_template_is_used_by_a_conflict() -> None:
