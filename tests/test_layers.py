@@ -57,6 +57,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "numba": ("engine.build",),
     "pyarrow": ("batch.results", "recording.store"),
     "scenariogeneration": (),
+    "xmlschema": ("roads.xsd",),
     "scipy": ("batch.sampling", "batch.search"),
     "starlette": ("study.server",),
     "uvicorn": ("study.server",),
