@@ -15,7 +15,8 @@ from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.resources import library_folder
 
 HERE = Path(__file__).resolve().parent
-FILES = [*sorted((library_folder() / "conflicts").glob("*.xml")), HERE / "every_word.xml"]
+CONFLICTS = sorted((library_folder() / "conflicts").glob("*.xml"))
+FILES = [*(path for path in CONFLICTS if path.read_text().count("</scenario>") == 1), HERE / "every_word.xml"]
 
 FREE = {"summary", "source", "scheme", "urgency", "response", "predictability", "criticality"}
 """Attributes that hold any text."""
