@@ -35,6 +35,7 @@ class Distribution:
         quantile: The value at a probability in the open interval (0, 1).
         points: All its values in order, for those that are a list of values; empty otherwise.
         listed: The values are tried one by one rather than drawn: a grid.
+        limits: The range, for the uniform distribution: what a search looks through.
     """
 
     text: str
@@ -42,6 +43,7 @@ class Distribution:
     quantile: Callable[[float], Value]
     points: tuple[Value, ...] = ()
     listed: bool = False
+    limits: tuple[float, float] | None = None
 
 
 def parse_distribution(text: str) -> Distribution:
@@ -112,7 +114,7 @@ def _grid(text: str, numbers: Sequence[float]) -> Distribution:
 def _uniform(text: str, numbers: Sequence[float]) -> Distribution:
     _need(len(numbers) == 2 and numbers[0] <= numbers[1], text)
     low, high = numbers
-    return Distribution(text, "number", lambda u: low + (high - low) * u)
+    return Distribution(text, "number", lambda u: low + (high - low) * u, limits=(low, high))
 
 
 def _bounded(normal: NormalDist, limits: Sequence[float]) -> Callable[[float], float]:

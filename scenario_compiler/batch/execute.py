@@ -9,7 +9,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from scenario_compiler.batch.distributions import SweepError, value_of
 from scenario_compiler.batch.measuring import Columns
@@ -150,20 +150,22 @@ class Sweep:
     def _sent(self, family: Family) -> SentPlan:
         return send(family.number, family.plan)
 
-    def store(self, folder: Path) -> ResultStore:
-        """Return the folder's store."""
-        kinds = {name: axis.kind for name, axis in self.spec.axes.items()}
-        manifest = {
+    def manifest(self) -> dict[str, Any]:
+        """Return what decides the rows, for the folder to be known by."""
+        return {
             "target": self.target,
             "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit"}),
-            "spec_hash": self.spec.results_hash(),
             "digest": self.families.base.plan.digest,
             "variants": self.sampler.total,
             "part_size": self.part_size,
             "version": version("scenario-compiler"),
         }
+
+    def store(self, folder: Path) -> ResultStore:
+        """Return the folder's store."""
+        kinds = {name: axis.kind for name, axis in self.spec.axes.items()}
         order = [*self.sampler.crossed, *self.sampler.drawn]
-        return ResultStore(folder, {name: kinds[name] for name in order}, manifest)
+        return ResultStore(folder, {name: kinds[name] for name in order}, self.manifest())
 
 
 def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequence[Path] = ()) -> Sweep:

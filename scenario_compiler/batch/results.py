@@ -82,6 +82,8 @@ class ResultStore:
                 raise SweepError(f"{self.folder} holds another sweep: {_difference(found, self._manifest)}")
         elif self.folder.is_dir() and any(self.folder.iterdir()) and not self._unfinished_start():
             raise SweepError(f"{self.folder} is not empty and holds no sweep")
+        if self.finished:
+            return
         self._parts.mkdir(parents=True, exist_ok=True)
         for left in self.folder.glob("**/*.tmp"):
             left.unlink()

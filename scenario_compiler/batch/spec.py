@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from typing import Literal
 
@@ -64,8 +63,3 @@ class SweepSpec(BaseModel):
         if kind in ("worst", "random") and count.isdigit() and int(count) > 0:
             return kind, int(count)
         raise SweepError(f"traces '{self.traces}': give worst:K, random:K or all")
-
-    def results_hash(self) -> str:
-        """Return the SHA-256 of all that decides the rows: everything but which traces are kept and the time limit."""
-        text = self.model_dump_json(exclude={"traces", "time_limit"})
-        return hashlib.sha256(text.encode()).hexdigest()

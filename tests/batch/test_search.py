@@ -1,0 +1,66 @@
+"""Searches: a boundary to its tolerance, a minimum, and taking both up again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.results import read_results
+from scenario_compiler.batch.search import find_boundary, minimise
+from scenario_compiler.batch.spec import SweepSpec
+
+
+def _spec(*vary: str, **settings: object) -> SweepSpec:
+    return SweepSpec.model_validate({"vary": vary, "perception": "ideal", **settings})
+
+
+def test_the_distance_at_which_collisions_begin_is_found(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec("distance=uniform(12, 200)", "speed=uniform(20, 20)")
+    with pytest.raises(SweepError, match="along one parameter"):
+        find_boundary(conflict, spec, tmp_path / "wrong", when="collision", tolerance=0.5)
+    spec = _spec("distance=uniform(12, 200)", settings={"speed": "20", "preset": "absent"})
+    found = find_boundary(conflict, spec, tmp_path / "search", when="collision", tolerance=0.5)
+    assert 0 < found.without - found.with_it <= 0.5
+    rows, about = read_results(tmp_path / "search")
+    assert found.evaluations == len(rows["variant"]) == 11
+    for distance, time in zip(rows["parameter.distance"], rows["collision_time"], strict=True):
+        assert (time is not None) == (distance <= found.with_it)
+    assert about["asked"] == "boundary of collision to 0.5"
+    again = find_boundary(conflict, spec, tmp_path / "other", when="collision_time >= 0", tolerance=0.5)
+    assert again == found
+
+
+def test_a_search_is_taken_up_again(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec("distance=uniform(12, 200)", settings={"speed": "8"})
+    whole = find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
+    with pytest.raises(SweepError, match="--resume"):
+        find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
+    with pytest.raises(SweepError, match="asked"):
+        find_boundary(conflict, spec, tmp_path / "whole", when="collision", tolerance=1.0, resume=True)
+    assert whole == find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0, resume=True)
+
+
+def test_no_boundary_is_said(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec("distance=uniform(12, 200)")
+    for when, text in (("final_speed > 1000", "at neither end"), ("braking", "neither a measure"), ("a <", "read")):
+        with pytest.raises(SweepError, match=text):
+            find_boundary(conflict, spec, tmp_path / text, when=when, tolerance=1.0)
+    with pytest.raises(SweepError, match="needs a range"):
+        find_boundary(conflict, _spec("distance=normal(1, 2)"), tmp_path / "n", when="collision", tolerance=1.0)
+
+
+@pytest.mark.parametrize("optimizer", ["direct", "nelder-mead"])
+def test_the_least_distance_is_found(conflict: Path, tmp_path: Path, optimizer: str) -> None:
+    spec = _spec("distance=uniform(40, 300)", "speed=uniform(8, 20)")
+    settings = {"measure": "minimum_distance", "evaluations": 30, "optimizer": optimizer}
+    found = minimise(conflict, spec, tmp_path / "search", **settings)  # type: ignore[arg-type]
+    rows, _ = read_results(tmp_path / "search")
+    assert found.measure == min(rows["minimum_distance"])
+    assert found.measure < rows["minimum_distance"][0]
+    assert 40 <= found.values["distance"] <= 300
+    again = minimise(conflict, spec, tmp_path / "search", resume=True, **settings)  # type: ignore[arg-type]
+    assert again == found
+    with pytest.raises(SweepError, match="no measure"):
+        minimise(conflict, spec, tmp_path / "other", measure="beauty", evaluations=3)
