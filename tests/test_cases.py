@@ -28,6 +28,7 @@ WITHOUT_CASE = {
     "SC130": "speaks of plan files",
     "SC131": "speaks of recordings",
     "SC231": "speaks of plan files",
+    "SC244": "speaks of the command line: tests/test_aisa.py",
     "SC377": "positions whose parameters have no value: the language gives every parameter one",
     "SC378": "speaks of map.toml files: tests/roads",
 }

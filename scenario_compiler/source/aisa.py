@@ -13,7 +13,7 @@ from typing import Literal
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.document import Document
 from scenario_compiler.expressions import Expression, Value, format_value, parse_expression
 from scenario_compiler.source import names
@@ -30,7 +30,7 @@ from scenario_compiler.vocabulary.positions import WorldPosition
 from scenario_compiler.vocabulary.scenario import Classification, Parameter, Scenario
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import Do, When
-from scenario_compiler.vocabulary.takeover import Cause, Driver, Takeover
+from scenario_compiler.vocabulary.takeover import Cause, Driver, Message, Takeover
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, weather_preset
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
@@ -42,6 +42,9 @@ DESIRED_SPEED = 5.0
 
 STEP, CONTROL_EVERY = 1.0 / 30.0, 2
 """The toolkit's time step, s, and the number of steps between two control steps."""
+
+MESSAGE = Message(modality=("text", "audio"), content=("what", "why"))
+"""How the driver is told: the toolkit writes on the screen and, with --audio, speaks."""
 
 DURATION = 60.0
 """Length of a run, s; the toolkit runs until its window is closed."""
@@ -59,22 +62,25 @@ class _Known:
         gold: Number, urgency and response in Gold et al. 2018, as the paper's table 1 quotes them.
         summary: What happens.
         moving: The obstacle drifts across the road.
+        off_map: Distance of the start to the nearest road of the published custom map, m; 0: it lies on its map.
     """
 
     summary: str
     gold: tuple[int, str, str] | None = None
     obstacles: tuple[tuple[float, float, float], ...] = ()
     moving: bool = False
+    off_map: float = 0.0
 
 
 _MARKINGS, _OBSTACLE = (10, "3", "1"), (9, "3", "1-3")
 KNOWN: dict[str, _Known] = {
     "lanesdefault": _Known("Lane keeping on a town road"),
-    "customvanishing": _Known("Lane markings vanish on a road of their own", _MARKINGS),
+    "customvanishing": _Known("Lane markings vanish on a road of their own", _MARKINGS, off_map=2541.0),
     "customramp": _Known(
         "The lane beside the entrance ramp is full",
         (5, "3", "3"),
         tuple((2370.0 + 1000.0 * i, -256.0, 90.0) for i in range(8)),
+        off_map=837.0,
     ),
     "obstaclestatic": _Known("A car stands across the lane ahead", _OBSTACLE, ((151.4, -38.4, 0.0),)),
     "obstacledynamic": _Known("A car drifts across the lane ahead", _OBSTACLE, ((155.4, -38.4, 180.0),), moving=True),
@@ -84,6 +90,21 @@ KNOWN: dict[str, _Known] = {
     "sensornoise": _Known("Noise in the camera image", (2, "3", "1-2")),
 }
 """What is known of a scenario by its name."""
+
+OFF_MAP = Code(
+    "SC243",
+    "aisa-start-off-map",
+    "The scenario's start, its destination and the obstacles that the toolkit's code adds lie far off every road of "
+    "the custom map that the toolkit publishes. On that map the scenario cannot run as it is filed.\n\n"
+    "Start it elsewhere, in CARLA's axes, metres and degrees: --set start=X,Y,YAW, with --set obstacles=false where "
+    "the toolkit's obstacles lie off the map too. Or name a map that reaches there: --set town=NAME.",
+    Severity.NOTE,
+)
+BAD_POSE = Code(
+    "SC244",
+    "aisa-bad-pose",
+    "`start` and `dest` are set as X,Y or X,Y,YAW: CARLA's axes, m and degrees, such as --set start=151.4,-91.5,90.",
+)
 
 
 class Waypoint(Word):
@@ -140,6 +161,13 @@ _PARAMETERS: tuple[Parameter, ...] = (
 )
 """The attributes of a scenario, each of which can be set."""
 
+_SETTINGS: tuple[Parameter, ...] = (
+    Parameter(name="start", type="text", default="", summary="Start in place of the file's, X,Y,YAW in CARLA's axes."),
+    Parameter(name="dest", type="text", default="", summary="Destination in place of the file's, X,Y,YAW."),
+    Parameter(name="obstacles", type="boolean", default="true", summary="Whether the code's obstacles are placed."),
+)
+"""What can be set besides."""
+
 
 def expand_aisa(
     config: AisaConfig, name: str, arguments: Mapping[str, str], sink: Diagnostics, catalogs: Catalogs
@@ -148,9 +176,11 @@ def expand_aisa(
     element = config.scenarios[name]
     reading = Reading(config.document, sink, Environment())
     origin = reading.origin(element)
+    known = KNOWN.get(name, _Known(""))
     values = _attributes(element, arguments, reading)
-    waypoints = _waypoints(element, reading)
+    waypoints = _waypoints(element, values, reading)
     _note_unused(element, values, reading)
+    _note_off_map(known, element, arguments, reading)
     weather_id = str(values.get("WeatherId", "1"))
     weather = weather_preset(weather_id)
     if weather is None:
@@ -169,13 +199,13 @@ def expand_aisa(
             names.NO_START,
             f"the scenario '{name}' has no waypoint named 'start'",
             origin,
-            hint='add <waypoint name="start" x=... y=... z=... yaw=... pitch="0" roll="0"/> to its <waypoints>',
+            hint="pass --set start=X,Y,YAW (CARLA's axes), or add "
+            '<waypoint name="start" x=... y=... z=... yaw=... pitch="0" roll="0"/> to its <waypoints>',
         )
     if "town" not in values or weather is None or "start" not in waypoints:
         return None
-    known = KNOWN.get(name, _Known(""))
     ego = _ego(waypoints).written_at(origin)
-    actors = _obstacles(known, origin)
+    actors = _obstacles(known, origin) if values.get("obstacles", True) else []
     happenings = [(one.id, when) for one in actors if isinstance(one, Dynamic) for when in one.whens]
     bare = tuple(one.model_copy(update={"whens": ()}) if isinstance(one, Dynamic) else one for one in actors)
     noise = next(one for one in _PARAMETERS if one.name == "sensor_noise")
@@ -202,10 +232,12 @@ def expand_aisa(
 
 def _attributes(element: etree._Element, arguments: Mapping[str, str], reading: Reading) -> dict[str, Value]:
     """Return the values of the scenario's attributes, those given on the command line before the file's."""
-    report_unknown_arguments(arguments, [one.name for one in _PARAMETERS], reading.sink)
+    known = (*_PARAMETERS, *_SETTINGS)
+    report_unknown_arguments(arguments, [one.name for one in known], reading.sink)
     values: dict[str, Value] = {}
-    for parameter in _PARAMETERS:
-        text = arguments.get(parameter.name, element.get(parameter.name, parameter.default))
+    for parameter in known:
+        filed = element.get(parameter.name, parameter.default) if parameter in _PARAMETERS else parameter.default
+        text = arguments.get(parameter.name, filed)
         if text is None:
             reading.sink.add(
                 names.MISSING_PARAMETER, f"the scenario names no {parameter.name}", reading.origin(element)
@@ -222,9 +254,43 @@ def _place_of(name: str, element: etree._Element, arguments: Mapping[str, str], 
     return COMMAND_LINE if name in arguments else reading.origin(element, name)
 
 
-def _waypoints(element: etree._Element, reading: Reading) -> dict[str, Waypoint]:
+def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: Reading) -> dict[str, Waypoint]:
+    """Return the waypoints by name; where a start is set, the file's destination no longer counts."""
+    set_here = {name: str(values[name]) for name in ("start", "dest") if values.get(name)}
     read = (read_word(one, Waypoint, reading) for one in element.iterfind("waypoints/waypoint"))
-    return {one.name: one for one in read if one is not None}
+    filed = {one.name: one for one in read if one is not None}
+    waypoints = {} if "start" in set_here else filed
+    for name, text in set_here.items():
+        pose = _pose(name, text)
+        if pose is None:
+            reading.sink.add(BAD_POSE, f"'{text}' is no pose: X,Y or X,Y,YAW", COMMAND_LINE)
+        else:
+            waypoints[name] = pose
+    return waypoints
+
+
+def _pose(name: str, text: str) -> Waypoint | None:
+    """Return the pose X,Y or X,Y,YAW, degrees; None when the text is none."""
+    try:
+        x, y, *rest = (float(part) for part in text.split(","))
+    except ValueError:
+        return None
+    yaw = rest[0] if rest else 0.0
+    if len(rest) > 1 or not all(map(math.isfinite, (x, y, yaw))):
+        return None
+    return Waypoint(name=name, x=x, y=y, yaw=math.radians(yaw)).written_at(COMMAND_LINE)
+
+
+def _note_off_map(known: _Known, element: etree._Element, arguments: Mapping[str, str], reading: Reading) -> None:
+    """Say that a start of the file lies off the custom map that the toolkit publishes."""
+    if known.off_map and not {"start", "town"} & arguments.keys():
+        reading.sink.add(
+            OFF_MAP,
+            f"the start of '{element.get('name')}' lies {known.off_map:.0f} m off the published custom map's roads",
+            reading.origin(element),
+            hint="--set start=X,Y,YAW runs it from elsewhere"
+            + (", with --set obstacles=false" if known.obstacles else ""),
+        )
 
 
 def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: Reading) -> None:
@@ -289,6 +355,7 @@ def _takeover(catalogs: Catalogs, origin: Place, sink: Diagnostics) -> Takeover:
     return Takeover(
         causes=tuple(Cause(kind=kind).written_at(origin) for kind in kinds),
         driver=catalog_driver(driver, catalogs, sink),
+        messages=(MESSAGE,),
     ).written_at(origin)
 
 

@@ -1,0 +1,82 @@
+"""The AISA toolkit's file in our language: what the toolkit's code adds to each name stands in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.resources import library_folder
+from scenario_compiler.source.aisa import AisaConfig, expand_aisa
+from scenario_compiler.source.catalogs import Catalogs, load_catalogs
+from scenario_compiler.source.conflict import EntityWhen, ScenarioElement
+from scenario_compiler.source.writing import write_word
+from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.storyboard import Do
+from scenario_compiler.vocabulary.takeover import Driver, DriverModel
+
+HEAD = """<?xml version="1.0" encoding="UTF-8"?>
+<!-- Converted from a file of the AISA toolkit. Obstacles that the toolkit's code keeps by a scenario's name stand here;
+     positions are in CARLA's axes, m and degrees. -->
+"""
+
+
+def convert_aisa(source: AisaConfig, sink: Diagnostics) -> str:
+    """Return a file of the toolkit in our language.
+
+    A scenario that cannot be read stands there as a comment that says why; its faults go to the sink as warnings of
+    the original file do, and the rest is converted.
+    """
+    root = etree.Element("scenarios", version="1")
+    catalogs = load_catalogs(library_folder() / "catalogs", sink)
+    for name in source.scenarios:
+        root.extend(_converted(source, name, catalogs, sink))
+    etree.indent(root)
+    return HEAD + etree.tostring(root, encoding="unicode") + "\n"
+
+
+def _converted(source: AisaConfig, name: str, catalogs: Catalogs, sink: Diagnostics) -> Iterator[etree._Element]:
+    found = Diagnostics()
+    scenario = expand_aisa(source, name, {}, found, catalogs)
+    for one in found:
+        if one.severity is not Severity.ERROR:
+            sink.add(one.code, one.message, one.place, hint=one.hint)
+        yield etree.Comment(f" {name}: {one.message.replace('--', '- -')} ")
+    if scenario is not None and not found.has_errors:
+        yield write_word(scenario_element(scenario))
+
+
+def scenario_element(scenario: Scenario) -> ScenarioElement:
+    """Return what our file would say to be expanded to a scenario, its storyboard as one `<when>` an event."""
+    takeover = scenario.takeover
+    if isinstance(takeover.driver, DriverModel):
+        takeover = takeover.model_copy(update={"driver": Driver(preset=takeover.driver.name)})
+    return ScenarioElement(
+        name=scenario.name,
+        summary=scenario.summary,
+        source=scenario.source,
+        map=scenario.map,
+        weather=scenario.weather.preset,
+        duration=scenario.duration,
+        step=scenario.step,
+        control_every=scenario.control_every,
+        parameters=scenario.parameters,
+        classification=scenario.classification,
+        ego=scenario.ego,
+        items=(*scenario.actors, *scenario.markings, *_whens(scenario)),
+        takeover=takeover,
+        criteria=scenario.criteria,
+    )
+
+
+def _whens(scenario: Scenario) -> Iterator[EntityWhen]:
+    acts = (act for story in scenario.storyboard.stories for act in story.acts)
+    for group in (group for act in acts for group in act.groups):
+        for event in (event for maneuver in group.maneuvers for event in maneuver.events):
+            conditions = event.start.groups[0].conditions if event.start is not None else ()
+            yield EntityWhen(
+                entity=group.actors[0],
+                conditions=tuple(one.condition for one in conditions),
+                do=Do(actions=tuple(one.action for one in event.actions)),
+            )

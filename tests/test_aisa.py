@@ -1,0 +1,192 @@
+"""The AISA toolkit's own file runs with the meaning that the toolkit's code gives it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from scenario_compiler import judge, open_world, run
+from scenario_compiler.compiler import Compilation, Overrides, compile_target, read_source
+from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
+from scenario_compiler.plan.lower import Perception
+from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.resources import schema_file
+from scenario_compiler.source import expand
+from scenario_compiler.source.aisa import KNOWN, AisaConfig
+from scenario_compiler.source.aisa_conversion import convert_aisa
+
+MAPS = {
+    "Town01": "Scenic/assets/maps/CARLA/Town01.xodr",
+    "Town04": "Scenic/assets/maps/CARLA/Town04.xodr",
+    "Town05": "opendrive-test-files/OpenDrive/Town05.xodr",
+    "conflictmap": "aisa-toolkit/custommap/HRI_custommap.xodr",
+}
+"""Where the corpus keeps the maps that the file names."""
+
+CONVERTED = sorted(set(KNOWN) - {"lanesdefault"})
+
+
+@pytest.fixture(scope="module")
+def maps(corpus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("maps")
+    for name, path in MAPS.items():
+        shutil.copyfile(corpus / path, folder / f"{name}.xodr")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def file(corpus: Path) -> Path:
+    return corpus / "aisa-toolkit/simulation/scenarios/aisa_conflicts.xml"
+
+
+def _compiled(
+    target: str, maps: Path, perception: Perception = "ideal", duration: float | None = None, **settings: str
+) -> tuple[Compilation | None, Diagnostics]:
+    sink = Diagnostics()
+    overrides = Overrides(perception=perception, duration=duration)
+    return compile_target(target, settings, sink, maps=[maps], overrides=overrides), sink
+
+
+def _played(
+    target: str, maps: Path, perception: Perception = "ideal", duration: float | None = None, **settings: str
+) -> tuple[Recording, Outcome]:
+    compilation, sink = _compiled(target, maps, perception, duration, **settings)
+    assert compilation is not None, [as_text(one) for one in sink]
+    world = open_world("kinematic", compilation.plan, compilation.network)
+    recording = run(compilation.plan, world, seed=1)
+    world.close()
+    return recording, judge(compilation.plan, recording)
+
+
+def _first(recording: Recording, kind: str) -> float | None:
+    return next((event.t for event in recording.events if event.kind == kind), None)
+
+
+def _codes(sink: Diagnostics, severity: Severity = Severity.ERROR) -> set[str]:
+    return {one.code.id for one in sink if one.severity is severity}
+
+
+@pytest.mark.parametrize("name", ["obstaclestatic", "obstacledynamic"])
+def test_an_obstacle_of_the_code_makes_the_car_ask(file: Path, maps: Path, name: str) -> None:
+    recording, outcome = _played(f"{file}#{name}", maps)
+    assert outcome.cause == "path_blocked"
+    assert _first(recording, "collision") is None
+
+
+def test_the_moving_obstacle_moves_three_decimetres_a_second(file: Path, maps: Path) -> None:
+    recording, _ = _played(f"{file}#obstacledynamic", maps, duration=10.0)
+    moved = ((recording.x[-1, 1] - recording.x[0, 1]) ** 2 + (recording.y[-1, 1] - recording.y[0, 1]) ** 2) ** 0.5
+    assert moved == pytest.approx(0.3 * 10.0, abs=0.05)
+
+
+def test_the_parked_car_leaves_the_lane_passable(file: Path, maps: Path) -> None:
+    recording, outcome = _played(f"{file}#narrowingroad", maps)
+    assert outcome.cause == ""
+    assert _first(recording, "collision") is None
+
+
+def test_rain_hides_the_lanes_only_when_it_rains(file: Path, maps: Path) -> None:
+    dry, _ = _played(f"{file}#vanishinglanes_weather", maps, "camera", 6.0)
+    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, "camera", 6.0, WeatherId="10")
+    assert _first(dry, "request") is None
+    assert _first(wet, "warning") is not None
+
+
+def test_default_weather_is_noted_with_what_the_paper_means(file: Path, maps: Path) -> None:
+    _, sink = _compiled(f"{file}#vanishinglanes_weather", maps)
+    (note,) = [one for one in sink if one.code.id == "SC242"]
+    assert "Default" in note.message
+    assert "HardRainSunset" in note.hint
+
+
+def test_unmarked_junction_makes_the_car_ask(file: Path, maps: Path) -> None:
+    recording, outcome = _played(f"{file}#vanishinglanes_map", maps)
+    assert outcome.cause == "lane_confidence"
+    at = _first(recording, "request")
+    assert at is not None
+    row = int(at / (1 / 30))
+    travelled = float(recording.v[:row, 0].sum() / 30.0)
+    assert 95.0 <= travelled <= 132.0
+
+
+def test_little_noise_does_no_harm_and_much_does(file: Path, maps: Path) -> None:
+    little, _ = _played(f"{file}#sensornoise", maps, "camera", 3.0)
+    much, _ = _played(f"{file}#sensornoise", maps, "camera", 3.0, sensor_noise="60")
+    assert _first(little, "request") is None
+    assert _first(much, "request") is not None
+
+
+@pytest.mark.parametrize(("name", "distance"), [("customvanishing", "2541"), ("customramp", "837")])
+def test_start_off_the_custom_map_is_an_error_with_a_way_out(file: Path, maps: Path, name: str, distance: str) -> None:
+    compilation, sink = _compiled(f"{file}#{name}", maps)
+    assert compilation is None
+    assert "SC374" in _codes(sink)
+    (note,) = [one for one in sink if one.code.id == "SC243"]
+    assert distance in note.message
+    assert "--set start=" in note.hint
+
+
+@pytest.mark.parametrize(
+    ("name", "town", "start"),
+    [
+        ("customvanishing", "Town05", "151.4,-91.5,90"),
+        ("customramp", "Town05", "151.4,-91.5,90"),
+        ("lanesdefault", "Town05", "151.4,-91.5,90"),
+    ],
+)
+def test_setting_a_start_runs_it(file: Path, maps: Path, name: str, town: str, start: str) -> None:
+    recording, _ = _played(f"{file}#{name}", maps, duration=2.0, start=start, town=town, obstacles="false")
+    assert recording.v[-1, 0] > 1.0
+
+
+def test_without_a_start_there_is_an_error_with_a_way_out_and_objects_are_noted(file: Path, maps: Path) -> None:
+    compilation, sink = _compiled(f"{file}#lanesdefault", maps)
+    assert compilation is None
+    assert _codes(sink) == {"SC240"}
+    assert _codes(sink, Severity.NOTE) == {"SC241"}
+    (fault,) = [one for one in sink if one.code.id == "SC240"]
+    assert "--set start=" in fault.hint
+
+
+@pytest.mark.parametrize("start", ["here", "1", "1,2,3,4", "1,2,nan"])
+def test_a_start_that_is_no_pose_is_an_error(file: Path, maps: Path, start: str) -> None:
+    compilation, sink = _compiled(f"{file}#lanesdefault", maps, start=start)
+    assert compilation is None
+    assert "SC244" in _codes(sink)
+
+
+@pytest.fixture(scope="module")
+def converted(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    sink = Diagnostics()
+    read = read_source(file, sink)
+    assert read is not None
+    source = read[1]
+    assert isinstance(source, AisaConfig)
+    path = tmp_path_factory.mktemp("converted") / "converted.xml"
+    path.write_text(convert_aisa(source, sink), encoding="utf-8")
+    assert not sink.has_errors
+    return path
+
+
+def test_converted_file_is_of_our_schema(converted: Path) -> None:
+    schema = etree.XMLSchema(etree.parse(schema_file("conflict.xsd")))
+    schema.assertValid(etree.parse(converted))
+
+
+def test_converted_file_says_what_could_not_be_converted(converted: Path) -> None:
+    text = converted.read_text(encoding="utf-8")
+    assert "lanesdefault: the scenario 'lanesdefault' has no waypoint named 'start'" in text
+
+
+@pytest.mark.parametrize("name", CONVERTED)
+def test_converted_scenario_says_the_same(file: Path, converted: Path, name: str) -> None:
+    before, after = read_source(file, Diagnostics()), read_source(converted, Diagnostics())
+    assert before is not None
+    assert after is not None
+    sink = Diagnostics()
+    assert expand(after[1], name, {}, sink) == expand(before[1], name, {}, Diagnostics())
+    assert not list(sink)
