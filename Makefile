@@ -28,7 +28,7 @@ demo: setup
 
 # Compiles the engine once, so that no test worker has to.
 prewarm: setup
-	$(if $(wildcard scenario_compiler/cli.py),$(BIN)/scenario-compiler prewarm)
+	$(BIN)/scenario-compiler prewarm
 
 test: prewarm
 	$(PYTEST) -m "not slow"

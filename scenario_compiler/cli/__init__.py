@@ -1,0 +1,44 @@
+"""The command line, and the only package that prints.
+
+Exit codes: 0 fine (warnings too), 1 the input is at fault, 2 wrong use, 3 criteria failed under --strict. One module a
+group of commands: each has `add(commands)`, which declares them, and the functions that carry them out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from scenario_compiler.cli import engine, explain, maps, run, validate
+from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse
+
+GROUPS = (validate, run, maps, explain, engine)
+"""Groups of commands, in the order of the help."""
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and exit."""
+    parser = make_parser()
+    options = parser.parse_args(arguments)
+    try:
+        code = options.command(options)
+    except WrongUse as fault:
+        print(f"scenario-compiler: {fault}", file=sys.stderr)
+        code = WRONG_USE
+    except BrokenPipeError:
+        sys.stderr.close()
+        code = FINE
+    sys.exit(code)
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
+    parser = argparse.ArgumentParser(
+        prog="scenario-compiler", description="Compile, check and run conflicts for automated driving."
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    for group in GROUPS:
+        group.add(commands)
+    return parser

@@ -1,0 +1,32 @@
+"""`explain`: the page of a diagnostic's code."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import textwrap
+
+from scenario_compiler.cli.options import FINE, Commands, WrongUse
+from scenario_compiler.diagnostics import CODES, did_you_mean
+
+CODE_HOMES = ("compiler", "cli.run", "roads.check", "roads.xsd")
+"""Modules whose import brings in all others that declare diagnostic codes."""
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("explain", help="explain a diagnostic's code")
+    parser.add_argument("code", metavar="CODE")
+    parser.set_defaults(command=explain_command)
+
+
+def explain_command(options: argparse.Namespace) -> int:
+    """Print the page of a diagnostic's code."""
+    for module in CODE_HOMES:
+        importlib.import_module(f"scenario_compiler.{module}")
+    code = CODES.get(options.code.upper())
+    if code is None:
+        raise WrongUse(f"there is no code '{options.code}' ({did_you_mean(options.code.upper(), CODES)})")
+    print(f"{code.id} {code.name} ({code.severity.value})\n")
+    print("\n\n".join(textwrap.fill(part, 100) for part in code.explanation.split("\n\n")))
+    return FINE

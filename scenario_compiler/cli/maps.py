@@ -1,0 +1,139 @@
+"""`map`: look into road files, draw them, write them for other programs."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_diagnostics, add_maps, show
+from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+
+if TYPE_CHECKING:
+    from scenario_compiler.document import Document
+    from scenario_compiler.roads import Network
+
+
+def add(commands: Commands) -> None:
+    """Declare the commands."""
+    actions = commands.add_parser("map", help="look into road files").add_subparsers(required=True, metavar="ACTION")
+    info = actions.add_parser("info", help="sum a map up")
+    info.set_defaults(command=map_info_command)
+    check = actions.add_parser("check", help="find what is wrong in a road file")
+    check.add_argument("--xsd", type=Path, metavar="DIR", help="folder with ASAM's schemas")
+    check.set_defaults(command=map_check_command)
+    plot = actions.add_parser("plot", help="draw a map")
+    plot.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg")
+    plot.set_defaults(command=map_plot_command)
+    export = actions.add_parser("export", help="write a map for another program")
+    form = export.add_mutually_exclusive_group(required=True)
+    form.add_argument("--for", choices=("carla",), dest="client", help="OpenDRIVE that the CARLA clients load")
+    form.add_argument("--mesh", action="store_true", help="surfaces and marks as .gltf, .glb or .obj")
+    export.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE")
+    export.set_defaults(command=map_export_command)
+    for parser in (info, check, plot, export):
+        parser.add_argument("file", metavar="FILE", help="OpenDRIVE file, or the name of a map on the search path")
+        add_maps(parser)
+        add_diagnostics(parser)
+
+
+def _map_file(options: argparse.Namespace) -> Path:
+    from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
+
+    try:
+        return find_map(options.file, folders=options.maps)
+    except MapNotFoundError as missing:
+        raise WrongUse(f"{missing} ({did_you_mean(options.file, known_maps(options.maps))})") from None
+
+
+def _loaded_map(options: argparse.Namespace) -> tuple[Document, Network] | None:
+    from scenario_compiler.document import read_document
+    from scenario_compiler.roads import load_network
+
+    sink = Diagnostics()
+    path = _map_file(options)
+    document = read_document(path, sink)
+    network = None if document is None else load_network(path, sink=sink)
+    show(sink, options)
+    return None if document is None or network is None else (document, network)
+
+
+def map_info_command(options: argparse.Namespace) -> int:
+    """Print what a map holds."""
+    from dataclasses import fields
+
+    from scenario_compiler.roads.describe import describe_network
+
+    loaded = _loaded_map(options)
+    if loaded is None:
+        return AT_FAULT
+    description = describe_network(loaded[1])
+    for one in fields(description):
+        print(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}")
+    return FINE
+
+
+def _listed(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name}: {_listed(count)}" for name, count in value.items()) or "none"
+    if isinstance(value, tuple):
+        return ", ".join(_listed(one) for one in value)
+    return f"{value:.2f}" if isinstance(value, float) else str(value)
+
+
+def map_check_command(options: argparse.Namespace) -> int:
+    """Print everything that is wrong in a road file."""
+    from scenario_compiler.document import read_document
+    from scenario_compiler.roads.check import check_file
+    from scenario_compiler.roads.check.unread import unread
+    from scenario_compiler.roads.xsd import validate_with_xsd
+
+    sink = Diagnostics()
+    path = _map_file(options)
+    check_file(path, sink)
+    document = read_document(path, sink)
+    if document is not None and options.xsd is not None:
+        validate_with_xsd(document, options.xsd, sink)
+    failed = show(sink, options)
+    if document is not None and options.format == "text":
+        for one in unread(document):
+            attribute = f" attribute {one.attribute}" if one.attribute else ""
+            print(f"{path}:{one.line}: not read: {one.path}{attribute} ({one.count})")
+    return AT_FAULT if failed else FINE
+
+
+def map_plot_command(options: argparse.Namespace) -> int:
+    """Draw a map."""
+    from scenario_compiler.report.map_plot import plot_map
+    from scenario_compiler.roads.spawn_points import read_spawn_points
+
+    if options.output.suffix not in (".png", ".svg"):
+        raise WrongUse(f"{options.output}: a map is drawn as .png or .svg")
+    loaded = _loaded_map(options)
+    if loaded is None:
+        return AT_FAULT
+    sink = Diagnostics()
+    spawn_points = read_spawn_points(loaded[1].path, sink)
+    show(sink, options)
+    plot_map(loaded[1], options.output, spawn_points=spawn_points)
+    return FINE
+
+
+def map_export_command(options: argparse.Namespace) -> int:
+    """Write a map for another program."""
+    loaded = _loaded_map(options)
+    if loaded is None:
+        return AT_FAULT
+    document, network = loaded
+    if options.mesh:
+        from scenario_compiler.roads.export_mesh import FORMATS as MESH_FORMATS
+        from scenario_compiler.roads.export_mesh import export_mesh
+
+        if options.output.suffix not in MESH_FORMATS:
+            raise WrongUse(f"{options.output}: a mesh is written as {', '.join(MESH_FORMATS)}")
+        export_mesh(network, options.output)
+        return FINE
+    from scenario_compiler.roads.export_carla import export_for_carla
+
+    options.output.write_bytes(export_for_carla(document, network))
+    return FINE

@@ -1,0 +1,90 @@
+"""Options that commands share, and how diagnostics are shown."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeAlias
+
+from scenario_compiler.diagnostic_formats import FORMATS, formatted
+from scenario_compiler.diagnostics import Diagnostic, Severity
+
+FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED = 0, 1, 2, 3
+"""Exit codes."""
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+
+class WrongUse(Exception):
+    """The command was used in a way that cannot work; the message says which."""
+
+
+def add_scenario(parser: argparse.ArgumentParser) -> None:
+    """Add the options that change a scenario."""
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="give a parameter a value", dest="settings"
+    )
+    parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
+    parser.add_argument("--controller", metavar="NAME|package.module:Class", help="what drives the ego vehicle")
+    parser.add_argument("--dt", type=positive, metavar="S", help="length of a time step")
+    parser.add_argument("--duration", type=positive, metavar="S", help="when the run ends at the latest")
+
+
+def add_maps(parser: argparse.ArgumentParser) -> None:
+    """Add the folders of maps."""
+    parser.add_argument(
+        "--maps", action="append", type=Path, default=[], metavar="DIR", help="look for maps here first"
+    )
+
+
+def add_diagnostics(parser: argparse.ArgumentParser) -> None:
+    """Add how diagnostics are shown and weighed."""
+    parser.add_argument("--format", choices=FORMATS, default="text", help="format of the diagnostics")
+    parser.add_argument("--error", action="append", default=[], metavar="CODE|all", help="make it an error")
+    parser.add_argument("--allow", action="append", default=[], metavar="CODE", help="do not report it")
+
+
+def positive(text: str) -> float:
+    """Return a time in seconds that an option gives."""
+    value = float(text)
+    if not 0.0 < value < 1.0e6:
+        raise argparse.ArgumentTypeError(f"{text} is not a time in seconds")
+    return value
+
+
+def judged(found: Iterable[Diagnostic], options: argparse.Namespace) -> list[Diagnostic]:
+    """Return the findings as --error, --allow and --strict want them weighed."""
+    kept = []
+    for diagnostic in found:
+        if diagnostic.code.id in options.allow and diagnostic.severity is not Severity.ERROR:
+            continue
+        lifted = diagnostic.severity is Severity.WARNING and (
+            "all" in options.error or getattr(options, "strict_warnings", False)
+        )
+        if lifted or diagnostic.code.id in options.error:
+            diagnostic = replace(diagnostic, severity=Severity.ERROR)
+        kept.append(diagnostic)
+    return kept
+
+
+def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
+    """Print diagnostics, text on stderr and everything else on stdout; return whether one is an error."""
+    weighed = judged(found, options)
+    text = formatted(weighed, options.format)
+    if text:
+        print(text, file=sys.stderr if options.format == "text" else sys.stdout)
+    return any(d.severity is Severity.ERROR for d in weighed)
+
+
+def settings_of(texts: Sequence[str]) -> dict[str, str]:
+    """Return the values that --set gives, by name."""
+    settings = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise WrongUse(f"--set wants NAME=VALUE, not '{text}'")
+        settings[name.strip()] = value.strip()
+    return settings

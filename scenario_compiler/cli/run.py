@@ -1,0 +1,223 @@
+"""`compile`, `run` and `report`: from a scenario to a plan, a run and its report."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    CRITERIA_FAILED,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    add_scenario,
+    settings_of,
+    show,
+)
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, did_you_mean
+
+if TYPE_CHECKING:
+    from scenario_compiler.compiler import Compilation
+    from scenario_compiler.plan.model import Plan
+    from scenario_compiler.recording.recording import Recording
+    from scenario_compiler.report.run import Run
+    from scenario_compiler.roads import Network
+    from scenario_compiler.worlds import World
+
+BAD_RECORDING = Code(
+    "SC131",
+    "unreadable-recording",
+    "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan "
+    "again.",
+)
+
+
+def add(commands: Commands) -> None:
+    """Declare the commands."""
+    _add_compile(commands)
+    _add_run(commands)
+    _add_report(commands)
+
+
+def _add_compile(commands: Commands) -> None:
+    parser = commands.add_parser("compile", help="compile a scenario to a plan")
+    parser.add_argument("target", metavar="FILE[#name]")
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json")
+    add_scenario(parser)
+    add_maps(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=compile_command)
+
+
+def _add_run(commands: Commands) -> None:
+    parser = commands.add_parser("run", help="run a scenario or a plan")
+    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    parser.add_argument("-o", dest="output", type=Path, metavar="DIR", help="folder of the run")
+    parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--world", default="kinematic", metavar="NAME")
+    parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
+    parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
+    add_scenario(parser)
+    add_maps(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=run_command)
+
+
+def _add_report(commands: Commands) -> None:
+    parser = commands.add_parser("report", help="write the report of a run folder again")
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    add_maps(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=report_command)
+
+
+def compile_command(options: argparse.Namespace) -> int:
+    """Compile a scenario and write its plan."""
+    from scenario_compiler.plan.store import write_plan
+
+    sink = Diagnostics()
+    compilation = _compiled(options, sink)
+    if show(sink, options) or compilation is None:
+        return AT_FAULT
+    write_plan(compilation.plan, options.output)
+    return FINE
+
+
+def _compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
+    from scenario_compiler.compiler import Overrides, compile_target
+    from scenario_compiler.source import ScenarioNameNeededError
+
+    overrides = Overrides(
+        perception=options.perception, controller=options.controller, step=options.dt, duration=options.duration
+    )
+    try:
+        return compile_target(
+            options.target, settings_of(options.settings), sink, maps=options.maps, overrides=overrides
+        )
+    except ScenarioNameNeededError as needed:
+        raise WrongUse(
+            f"{options.target} has several scenarios; name one as FILE#name: {', '.join(needed.names)}"
+        ) from None
+
+
+def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
+    if not options.target.endswith(".json"):
+        compilation = _compiled(options, sink)
+        return None if compilation is None else (compilation.plan, compilation.network)
+    from scenario_compiler.plan.maps import open_plan_map
+    from scenario_compiler.plan.store import read_plan
+
+    if options.settings or options.perception or options.controller or options.dt or options.duration:
+        raise WrongUse(
+            "a plan is compiled already: give --set, --perception, --controller, --dt and --duration to compile"
+        )
+    plan = read_plan(options.target, sink)
+    network = None if plan is None else open_plan_map(plan, sink, options.maps)
+    return None if plan is None or network is None else (plan, network)
+
+
+def run_command(options: argparse.Namespace) -> int:
+    """Run a scenario or a plan."""
+    from scenario_compiler.worlds import WORLDS
+
+    if options.world not in WORLDS:
+        raise WrongUse(f"there is no world '{options.world}' ({did_you_mean(options.world, WORLDS)})")
+    if options.output is not None and not options.force and _is_filled(options.output):
+        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+    sink = Diagnostics()
+    planned = _planned(options, sink)
+    if show(sink, options) or planned is None:
+        return AT_FAULT
+    plan, network = planned
+    from scenario_compiler.recording.outcome import judge
+    from scenario_compiler.report.run import Run
+    from scenario_compiler.runtime import open_world
+
+    world = open_world(options.world, plan, network)
+    try:
+        recording = run_with_progress(plan, world, options.seed)
+    finally:
+        world.close()
+    finished = Run(plan, network, recording, judge(plan, recording))
+    if options.trajectory is not None:
+        from scenario_compiler.recording.trajectory import write_trajectory
+
+        write_trajectory(recording, options.trajectory)
+    if options.output is not None:
+        from scenario_compiler.report.folder import write_run_folder
+
+        write_run_folder(finished, options.output)
+    print_run(finished, options.output)
+    return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
+
+
+def run_with_progress(plan: Plan, world: World, seed: int) -> Recording:
+    """Run a plan, with a progress bar where stderr is a terminal."""
+    from scenario_compiler.runtime import run
+
+    if not sys.stderr.isatty():
+        return run(plan, world, seed=seed)
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(plan.name, total=plan.duration)
+        return run(plan, world, seed=seed, progress=lambda t: bar.update(task, completed=t))
+
+
+def _is_filled(folder: Path) -> bool:
+    return folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
+
+
+def print_run(run: Run, folder: Path | None) -> None:
+    """Print what a run came to."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from scenario_compiler.report.wording import summary_of
+
+    summary = summary_of(run)
+    table = Table(show_header=False, box=None, pad_edge=False)
+    for label, value in (
+        ("conflict", summary.name),
+        ("result", summary.result),
+        ("outcome", summary.outcome),
+        ("cause of the request", summary.cause),
+        ("time of the request", f"{summary.request_time} s"),
+        ("takeover time", f"{summary.takeover_time} s"),
+        ("minimum time to collision", f"{summary.minimum_ttc} s"),
+    ):
+        table.add_row(label, value)
+    Console().print(table)
+    if folder is not None:
+        print(f"report: {folder / 'report.html'}")
+
+
+def report_command(options: argparse.Namespace) -> int:
+    """Write the report of a run folder again from its plan and recording."""
+    from scenario_compiler.plan.maps import open_plan_map
+    from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.recording.outcome import judge
+    from scenario_compiler.recording.store import RecordingError, read_recording
+    from scenario_compiler.report.html import write_report
+    from scenario_compiler.report.run import Run
+
+    sink = Diagnostics()
+    plan = read_plan(options.folder / "plan.json", sink)
+    network = None if plan is None else open_plan_map(plan, sink, options.maps)
+    file = options.folder / "recording.parquet"
+    try:
+        recording = read_recording(file)
+    except RecordingError as error:
+        sink.add(BAD_RECORDING, str(error), FilePlace(str(file)))
+    if show(sink, options) or plan is None or network is None:
+        return AT_FAULT
+    write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
+    print(f"report: {options.folder / 'report.html'}")
+    return FINE
