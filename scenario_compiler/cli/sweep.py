@@ -1,0 +1,130 @@
+"""`sweep`: many variants of one scenario."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    add_scenario,
+    positive,
+    settings_of,
+    show,
+)
+from scenario_compiler.diagnostics import CompileError
+
+if TYPE_CHECKING:
+    from scenario_compiler.batch.execute import Progress
+
+METHODS = ("random", "grid", "latin", "sobol")
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("sweep", help="run many variants of a scenario")
+    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder of the sweep")
+    parser.add_argument(
+        "--vary", action="append", default=[], metavar="NAME=DISTRIBUTION", help="such as gap=uniform(5,40)"
+    )
+    parser.add_argument("--method", choices=METHODS, default="random", help="how the distributions are sampled")
+    parser.add_argument("--samples", type=int, default=1, metavar="N")
+    parser.add_argument("--where", action="append", default=[], metavar="EXPRESSION", help="what every variant fulfils")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--traces", default="", metavar="worst:K|random:K|all", help="keep these variants' recordings")
+    parser.add_argument("--resume", action="store_true", help="do the rest of an interrupted sweep")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes; as many as pay by default")
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a Dask scheduler that runs the variants")
+    parser.add_argument("--time-limit", type=positive, metavar="S", help="greatest time that a variant may take")
+    add_scenario(parser)
+    add_maps(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=sweep_command)
+
+
+def sweep_command(options: argparse.Namespace) -> int:
+    """Run a sweep into its folder."""
+    from pydantic import ValidationError
+
+    from scenario_compiler.batch.distributions import SweepError
+    from scenario_compiler.batch.execute import run_sweep
+    from scenario_compiler.batch.spec import SweepSpec
+    from scenario_compiler.source import ScenarioNameNeededError
+
+    try:
+        spec = SweepSpec(
+            vary=tuple(options.vary),
+            method=options.method,
+            samples=options.samples,
+            seed=options.seed,
+            where=tuple(options.where),
+            settings=settings_of(options.settings),
+            perception=options.perception,
+            controller=options.controller,
+            step=options.dt,
+            duration=options.duration,
+            traces=options.traces,
+            time_limit=options.time_limit,
+        )
+        with shown_progress() as progress:
+            result = run_sweep(
+                options.target,
+                spec,
+                options.output,
+                resume=options.resume,
+                progress=progress,
+                scheduler=options.scheduler,
+                workers=options.workers,
+                maps=options.maps,
+                say=lambda text: print(text, file=sys.stderr),
+            )
+    except CompileError as error:
+        show(error.diagnostics, options)
+        return AT_FAULT
+    except ScenarioNameNeededError as needed:
+        raise WrongUse(f"name one of the scenarios as FILE#name: {', '.join(needed.names)}") from None
+    except ValidationError as error:
+        raise WrongUse("; ".join(str(fault["msg"]) for fault in error.errors(include_url=False))) from None
+    except SweepError as error:
+        raise WrongUse(str(error)) from None
+    except OSError as error:
+        print(f"scenario-compiler: {error}; --resume does the rest", file=sys.stderr)
+        return AT_FAULT
+    except KeyboardInterrupt:
+        print("scenario-compiler: interrupted; --resume does the rest", file=sys.stderr)
+        return AT_FAULT
+    print(f"{result.total} variants, {result.failed} failed: {result.table}")
+    print(f"report: {result.folder / 'report.html'}")
+    return FINE
+
+
+@contextmanager
+def shown_progress() -> Iterator[Callable[[Progress], None] | None]:
+    """Yield what shows a sweep's progress, with rate, time left and failures; None where stderr is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
+    with Bar(*columns, TextColumn("{task.fields[failed]} failed"), console=Console(stderr=True)) as bar:
+        task = bar.add_task("sweep", total=None, rate="", failed=0)
+
+        def update(progress: Progress) -> None:
+            speed = bar.tasks[0].speed
+            rate = f"{speed:.0f}/s" if speed else ""
+            bar.update(task, completed=progress.done, total=progress.total, rate=rate, failed=progress.failed)
+
+        yield update
