@@ -152,7 +152,8 @@ class Ground:
     def _texture(self, view: View) -> Image:
         heading = view.pose.heading
         cos, sin = math.cos(heading) / TEXEL, math.sin(heading) / TEXEL
-        x0, y0 = float(view.foot[0] / TEXEL % TILE), float(view.foot[1] / TEXEL % TILE)
+        foot = view.foot - self.scene.origin
+        x0, y0 = float(foot[0] / TEXEL % TILE), float(foot[1] / TEXEL % TILE)
         column = cv2.addWeighted(self.x, cos, self.y, -sin, x0)
         row = cv2.addWeighted(self.x, sin, self.y, cos, y0)
         tile = ground_tile()

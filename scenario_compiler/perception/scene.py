@@ -26,9 +26,10 @@ Polygon = NDArray[np.int32]
 class QuadGrid:
     """Quads sorted into square cells by their centres."""
 
-    def __init__(self, quads: NDArray[np.float32]) -> None:
-        """Sort quads of shape (N, 4, 3)."""
+    def __init__(self, quads: NDArray[np.float32], origin: NDArray[np.float64] | None = None) -> None:
+        """Sort quads of shape (N, 4, 3), m from an origin (3,) in the world, the world's own when None."""
         self.quads = quads
+        self.origin = np.zeros(3) if origin is None else origin
         self.centres = quads[:, :, :2].mean(axis=1)
         self.reach = float(np.abs(quads[:, :, :2] - self.centres[:, None]).max()) if len(quads) else 0.0
         cells = np.floor(self.centres / CELL).astype(np.int64)
@@ -40,7 +41,7 @@ class QuadGrid:
 
     def ahead(self, view: View, distance: float) -> NDArray[np.int64]:
         """Return, in ascending order, the quads that may be seen within `distance` metres of the camera."""
-        x, y = float(view.position[0]), float(view.position[1])
+        x, y = float(view.position[0] - self.origin[0]), float(view.position[1] - self.origin[1])
         low_i, high_i = math.floor((x - distance) / CELL), math.floor((x + distance) / CELL)
         low_j, high_j = math.floor((y - distance) / CELL), math.floor((y + distance) / CELL)
         cells = self.cells
@@ -89,8 +90,9 @@ class RoadScene:
         self.layer = surface.layer[kept]
         self.relief = bool(len(quads)) and float(np.ptp(quads[:, :, 2])) > 0.3
         self.marks = marks
-        self.surface_grid = QuadGrid(quads)
-        self.mark_grid = QuadGrid(marks.quads)
+        self.origin = surface.origin
+        self.surface_grid = QuadGrid(quads, surface.origin)
+        self.mark_grid = QuadGrid(marks.quads, marks.origin)
 
 
 def _joined(surface: Surface) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
@@ -129,7 +131,7 @@ def project(view: View, grid: QuadGrid, distance: float, first_row: int) -> Proj
     """
     index = grid.ahead(view, distance)
     shift = np.array((0, first_row << SUBPIXEL), np.int32)
-    world = grid.quads[index].astype(np.float64)
+    world = grid.quads[index] + grid.origin
     points = view.to_camera(world)
     keep = points[..., 2].max(axis=1) > NEAR
     index, points, world = index[keep], points[keep], world[keep]

@@ -40,8 +40,9 @@ def lane_shapes(network: Network, window: Window) -> list[LaneShape]:
     """Return the outlines of all lanes that touch the window; the verge is left out."""
     n = network.tables
     surface = mesh.road_surface(network)
-    kept = inside(surface.quads, window) & (surface.lane != 0)
-    quads, road, lane = surface.quads[kept, :, :2], surface.road[kept], surface.lane[kept]
+    corners = surface.quads + surface.origin
+    kept = inside(corners, window) & (surface.lane != 0)
+    quads, road, lane = corners[kept, :, :2], surface.road[kept], surface.lane[kept]
     s = surface.s[kept]
     joined = (
         (road[1:] == road[:-1])
@@ -53,10 +54,10 @@ def lane_shapes(network: Network, window: Window) -> list[LaneShape]:
     shapes = []
     for part in np.split(np.arange(len(quads)), breaks):
         if len(part):
-            q = quads[part].astype(np.float64)
+            q = quads[part]
             outline = np.concatenate([q[:1, 0], q[:, 1], q[::-1, 2], q[:1, 3]])
             first = part[0]
-            middle = float(s[part].mean(dtype=np.float64))
+            middle = float(s[part].mean())
             kind = lanes.lane_type(n, int(road[first]), int(lane[first]), middle)
             shapes.append(LaneShape(outline, LANE_TYPES[kind], int(road[first])))
     return shapes
@@ -77,7 +78,7 @@ def holds(window: Window, x: float, y: float) -> bool:
     return window.x_min <= x <= window.x_max and window.y_min <= y <= window.y_max
 
 
-def inside(quads: NDArray[np.float32], window: Window) -> NDArray[np.bool_]:
+def inside(quads: Points, window: Window) -> NDArray[np.bool_]:
     """Return which quads (N, 4, 3) touch a window, by their bounds."""
     low, high = quads[:, :, :2].min(axis=1), quads[:, :, :2].max(axis=1)
     top = np.array([window.x_max, window.y_max])
@@ -88,8 +89,9 @@ def inside(quads: NDArray[np.float32], window: Window) -> NDArray[np.bool_]:
 
 def mark_lines(marks: mesh.Marks, window: Window) -> tuple[NDArray[np.bool_], Points]:
     """Return (which painted pieces touch the window, their centre lines (N, 2, 2))."""
-    kept = inside(marks.quads, window)
-    q = marks.quads[kept, :, :2].astype(np.float64)
+    corners = marks.quads + marks.origin
+    kept = inside(corners, window)
+    q = corners[kept, :, :2]
     return kept, np.stack([(q[:, 0] + q[:, 3]) / 2.0, (q[:, 1] + q[:, 2]) / 2.0], axis=1)
 
 

@@ -4,6 +4,10 @@ Lane surfaces are grouped by lane type, marks by colour and quality; each group 
 it ("lane driving", "mark white 70"). Metres. The axes are glTF's: x stays east, up is y, so that OpenDRIVE's (x, y, z)
 becomes (x, z, -y); importers that use z as up (Blender, Unreal) turn it back. Front faces look up.
 
+The points of a glTF file have single precision, so those of a map far from the world's origin count from an origin of
+their own (`mesh.mesh_origin`), which is the translation of the scene's root node. An OBJ file is text, in world
+coordinates.
+
 Surfaces of one height would flicker where they overlap, as lanes in junctions do: each layer below the carriageway lies
 `LAYER_STEP` lower, the marks `MARK_LIFT` higher. A mark's quality is the opacity of its material.
 """
@@ -75,7 +79,7 @@ class Group:
     Attributes:
         name: Of the mesh and of the material.
         colour: Linear RGB and opacity.
-        points: (N, 3) float32, glTF's axes, m.
+        points: (N, 3) float32, glTF's axes, m from the mesh's origin.
         triangles: (M, 3) uint32 rows of `points`, counter-clockwise as seen from above.
     """
 
@@ -103,7 +107,8 @@ def export_mesh(network: Network, path: str | Path) -> list[Path]:
     groups = build_groups(network)
     if ending == ".obj":
         materials = target.with_suffix(".mtl")
-        target.write_text(_obj(network.name, materials.name, groups), encoding="utf-8", newline="\n")
+        text = _obj(network.name, materials.name, groups, _world_to_gltf(mesh.mesh_origin(network)))
+        target.write_text(text, encoding="utf-8", newline="\n")
         materials.write_text(_mtl(groups), encoding="utf-8", newline="\n")
         return [target, materials]
     document, data = _gltf(network, groups)
@@ -136,7 +141,7 @@ def build_groups(network: Network) -> list[Group]:
 def _lane_types(network: Network, surface: mesh.Surface) -> NDArray[np.int64]:
     """Return the code of each piece's lane type, the number of types for the verge."""
     n = network.tables
-    middle = surface.s.mean(axis=1, dtype=np.float64)
+    middle = surface.s.mean(axis=1)
     found = [
         len(LANE_TYPES) if lane == 0 else lanes.lane_type(n, road, lane, s)
         for road, lane, s in zip(surface.road.tolist(), surface.lane.tolist(), middle.tolist(), strict=True)
@@ -148,13 +153,18 @@ def _group(name: str, colour: Colour, quads: NDArray[np.float32], lift: NDArray[
     """Turn quads into triangles over shared points; triangles without area are left out."""
     corners = quads.astype(np.float64)
     corners[:, :, 2] += lift[:, None]
-    flat = corners[:, :, (0, 2, 1)].reshape(-1, 3).astype(np.float32)
-    flat[:, 2] *= np.float32(-1.0)
-    points, index = np.unique(flat + np.float32(0.0), axis=0, return_inverse=True)
+    flat = _world_to_gltf(corners.reshape(-1, 3)).astype(np.float32)
+    points, index = np.unique(flat, axis=0, return_inverse=True)
     a, b, c, d = index.reshape(-1, 4).T
     triangles = np.concatenate([np.stack([a, d, c], axis=1), np.stack([a, c, b], axis=1)])
     full = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     return Group(name, colour, points, triangles[full].astype(np.uint32))
+
+
+def _world_to_gltf(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points (..., 3) of OpenDRIVE's axes (x, y, z) as (x, z, -y), without negative zeros."""
+    turned: NDArray[np.float64] = points[..., (0, 2, 1)] * (1.0, 1.0, -1.0) + 0.0
+    return turned
 
 
 def _gltf(network: Network, groups: list[Group]) -> tuple[dict[str, object], bytes]:
@@ -190,6 +200,9 @@ def _gltf(network: Network, groups: list[Group]) -> tuple[dict[str, object], byt
         primitive = {"attributes": {"POSITION": 2 * material}, "indices": 2 * material + 1, "material": material}
         meshes.append({"name": group.name, "primitives": [primitive]})
     nodes: list[dict[str, object]] = [{"name": network.name}]
+    origin = _world_to_gltf(mesh.mesh_origin(network)).tolist()
+    if any(origin):
+        nodes[0]["translation"] = origin
     if groups:
         nodes[0]["children"] = list(range(1, len(groups) + 1))
     nodes += [{"name": group.name, "mesh": k} for k, group in enumerate(groups)]
@@ -241,12 +254,12 @@ def _glb(document: dict[str, object], data: bytes) -> bytes:
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-def _obj(name: str, materials: str, groups: list[Group]) -> str:
+def _obj(name: str, materials: str, groups: list[Group], origin: NDArray[np.float64]) -> str:
     lines = [f"# {name}: metres, y up, x east, z south", f"mtllib {materials}"]
     first = 1
     for group in groups:
         lines += [f"o {group.name.replace(' ', '_')}", f"usemtl {group.name.replace(' ', '_')}"]
-        lines += [f"v {x:.4f} {y:.4f} {z:.4f}" for x, y, z in group.points.tolist()]
+        lines += [f"v {x:.4f} {y:.4f} {z:.4f}" for x, y, z in (group.points + origin).tolist()]
         lines += [f"f {a} {b} {c}" for a, b, c in (group.triangles.astype(np.int64) + first).tolist()]
         first += len(group.points)
     return "\n".join(lines) + "\n"

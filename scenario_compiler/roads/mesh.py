@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -34,6 +34,10 @@ VERGE_WIDTH = 6.0
 
 LONGEST = 20.0
 """Longest piece of a surface, m."""
+
+ORIGIN_GRID = 10_000.0
+"""Origins of meshes are multiples of it, m. Corners in single precision are then exact to 0.5 mm up to 8 km from it,
+wherever in the world the map lies."""
 
 MOST_PIECES = 20_000
 """Most stations of a lane section and most pieces of a mark; beyond it they get longer. A bound on hostile
@@ -69,14 +73,14 @@ class Surface:
     """Pieces of lanes, and of the verge beside them. N pieces.
 
     Attributes:
-        quads: (N, 4, 3) float32, world, m: left and right are as seen along increasing s; corners are left
-            start, left
-            end, right end, right start.
+        quads: (N, 4, 3) float32, m from the origin: left and right are as seen along increasing s; corners are left
+            start, left end, right end, right start.
         material: (N,) uint8, a `Material`.
         layer: (N,) uint8, what is laid on what where pieces overlap: larger lies on top.
         road: (N,) int32 index of the road.
         lane: (N,) int32 id of the lane, 0 for the verge.
-        s: (N, 2) float32 start and end, m.
+        s: (N, 2) float64 start and end, m.
+        origin: (3,) float64, world, m; z is 0.
     """
 
     quads: NDArray[np.float32]
@@ -84,7 +88,8 @@ class Surface:
     layer: NDArray[np.uint8]
     road: NDArray[np.int32]
     lane: NDArray[np.int32]
-    s: NDArray[np.float32]
+    s: Floats
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +97,14 @@ class Marks:
     """Painted pieces. M pieces.
 
     Attributes:
-        quads: (M, 4, 3) float32, corners as in `Surface`.
+        quads: (M, 4, 3) float32, m from the origin, corners as in `Surface`.
         colour: (M,) uint8, a `Paint`.
         quality: (M,) float32 share of the paint that is left, 1 new, 0 gone.
         width: (M,) float32, m.
         road: (M,) int32 index of the road.
         lane: (M,) int32 id of the lane whose outer border the mark lies on; 0 for the centre mark.
-        s: (M, 2) float32 start and end, m.
+        s: (M, 2) float64 start and end, m.
+        origin: (3,) float64, as in `Surface`.
     """
 
     quads: NDArray[np.float32]
@@ -107,7 +113,8 @@ class Marks:
     width: NDArray[np.float32]
     road: NDArray[np.int32]
     lane: NDArray[np.int32]
-    s: NDArray[np.float32]
+    s: Floats
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
 
 
 _MATERIALS = {
@@ -156,6 +163,16 @@ _LINES_OF_TYPE = {
 }
 
 
+def mesh_origin(network: Network) -> Floats:
+    """Return the point of `ORIGIN_GRID` nearest to the middle of a network, (3,), world, m; z is 0.
+
+    It is (0, 0, 0) for maps that lie about the world's origin.
+    """
+    x0, y0, x1, y1 = network.bounds()
+    middle = np.array([(x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0])
+    return np.rint(middle / ORIGIN_GRID) * ORIGIN_GRID + 0.0
+
+
 def road_surface(network: Network, step: float = 2.0, tolerance: float = 0.01) -> Surface:
     """Return every lane of every road, junctions included, and the verge beside roads that are not level.
 
@@ -173,15 +190,17 @@ def road_surface(network: Network, step: float = 2.0, tolerance: float = 0.01) -
             quads.append(corners)
             columns += [(material, road, lane, a, b) for a, b in pairwise(s)]
     table = np.array(columns, np.float64).reshape(-1, 5)
+    origin = mesh_origin(network)
     layer = np.array([_LAYERS[kind] for kind in Material], np.uint8)
     materials = table[:, 0].astype(np.uint8)
     return Surface(
-        quads=np.concatenate([*quads, np.empty((0, 4, 3))]).astype(np.float32),
+        quads=(np.concatenate([*quads, np.empty((0, 4, 3))]) - origin).astype(np.float32),
         material=materials,
         layer=layer[materials],
         road=table[:, 1].astype(np.int32),
         lane=table[:, 2].astype(np.int32),
-        s=table[:, 3:].astype(np.float32),
+        s=table[:, 3:],
+        origin=origin,
     )
 
 
@@ -265,14 +284,16 @@ def road_marks(network: Network, tolerance: float = 0.01) -> Marks:
                 for line in _lines(n, mark):
                     _paint(n, row, mark, line, tolerance, quads, columns)
     table = np.array(columns, np.float64).reshape(-1, 7)
+    origin = mesh_origin(network)
     return Marks(
-        quads=np.array(quads, np.float32).reshape(-1, 4, 3),
+        quads=(np.array(quads, np.float64).reshape(-1, 4, 3) - origin).astype(np.float32),
         colour=table[:, 0].astype(np.uint8),
         quality=table[:, 1].astype(np.float32),
         width=table[:, 2].astype(np.float32),
         road=table[:, 3].astype(np.int32),
         lane=table[:, 4].astype(np.int32),
-        s=table[:, 5:].astype(np.float32),
+        s=table[:, 5:],
+        origin=origin,
     )
 
 

@@ -16,6 +16,7 @@ from scenario_compiler.roads.network import load_network
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
 from tests.perception.scenery import CLEAR, bend, two_lanes, weather
+from tests.roads.make import shifted
 
 Image = NDArray[np.uint8]
 STRAIGHT = bend(0.0)
@@ -125,11 +126,11 @@ def test_an_empty_scene_and_a_camera_that_sees_no_ground_can_be_drawn() -> None:
     nothing = RoadScene(
         Surface(
             np.empty((0, 4, 3), np.float32), np.empty(0, np.uint8), np.empty(0, np.uint8),
-            np.empty(0, np.int32), np.empty(0, np.int32), np.empty((0, 2), np.float32),
+            np.empty(0, np.int32), np.empty(0, np.int32), np.empty((0, 2)),
         ),
         Marks(
             np.empty((0, 4, 3), np.float32), np.empty(0, np.uint8), np.empty(0, np.float32),
-            np.empty(0, np.float32), np.empty(0, np.int32), np.empty(0, np.int32), np.empty((0, 2), np.float32),
+            np.empty(0, np.float32), np.empty(0, np.int32), np.empty(0, np.int32), np.empty((0, 2)),
         ),
     )  # fmt: skip
     assert shot(RoadCamera(nothing)).shape == (256, 512, 3)
@@ -149,7 +150,7 @@ def crossing(height: float) -> RoadScene:
         np.zeros(count, np.uint8),
         np.zeros(count, np.int32),
         np.zeros(count, np.int32),
-        np.zeros((count, 2), np.float32),
+        np.zeros((count, 2)),
     )
     return RoadScene(surface, along.marks)
 
@@ -172,6 +173,21 @@ def test_a_town_costs_no_more_than_what_is_near(corpus: Path) -> None:
         view = camera.view(pose)
         assert len(scene.surface_grid.ahead(view, SURFACE_DISTANCE)) < 0.2 * len(scene.surface_grid.quads)
         assert RoadCamera(scene, camera).frame(pose, [], CLEAR, 0.0, 0).std() > 5.0
+
+
+def test_a_map_far_out_looks_the_same(repository: Path, tmp_path: Path) -> None:
+    """Where a map of southern Germany lies in UTM coordinates; single precision resolves 0.5 m there."""
+    path = repository / "maps/town_grid/town_grid.xodr"
+    (tmp_path / "far.xodr").write_text(shifted(path.read_text(encoding="utf-8"), 500_000.0, 5_400_000.0))
+    here, there = load_network(path), load_network(tmp_path / "far.xodr", cache=False)
+    assert here is not None
+    assert there is not None
+    for road in here.road_ids[:3]:
+        near, far = (
+            shot(RoadCamera(network), network.lane_pose(road, -1, 8.0)).astype(int) for network in (here, there)
+        )
+        assert (np.abs(near - far).max(axis=2) <= 1).mean() > 0.999
+        assert near.std() > 5.0
 
 
 def test_each_kind_of_box_is_drawn_differently(road_camera: RoadCamera) -> None:

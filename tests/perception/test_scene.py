@@ -20,7 +20,7 @@ def surface_of(quads: np.ndarray) -> Surface:
         np.zeros(count, np.uint8),
         np.zeros(count, np.int32),
         np.zeros(count, np.int32),
-        np.zeros((count, 2), np.float32),
+        np.zeros((count, 2)),
     )
 
 

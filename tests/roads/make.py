@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from lxml import etree
+
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.roads import Network, load_network
 
@@ -50,3 +52,12 @@ def network(folder: Path, *parts: str, sink: Diagnostics | None = None) -> Netwo
     made = load_network(path, cache=False, sink=sink)
     assert made is not None
     return made
+
+
+def shifted(text: str, x: float, y: float) -> str:
+    """Return the text of a road file whose reference lines are moved in the plane."""
+    root = etree.fromstring(text.encode())
+    for geometry in root.iter("geometry"):
+        geometry.set("x", repr(float(geometry.get("x", "0")) + x))
+        geometry.set("y", repr(float(geometry.get("y", "0")) + y))
+    return etree.tostring(root, encoding="unicode")

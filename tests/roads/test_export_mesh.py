@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from numpy.typing import NDArray
 
 from scenario_compiler.roads import mesh
 from scenario_compiler.roads.export_mesh import FORMATS, LAYER_STEP, MARK_LIFT, build_groups, export_mesh
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.positions import MarkStretch
+from tests.roads.make import shifted
 
 SIZES = {5125: 4, 5126: 4}
 COMPONENTS = {"SCALAR": 1, "VEC3": 3}
@@ -124,14 +126,38 @@ def test_text_form_holds_the_same_as_the_binary_one(town: Network, tmp_path: Pat
     assert text == document
 
 
-def test_an_independent_reader_agrees(town: Network, tmp_path: Path) -> None:
-    trimesh = pytest.importorskip("trimesh")
-    export_mesh(town, tmp_path / "town.glb")
-    scene = trimesh.load_scene(tmp_path / "town.glb")
-    surface = mesh.road_surface(town)
-    lanes = [one for name, one in scene.geometry.items() if name.startswith("lane")]
-    assert sum(one.area for one in lanes) == pytest.approx(quad_area(surface.quads), rel=1e-4)
-    assert set(scene.geometry) == {group.name for group in build_groups(town)}
+@pytest.mark.parametrize("ending", FORMATS)
+def test_an_independent_reader_agrees(town: Network, tmp_path: Path, ending: str) -> None:
+    export_mesh(town, tmp_path / f"town{ending}")
+    scene = trimesh.load_scene(tmp_path / f"town{ending}", group_material=False, split_objects=True)
+    groups = {group.name.replace(" ", "_"): group for group in build_groups(town)}
+    found = {name.replace(" ", "_"): one for name, one in scene.geometry.items()}
+    assert set(found) == set(groups)
+    for name, group in groups.items():
+        assert len(found[name].faces) == len(group.triangles)
+        assert (found[name].face_normals[:, 1] > 0.9).all()
+    lanes = sum(one.area for name, one in found.items() if name.startswith("lane"))
+    assert lanes == pytest.approx(quad_area(mesh.road_surface(town).quads), rel=1e-3)
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_a_map_far_out_is_as_fine_and_lies_where_it_is(
+    town: Network, repository: Path, tmp_path: Path, ending: str
+) -> None:
+    text = (repository / "maps/town_grid/town_grid.xodr").read_text(encoding="utf-8")
+    (tmp_path / "far.xodr").write_text(shifted(text, 500_000.0, 5_400_000.0), encoding="utf-8")
+    far = load_network(tmp_path / "far.xodr", cache=False)
+    assert far is not None
+    export_mesh(far, tmp_path / f"far{ending}")
+    scene = trimesh.load_scene(tmp_path / f"far{ending}")
+    (x0, _, z0), (x1, _, z1) = scene.bounds
+    assert (x0, -z1, x1, -z0) == pytest.approx(far.bounds(), abs=0.05)
+    export_mesh(town, tmp_path / f"town{ending}")
+    here = trimesh.load_scene(tmp_path / f"town{ending}").geometry
+    for name, one in here.items():
+        there = scene.geometry[name]
+        assert there.area == pytest.approx(one.area, rel=1e-4)
+        assert np.ptp(there.bounds, axis=0) == pytest.approx(np.ptp(one.bounds, axis=0), abs=1e-3)
 
 
 def test_quality_of_marks_becomes_steps_of_opacity(town: Network, tmp_path: Path) -> None:

@@ -3,9 +3,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface, road_marks, road_surface
+from scenario_compiler.roads import lanes
+from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface, mesh_origin, road_marks, road_surface
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.positions import MarkStretch
+from tests.roads.make import shifted
 
 ROAD = """<OpenDRIVE><header revMajor="1" revMinor="4"/>
 <road name="" length="{length}" id="1" junction="-1">
@@ -40,7 +42,8 @@ def area(quads: np.ndarray) -> float:
 
 
 def of_lane(part: Surface | Marks, lane: int) -> np.ndarray:
-    return part.quads[part.lane == lane]
+    found: np.ndarray = part.quads[part.lane == lane]
+    return found
 
 
 def test_lanes_cover_their_area_with_their_materials(tmp_path: Path) -> None:
@@ -198,3 +201,70 @@ def test_overridden_quality_reaches_the_paint(tmp_path: Path) -> None:
     assert marks.quality[inside] == pytest.approx(1 - (middle[inside] - 40) / 40, abs=1e-3)
     assert marks.quality[middle < 40.0] == pytest.approx(1.0)
     assert area(of_lane(marks, 0)) == pytest.approx(120 * 0.12, rel=1e-3)
+
+
+UTM = (500_000.0, 5_400_000.0)
+"""Where a map of southern Germany lies."""
+
+
+def test_a_map_far_out_has_the_same_mesh_from_its_origin(tmp_path: Path) -> None:
+    bend = {"shape": '<arc curvature="0.01"/>', "elevation": '<elevation s="0" a="3" b="0.05" c="0" d="0"/>'}
+    near = network(tmp_path, **bend)
+    path = tmp_path / "far.xodr"
+    path.write_text(shifted((tmp_path / "road.xodr").read_text(), *UTM), encoding="utf-8")
+    far = load_network(path, cache=False)
+    assert far is not None
+    assert mesh_origin(near).tolist() == [0.0, 0.0, 0.0]
+    assert mesh_origin(far).tolist() == [*UTM, 0.0]
+    for part in (road_surface, road_marks):
+        here, there = part(near), part(far)
+        assert there.origin.tolist() == [*UTM, 0.0]
+        assert there.quads == pytest.approx(here.quads, abs=1e-4)
+        assert there.s == pytest.approx(here.s, abs=1e-6)
+
+
+LEANING = (
+    "esmini/EnvironmentSimulator/Unittest/xodr/pitch_by_super_elevation.xodr",
+    "esmini/EnvironmentSimulator/Unittest/xodr/slope_up_leaning_right.xodr",
+    "esmini/EnvironmentSimulator/Unittest/xodr/straight_500_superelevation_elevation_curve.xodr",
+    "esmini/EnvironmentSimulator/Unittest/xodr/two_pitched_and_rolled_roads.xodr",
+    "esmini/resources/xodr/velodrome.xodr",
+    "esmini/resources/xodr/fabriksgatan.xodr",
+    "maliput_malidrive/resources/MultiLevelArcRoad.xodr",
+    "maliput_malidrive/resources/SShapeSuperelevatedRoad.xodr",
+    "maliput_malidrive/resources/SingleRoadHighCoefficients.xodr",
+)
+"""Rolled roads, some of them steep, and lanes with heights."""
+
+
+@pytest.mark.parametrize("name", LEANING)
+def test_corners_are_lane_poses_on_rolled_roads(corpus: Path, name: str) -> None:
+    net = load_network(corpus / name, cache=False)
+    assert net is not None
+    assert_corners_are_lane_poses(net)
+
+
+def test_corners_are_lane_poses_on_crossfall_and_shape(tmp_path: Path) -> None:
+    lateral = (
+        '<elevation s="0" a="3" b="0.08" c="0" d="0"/></elevationProfile><lateralProfile>'
+        '<superelevation s="0" a="0.05" b="0" c="0" d="0"/><crossfall side="both" s="0" a="0.03" b="0" c="0" d="0"/>'
+        '<shape s="0" t="-9" a="0" b="0.1" c="0" d="0"/><shape s="0" t="0" a="0.9" b="-0.02" c="0" d="0"/>'
+        "</lateralProfile><elevationProfile>"
+    )
+    assert_corners_are_lane_poses(network(tmp_path, shape='<arc curvature="0.01"/>', elevation=lateral))
+
+
+def assert_corners_are_lane_poses(net: Network) -> None:
+    n, surface = net.tables, road_surface(net)
+    pieces = np.flatnonzero(surface.lane != 0)
+    assert len(pieces) > 0
+    for k in pieces[:: max(1, len(pieces) // 1000)].tolist():
+        lane, road = int(surface.lane[k]), int(surface.road[k])
+        row = lanes.lane_row(n, road, lane, float(surface.s[k].mean()))
+        last = n.section_end[n.lane_section[row]] - 1e-6
+        for station, corners in zip(surface.s[k].tolist(), ((0, 3), (1, 2)), strict=True):
+            s = min(station, last)
+            half = lanes.row_width(n, row, s) / 2.0
+            for corner, offset in zip(corners, (half, -half), strict=True):
+                pose = lanes.lane_pose(n, road, lane, s, offset)
+                assert surface.quads[k, corner] + surface.origin == pytest.approx(pose[:3], abs=1e-3)

@@ -116,7 +116,7 @@ def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Li
     stations = np.linspace(0.0, reference.length, max(2, round(reference.length / 4.0)))
     surfaces = [reference.quads(stations[:-1], stations[1:], strip.left, strip.right) for strip in strips]
     counts = [len(quads) for quads in surfaces]
-    spans = np.tile(np.stack([stations[:-1], stations[1:]], axis=1), (len(strips), 1)).astype(np.float32)
+    spans = np.tile(np.stack([stations[:-1], stations[1:]], axis=1), (len(strips), 1))
     surface = Surface(
         np.concatenate(surfaces),
         np.repeat(np.array([strip.material for strip in strips], np.uint8), counts),
@@ -147,7 +147,7 @@ def _marks(reference: Reference, lines: Sequence[Line]) -> Marks:
         np.concatenate([*widths, np.empty(0)]).astype(np.float32),
         np.zeros(count, np.int32),
         np.zeros(count, np.int32),
-        np.concatenate(spans).astype(np.float32),
+        np.concatenate(spans),
     )
 
 
