@@ -18,11 +18,21 @@ ROUNDING = 1e-6
 
 
 def corners(traces: Traces) -> tuple[Floats, Floats]:
-    """Return x and y of the boxes' four corners in turn, (..., n, m, 4)."""
-    along = traces.center[:, None] + 0.5 * traces.length[:, None] * np.array([1.0, -1.0, -1.0, 1.0])
-    across = 0.5 * traces.width[:, None] * np.array([1.0, 1.0, -1.0, -1.0])
-    c, s = np.cos(traces.h)[..., None], np.sin(traces.h)[..., None]
-    return traces.x[..., None] + along * c - across * s, traces.y[..., None] + along * s + across * c
+    """Return x and y of the boxes' four corners in turn, (..., n, m, 4).
+
+    The corners lie outermost in memory, so that reductions over them are fast.
+    """
+    c, s = traces.forward
+    along, across = _corner_offsets(traces, (1,) * c.ndim)
+    x, y = traces.x + along * c - across * s, traces.y + along * s + across * c
+    return np.moveaxis(x, 0, -1), np.moveaxis(y, 0, -1)
+
+
+def _corner_offsets(traces: Traces, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Return how far ahead and to the left of the reference points the corners lie, (4, 1, ..., m)."""
+    front = np.array([1.0, -1.0, -1.0, 1.0]).reshape(-1, *shape)
+    left = np.array([1.0, 1.0, -1.0, -1.0]).reshape(-1, *shape)
+    return traces.center + 0.5 * traces.length * front, 0.5 * traces.width * left
 
 
 def path_curvature(traces: Traces) -> Floats:
@@ -40,34 +50,40 @@ def path_curvature(traces: Traces) -> Floats:
 
 
 def along_path(traces: Traces) -> tuple[Floats, Floats, Floats]:
-    """Return the boxes as seen along the circle that the ego vehicle is driving on.
+    """Return the other entities' boxes as seen along the circle that the ego vehicle is driving on.
 
     Returns:
         (along, across, speed): for each box's corners the distance along the circle from the ego's reference point and
-        the distance to the left of it, m, (..., n, m, 4); and each entity's speed along the circle, m/s, (..., n, m).
+        the distance to the left of it, m, (..., n, m - 1, 4); and each entity's speed along the circle, m/s,
+        (..., n, m - 1).
     """
-    x, y = corners(traces)
-    h = traces.h[..., :1, None]
-    dx, dy = x - traces.x[..., :1, None], y - traces.y[..., :1, None]
-    ahead, left = np.cos(h) * dx + np.sin(h) * dy, np.cos(h) * dy - np.sin(h) * dx
-    curvature = path_curvature(traces)[..., None, None]
+    x, y = (np.moveaxis(each, -1, 0)[..., 1:] for each in corners(traces))
+    c, s = (each[..., :1] for each in traces.forward)
+    dx, dy = x - traces.x[..., :1], y - traces.y[..., :1]
+    ahead, left = c * dx + s * dy, c * dy - s * dx
+    curvature = path_curvature(traces)[..., None]
     bent = np.abs(curvature) > STRAIGHT
-    side = np.where(curvature < 0, -1.0, 1.0)
-    radius = 1.0 / np.where(bent, np.abs(curvature), 1.0)
-    angle = np.arctan2(ahead, radius - side * left)
-    along = np.where(bent, angle * radius, ahead)
-    across = np.where(bent, side * (radius - np.hypot(ahead, radius - side * left)), left)
-    tangent = traces.h[..., :1] + curvature[..., 0] * along.mean(axis=-1)
-    return along, across, traces.v * np.cos(traces.h - tangent)
+    along, across = ahead.copy(), left.copy()
+    rows = np.nonzero(np.broadcast_to(bent, left.shape[1:]))
+    if len(rows[0]):
+        turned = np.broadcast_to(curvature, left.shape[1:])[rows]
+        side, radius = np.where(turned < 0, -1.0, 1.0), 1.0 / np.abs(turned)
+        at = (slice(None), *rows)
+        forward, inward = ahead[at], radius - side * left[at]
+        along[at] = np.arctan2(forward, inward) * radius
+        across[at] = side * (radius - np.hypot(forward, inward))
+    tangent = traces.h[..., :1] + curvature * along.mean(axis=0)
+    speed = traces.v[..., 1:] * np.cos(traces.h[..., 1:] - tangent)
+    return np.moveaxis(along, 0, -1), np.moveaxis(across, 0, -1), speed
 
 
 def least_box_distance(traces: Traces) -> Floats:
     """Return the least distance in the plane from the ego vehicle's box to another one over the run, m, (...).
 
-    0 where boxes overlap, NaN without another entity. Only rows whose boxes can be the nearest are looked at: a box lies
-    between the circles of its half diagonal and of its smaller half side.
+    0 where boxes overlap, NaN without another entity. Only rows whose boxes can be the nearest are looked at: a box
+    lies between the circles of its half diagonal and of its smaller half side.
     """
-    apart, outer, inner = _centres_apart(traces)
+    apart, (outer, inner) = traces.centre_distance, _circles(traces)
     nearest = np.fmin.reduce(apart - inner, axis=(-1, -2), initial=np.inf)
     near = apart - outer <= np.maximum(nearest, 0.0)[..., None, None]
     distance = np.full(apart.shape, np.nan)
@@ -79,24 +95,18 @@ def least_box_distance(traces: Traces) -> Floats:
 
 def touching(traces: Traces) -> Booleans:
     """Return in which rows the ego vehicle's box overlaps another one, (..., n)."""
-    apart, outer, _ = _centres_apart(traces)
+    apart, (outer, _) = traces.centre_distance, _circles(traces)
     near = apart <= outer
     overlap = np.zeros(apart.shape, dtype=bool)
     overlap[near] = _overlap(*_boxes_at(traces, near))
     return overlap.any(axis=-1)
 
 
-def _centres_apart(traces: Traces) -> tuple[Floats, Floats, Floats]:
-    """Return how far the boxes' centres are from the ego vehicle's, m, (..., n, m - 1), NaN where absent.
-
-    And the sums of both boxes' half diagonals and of both boxes' smaller half sides, (m - 1,).
-    """
-    x = traces.x + traces.center * np.cos(traces.h)
-    y = traces.y + traces.center * np.sin(traces.h)
-    apart = np.hypot(x[..., 1:] - x[..., :1], y[..., 1:] - y[..., :1])
+def _circles(traces: Traces) -> tuple[Floats, Floats]:
+    """Return the sums of the ego vehicle's and each other box's half diagonals and smaller half sides, m, (m - 1,)."""
     outer = 0.5 * np.hypot(traces.length, traces.width) + ROUNDING
     inner = 0.5 * np.minimum(traces.length, traces.width) - ROUNDING
-    return np.where(traces.present[..., 1:], apart, np.nan), outer[0] + outer[1:], inner[0] + inner[1:]
+    return outer[0] + outer[1:], inner[0] + inner[1:]
 
 
 def _boxes_at(traces: Traces, where: Booleans) -> tuple[Floats, Floats]:

@@ -96,9 +96,9 @@ def time_to_collision(traces: Traces) -> Floats:
     along, across, speed = along_path(traces)
     half = 0.5 * traces.width[0]
     front = traces.center[0] + 0.5 * traces.length[0]
-    gap = along[..., 1:, :].min(axis=-1) - front
-    low, high = across[..., 1:, :].min(axis=-1), across[..., 1:, :].max(axis=-1)
-    closing = traces.v[..., :1] - speed[..., 1:]
+    gap = along.min(axis=-1) - front
+    low, high = across.min(axis=-1), across.max(axis=-1)
+    closing = traces.v[..., :1] - speed
     counts = traces.present[..., 1:] & (low < half) & (high > -half) & (gap >= 0) & (closing > 0)
     ttc = np.where(counts, gap / np.where(counts, closing, 1.0), np.nan)
     return np.where(touching(traces), 0.0, np.fmin.reduce(ttc, axis=-1, initial=np.nan))

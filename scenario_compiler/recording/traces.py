@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -82,6 +83,19 @@ class Traces:
         """Return which rows lie in [begin, end], (..., n); none where begin or a given end is NaN."""
         inside = self.t >= begin[..., None] - SAME_TIME
         return inside if end is None else inside & (self.t <= end[..., None] + SAME_TIME)
+
+    @cached_property
+    def forward(self) -> tuple[Floats, Floats]:
+        """Cosine and sine of the headings, each (..., n, m)."""
+        return np.cos(self.h), np.sin(self.h)
+
+    @cached_property
+    def centre_distance(self) -> Floats:
+        """Distance of the boxes' centres from the ego vehicle's, m, (..., n, m - 1), NaN where one is absent."""
+        c, s = self.forward
+        x, y = self.x + self.center * c, self.y + self.center * s
+        apart = np.hypot(x[..., 1:] - x[..., :1], y[..., 1:] - y[..., :1])
+        return np.where(self.present[..., 1:], apart, np.nan)
 
     @property
     def until_collision(self) -> Booleans:
