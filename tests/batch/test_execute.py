@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from _pytest.mark import ParameterSet
 from lxml import etree
 
 from scenario_compiler.batch.distributions import SweepError
@@ -54,9 +56,16 @@ def test_a_row_says_what_the_outcome_of_its_run_says(conflict: Path, tmp_path: P
     assert about["measures"]["takeover_time"]["unit"] == "s"
 
 
-@pytest.mark.parametrize("name", [path.stem for path in sorted(LIBRARY.glob("*.xml"))])
-def test_library_conflicts_run_compiled_as_interpreted(name: str, tmp_path: Path) -> None:
-    target = LIBRARY / f"{name}.xml"
+def _library_targets() -> Iterator[ParameterSet]:
+    """Yield every scenario of the library; all but the first of each file are slow."""
+    for path in sorted(LIBRARY.glob("*.xml")):
+        document = etree.parse(str(path))
+        for k, name in enumerate(document.xpath("//scenario/@name")):
+            yield pytest.param(f"{path}#{name}", marks=[pytest.mark.slow] if k else [], id=f"{path.stem}#{name}")
+
+
+@pytest.mark.parametrize("target", list(_library_targets()))
+def test_library_conflicts_run_compiled_as_interpreted(target: str, tmp_path: Path) -> None:
     done = compile_target(target, {}, Diagnostics(), overrides=Overrides(perception="ideal"))
     assert done is not None
     numbers = [one for one in done.plan.parameters if one.default]

@@ -1,0 +1,49 @@
+"""Draws one figure of a sweep's report from its table: how often runs collide along a parameter, with intervals.
+
+    scenario-compiler sweep library/conflicts/obstacle_ahead.xml --vary "distance=uniform(60,350)" \
+        --samples 1000 --perception ideal -o sweep
+    python examples/sweep_figure.py sweep distance
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import pandas as pd
+
+from scenario_compiler.report.statistics import wilson_interval
+
+mpl.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402  after the choice of Agg
+
+
+def main() -> None:
+    """Read the table, count by cells of the parameter, and draw."""
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "sweep")
+    name = sys.argv[2] if len(sys.argv) > 2 else "distance"
+    table = pd.read_parquet(folder / "results.parquet")
+    table = table[table["result"] != "error"]
+    cells = pd.cut(table[f"parameter.{name}"], 12)
+    figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
+    for label, happened in (
+        ("collision", table["collision_time"].notna()),
+        ("takeover request", table["resolution"] != "no_request"),
+    ):
+        counted = happened.groupby(cells, observed=True).agg(["sum", "count"])
+        middle = [cell.mid for cell in counted.index]
+        rate = counted["sum"] / counted["count"]
+        ends = [wilson_interval(int(row["sum"]), int(row["count"])) for _, row in counted.iterrows()]
+        errors = [[r - low for r, (low, _) in zip(rate, ends, strict=True)], [high - r for r, (_, high) in zip(rate, ends, strict=True)]]
+        axes.errorbar(middle, rate, yerr=errors, marker="o", markersize=3, capsize=2, label=label)
+    axes.set_xlabel(name)
+    axes.set_ylabel("rate")
+    axes.set_ylim(-0.03, 1.03)
+    axes.legend()
+    figure.savefig(folder / f"rates_{name}.png", dpi=150)
+    print(folder / f"rates_{name}.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,19 @@
+"""The table of figures can be printed; what stands in it is measured by hand."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+@pytest.mark.slow
+def test_the_table_is_printed() -> None:
+    script = Path(__file__).parent / "figures.py"
+    done = subprocess.run(
+        [sys.executable, str(script), "--short", "--runs", "1"], capture_output=True, text=True, timeout=300, check=True
+    )
+    assert "entity-steps/s" in done.stdout
+    assert "ms a variant" in done.stdout
