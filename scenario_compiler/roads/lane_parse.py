@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.roads.attachments import CUT_TOLERANCE
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, NONE
 from scenario_compiler.roads.marks import (
     CHANGE_BOTH,
@@ -44,6 +47,17 @@ UNKNOWN_LANE_WORD = Code(
     Severity.WARNING,
 )
 
+MANY_CUTS = Code(
+    "SC369",
+    "many-attached-roads",
+    "So many roads begin or end inside another one (elementS, virtual junctions) that only the first ones are joined "
+    "to it.",
+    Severity.WARNING,
+)
+
+COPY_LIMIT = 100_000
+"""Most elements of lane sections that are read again because of cuts. A bound on hostile files."""
+
 QUALITY_CODE = "marking_quality"
 """Code of the `<userData>` in a `<roadMark>` that says how well the mark can be seen, 0 to 1."""
 
@@ -61,8 +75,8 @@ class LaneLinks:
     after: list[list[int]]
 
 
-Side = tuple[etree._Element | None, float, float]
-"""The side's element, the s of its section, the s of the section's end."""
+Side = tuple[etree._Element | None, float]
+"""The side's element and the s that its records count from."""
 
 
 class LaneReader:
@@ -72,10 +86,11 @@ class LaneReader:
         """Start before the first road."""
         self._reader = reader
         self._n = tables
+        self._copies = COPY_LIMIT
         self.links = LaneLinks([], [])
 
-    def read(self, road_element: etree._Element, road: int, length: float) -> None:
-        """Append the lane sections of a road."""
+    def read(self, road_element: etree._Element, road: int, length: float, cuts: Sequence[float] = ()) -> None:
+        """Append the lane sections of a road; `cuts` are where other roads begin or end inside it, ascending."""
         n = self._n
         n.road_section.append(len(n.section_s))
         n.road_directions.append(0)
@@ -83,18 +98,31 @@ class LaneReader:
         if lanes is None:
             return
         sections = self._sections(lanes, length)
-        left: Side = (None, 0.0, 0.0)
-        right: Side = (None, 0.0, 0.0)
+        left: Side = (None, 0.0)
+        right: Side = (None, 0.0)
         for i, (s, element) in enumerate(sections):
             end = sections[i + 1][0] if i + 1 < len(sections) else length
             new_left, new_right = element.find("left"), element.find("right")
             one_sided = element.get("singleSide") in {"true", "1"} and i > 0
             keep_left = one_sided and new_left is None
             keep_right = one_sided and new_right is None
-            left = (left[0], left[1], end) if keep_left else (new_left, s, end)
-            right = (right[0], right[1], end) if keep_right else (new_right, s, end)
-            self._section(element, road, (s, end), left, right)
-            self._continue(keep_left, keep_right)
+            left = left[:2] if keep_left else (new_left, s)
+            right = right[:2] if keep_right else (new_right, s)
+            for k, span in enumerate(pairwise((s, *self._inside(element, s, end, cuts), end))):
+                self._section(element, road, span, s, left, right)
+                self._continue(keep_left or k > 0, keep_right or k > 0)
+
+    def _inside(self, section: etree._Element, start: float, end: float, cuts: Sequence[float]) -> list[float]:
+        """Return the cuts inside a section, as many of them as `COPY_LIMIT` allows."""
+        found = list(cuts[bisect_right(cuts, start + CUT_TOLERANCE) : bisect_left(cuts, end - CUT_TOLERANCE)])
+        if found:
+            size = sum(1 for _ in section.iter())
+            kept = self._copies // size
+            if kept < len(found):
+                self._reader.report(MANY_CUTS, f"{len(found)} roads begin or end inside the lane section", section)
+            self._copies -= size * min(kept, len(found))
+            found = found[:kept]
+        return found
 
     def _sections(self, lanes: etree._Element, length: float) -> list[tuple[float, etree._Element]]:
         """Return the usable lane sections with their start, in ascending order."""
@@ -110,7 +138,9 @@ class LaneReader:
         found.sort(key=lambda pair: pair[0])
         return found
 
-    def _section(self, element: etree._Element, road: int, span: tuple[float, float], left: Side, right: Side) -> None:
+    def _section(
+        self, element: etree._Element, road: int, span: tuple[float, float], origin: float, left: Side, right: Side
+    ) -> None:
         n = self._n
         n.section_s.append(span[0])
         n.section_end.append(span[1])
@@ -121,11 +151,11 @@ class LaneReader:
         n.section_left.append(len(lefts))
         outwards: list[tuple[int, etree._Element | None, float]] = []
         outwards.extend((lane, one, left[1]) for lane, one in reversed(lefts))
-        outwards.append((0, centre, span[0]))
+        outwards.append((0, centre, origin))
         outwards.extend((lane, one, right[1]) for lane, one in self._side(right[0], -1))
         first = len(n.lane_id)
-        for lane, one, origin in outwards:
-            self._lane(lane, one, origin, span[1])
+        for lane, one, start in outwards:
+            self._lane(lane, one, start, span[1])
         self._widths(outwards, first, span[1])
 
     def _side(self, side: etree._Element | None, sign: int) -> list[tuple[int, etree._Element]]:
@@ -193,7 +223,7 @@ class LaneReader:
                     (before if one.tag == "predecessor" else after).append(lane)
 
     def _continue(self, left: bool, right: bool) -> None:
-        """Link a side that a one-sided section leaves as it was to itself in the section before."""
+        """Link a side that goes on as it was, over a one-sided section or a cut, to itself in the section before."""
         n = self._n
         if not (left or right):
             return

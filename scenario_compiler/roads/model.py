@@ -18,6 +18,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.document import Document
+from scenario_compiler.roads.lane_details import LaneDetails, read_lane_details
 from scenario_compiler.roads.reading import Reader
 
 TOO_MANY_REPEATS = Code(
@@ -176,8 +177,21 @@ class Structure:
 
 
 @dataclass(frozen=True, slots=True)
+class ConnectionEnd:
+    """Where a connection of a virtual junction leaves or enters a road: s in m, "+" for travel along s, "-" against."""
+
+    road: str
+    s: float
+    direction: str
+
+
+@dataclass(frozen=True, slots=True)
 class JunctionConnection:
-    """A connection as filed: road ids, the touched end of the entered road, (from, to) lane ids."""
+    """A connection as filed: road ids, the touched end of the entered road, (from, to) lane ids.
+
+    Those of virtual junctions may name places inside roads, and without a connecting road only those: such a connection
+    has no path that could be followed.
+    """
 
     id: str
     incoming: str
@@ -185,11 +199,16 @@ class JunctionConnection:
     contact: str
     type: str
     lanes: tuple[tuple[int, int], ...]
+    predecessor: ConnectionEnd | None
+    successor: ConnectionEnd | None
 
 
 @dataclass(frozen=True, slots=True)
 class Junction:
-    """A junction: type "default", "direct", "virtual" or "crossing"; priorities are (high, low) road ids."""
+    """A junction: type "default", "direct", "virtual" or "crossing"; priorities are (high, low) road ids.
+
+    A virtual one lies on its main road from s_start to s_end, m, for travel of an orientation: "+", "-" or "none".
+    """
 
     id: str
     name: str
@@ -197,6 +216,7 @@ class Junction:
     main_road: str
     s_start: float
     s_end: float
+    orientation: str
     connections: tuple[JunctionConnection, ...]
     priorities: tuple[tuple[str, str], ...]
     controllers: tuple[str, ...]
@@ -236,6 +256,7 @@ class RoadModel:
     structures: tuple[Structure, ...]
     junctions: tuple[Junction, ...]
     controllers: tuple[Controller, ...]
+    lanes: tuple[LaneDetails, ...]
 
 
 def read_model(document: Document, sink: Diagnostics) -> RoadModel:
@@ -260,6 +281,7 @@ def read_model(document: Document, sink: Diagnostics) -> RoadModel:
         ),
         tuple(reader.junction(one) for one in root.iterfind("junction")),
         tuple(_controller(one) for one in root.iterfind("controller")),
+        tuple(read_lane_details(reader.numbers, roads)),
     )
 
 
@@ -280,16 +302,16 @@ def report_repeats(reader: Reader, root: etree._Element) -> None:
 
 class _ModelReader:
     def __init__(self, reader: Reader) -> None:
-        self._reader = reader
+        self.numbers = reader
 
     def _number(self, element: etree._Element, name: str) -> float:
-        return self._reader.number(element, name, 0.0)
+        return self.numbers.number(element, name, 0.0)
 
     def header(self, root: etree._Element) -> Header:
         element = root.find("header")
         if element is None:
             return Header((0, 0), "", "", "", "", (0.0, 0.0, 0.0, 0.0), ())
-        major, minor = (self._reader.number(element, name, 0.0, limit=1e6) for name in ("revMajor", "revMinor"))
+        major, minor = (self.numbers.number(element, name, 0.0, limit=1e6) for name in ("revMajor", "revMinor"))
         offset = element.find("offset")
         shift = (0.0, 0.0, 0.0, 0.0)
         if offset is not None:
@@ -325,7 +347,7 @@ class _ModelReader:
             radius=self._number(element, "radius"),
             valid_length=self._number(element, "validLength"),
             dynamic=element.get("dynamic") == "yes",
-            repeats=tuple(read_repeat(self._reader, one) for one in element.iterfind("repeat")),
+            repeats=tuple(read_repeat(self.numbers, one) for one in element.iterfind("repeat")),
             outlines=tuple(
                 self._outline(one) for one in (*element.findall("outline"), *element.findall("outlines/outline"))
             ),
@@ -346,7 +368,7 @@ class _ModelReader:
     def _lanes(self, element: etree._Element) -> tuple[tuple[int, int], ...]:
         found = []
         for one in element.iterfind("validity"):
-            first, last = self._reader.integer(one, "fromLane"), self._reader.integer(one, "toLane")
+            first, last = self.numbers.integer(one, "fromLane"), self.numbers.integer(one, "toLane")
             if first is not None and last is not None:
                 found.append((first, last))
         return tuple(found)
@@ -392,7 +414,7 @@ class _ModelReader:
         for one in element.iterfind("connection"):
             lanes = []
             for link in one.iterfind("laneLink"):
-                before, after = self._reader.integer(link, "from"), self._reader.integer(link, "to")
+                before, after = self.numbers.integer(link, "from"), self.numbers.integer(link, "to")
                 if before is not None and after is not None:
                     lanes.append((before, after))
             connections.append(
@@ -403,6 +425,8 @@ class _ModelReader:
                     contact=one.get("contactPoint", ""),
                     type=one.get("type", "default"),
                     lanes=tuple(lanes),
+                    predecessor=self._connection_end(one.find("predecessor")),
+                    successor=self._connection_end(one.find("successor")),
                 )
             )
         return Junction(
@@ -412,11 +436,19 @@ class _ModelReader:
             main_road=element.get("mainRoad", ""),
             s_start=self._number(element, "sStart"),
             s_end=self._number(element, "sEnd"),
+            orientation=element.get("orientation", "none"),
             connections=tuple(connections),
             priorities=tuple((one.get("high", ""), one.get("low", "")) for one in element.iterfind("priority")),
             controllers=tuple(one.get("id", "") for one in element.iterfind("controller")),
             user_data=_user_data(element),
             rest=_rest(element, {"connection", "priority", "controller", "userData"}),
+        )
+
+    def _connection_end(self, element: etree._Element | None) -> ConnectionEnd | None:
+        if element is None:
+            return None
+        return ConnectionEnd(
+            element.get("elementId", ""), self._number(element, "elementS"), element.get("elementDir", "+")
         )
 
 

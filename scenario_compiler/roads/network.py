@@ -14,6 +14,7 @@ from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FileP
 from scenario_compiler.document import MAX_BYTES, parse_document, read_document
 from scenario_compiler.roads import geometry, lanes, locate, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
+from scenario_compiler.roads.lane_details import LaneDetails
 from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES, is_drivable
 from scenario_compiler.roads.model import RoadModel, read_model
 from scenario_compiler.roads.nearest import nearest_lane
@@ -61,6 +62,7 @@ class Network:
         self.junction_ids = parsed.junction_ids
         self._model: RoadModel | None = None
         self._batch: BatchLocator | None = None
+        self._details: dict[tuple[str, int], list[LaneDetails]] | None = None
         self._index = {name: i for i, name in enumerate(parsed.road_ids)}
 
     def tables_as_arrays(self) -> tuple[np.ndarray, ...]:
@@ -96,7 +98,7 @@ class Network:
         return ("junction", self.junction_ids[junction]) if junction >= 0 else None
 
     def model(self) -> RoadModel:
-        """Return header, objects, signals, controllers and junctions, read from the file when first asked for.
+        """Return header, objects, signals, controllers, junctions and lane details, read when first asked for.
 
         Raises:
             CompileError: When the file can no longer be read as what it was.
@@ -233,6 +235,23 @@ class Network:
                 if n.type_s[k] <= s:
                     speed = n.type_speed[k]
         return None if speed == NO_SPEED else speed
+
+    def lane_details(self, road: str, lane: int, s: float) -> LaneDetails | None:
+        """Return access, rules, material and state of a lane at s; None where the file states none.
+
+        They are read from the file when first asked for.
+
+        Raises:
+            ValueError: When s lies outside the road.
+            CompileError: When the file can no longer be read as what it was.
+        """
+        _, s = self._place(road, s)
+        if self._details is None:
+            self._details = {}
+            for one in self.model().lanes:
+                self._details.setdefault((one.road, one.lane), []).append(one)
+        found = [one for one in self._details.get((road, lane), ()) if one.s_from <= s]
+        return found[-1] if found and s < found[-1].s_to else None
 
     def marks(self, road: str, lane: int, s: float) -> tuple[Mark | None, Mark | None]:
         """Return (outer mark, inner mark) of a lane at s.

@@ -9,12 +9,14 @@ header) is read by
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.document import Document
+from scenario_compiler.roads.attachments import cuts_of, read_attachments
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
 from scenario_compiler.roads.locate_build import build_index
@@ -79,13 +81,15 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
     elements: list[etree._Element] = []
     seen: set[str] = set()
     lanes = LaneReader(reader, parsed.tables)
+    attachments = read_attachments(reader, root)
+    cuts = cuts_of(attachments)
     for element in root.iterfind("road"):
         road_id = element.get("id")
         if road_id is None:
             reader.report(UNUSABLE_ROAD, "a road without id is left out", element)
         elif road_id in seen:
             reader.report(DUPLICATE_ROAD, f"a second road has the id '{road_id}'; it is left out", element, "id")
-        elif _read_road(reader, parsed.tables, lanes, element, junctions):
+        elif _read_road(reader, parsed.tables, lanes, element, junctions, cuts.get(road_id, ())):
             seen.add(road_id)
             parsed.road_ids.append(road_id)
             elements.append(element)
@@ -93,7 +97,7 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
         sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
         return None
     _close(parsed.tables)
-    build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links)
+    build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links, attachments)
     build_index(parsed.tables)
     report_repeats(reader, root)
     return parsed
@@ -108,7 +112,12 @@ def drop_namespace(root: etree._Element) -> None:
 
 
 def _read_road(
-    reader: Reader, n: RoadTables, lanes: LaneReader, element: etree._Element, junctions: dict[str, int]
+    reader: Reader,
+    n: RoadTables,
+    lanes: LaneReader,
+    element: etree._Element,
+    junctions: dict[str, int],
+    cuts: Sequence[float],
 ) -> bool:
     """Append one road to the tables; False when it cannot be used."""
     length = reader.number(element, "length", -1.0, limit=LENGTH_LIMIT)
@@ -130,7 +139,7 @@ def _read_road(
     _read_profiles(reader, n, element)
     _read_types(reader, n, element)
     road = len(n.road_length) - 1
-    lanes.read(element, road, length)
+    lanes.read(element, road, length, cuts)
     n.road_flat.append(int(_is_flat(n, road)))
     return True
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 
@@ -37,10 +39,18 @@ def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPo
         return {}
     points: dict[str, NamedPosition] = {}
     try:
-        for entry in tomllib.loads(description.read_text(encoding="utf-8")).get("spawn_point", []):
+        status = description.stat()
+        for entry in _description(description, status.st_mtime_ns, status.st_size).get("spawn_point", []):
             points[str(entry["name"])] = NamedPosition(
                 str(entry["road"]), int(entry["lane"]), float(entry["s"]), str(entry.get("summary", ""))
             )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         sink.add(BAD_DESCRIPTION, f"cannot read the map's description: {error}", FilePlace(str(description)))
     return points
+
+
+@lru_cache(maxsize=8)
+def _description(path: Path, modified: int, size: int) -> dict[str, Any]:
+    """Return what a map's description says; it is read again when the file has changed."""
+    del modified, size
+    return tomllib.loads(path.read_text(encoding="utf-8"))

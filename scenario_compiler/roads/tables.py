@@ -73,7 +73,8 @@ class RoadTables:
         lane_link: CSR with two rows a lane (its low-s end, then its high-s end) into the links.
         link_lane: The linked lane's row.
         link_contact: The end of that lane that is touched.
-        link_turn: Absolute change of heading along the linked road when it lies in a junction, else 0; rad.
+        link_turn: Absolute change of heading along the linked road when it lies in a junction, else 0; rad. Pi where a
+            road is linked to a place inside another one: the main road goes on.
         height_s, height_inner, height_outer: Lane height above the road surface at its inner and outer
             border, m.
         type_s, type_code, type_speed: Road type records; speed in m/s.

@@ -11,13 +11,15 @@ a joint names no lane at all, lanes of the same id go on in each other.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
 
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity, did_you_mean
+from scenario_compiler.roads.attachments import CUT_TOLERANCE, Attachment
 from scenario_compiler.roads.geometry import road_reference, wrap_angle
 from scenario_compiler.roads.lane_parse import LaneLinks
 from scenario_compiler.roads.lanes import lane_row_in
@@ -51,6 +53,7 @@ class _Links:
 
     def __init__(self, rows: int) -> None:
         self.ends: list[list[tuple[int, int]]] = [[] for _ in range(2 * rows)]
+        self.branches: set[tuple[int, int, int]] = set()
 
     def add(self, row: int, end: int, other: int, contact: int) -> None:
         if (other, contact) not in self.ends[2 * row + end]:
@@ -67,11 +70,13 @@ def build_links(
     road_ids: list[str],
     junctions: dict[str, int],
     lane_links: LaneLinks,
+    attachments: Sequence[Attachment] = (),
 ) -> None:
-    """Fill the link columns from the roads' link elements, the lanes' links and the junctions."""
+    """Fill the link columns from the links of roads and lanes, the junctions, and the roads attached to others."""
     index = {name: i for i, name in enumerate(road_ids)}
+    inside = {(one.road, one.end) for one in attachments}
     for element in roads:
-        _read_road_links(reader, n, element, index, junctions)
+        _read_road_links(reader, n, element, index, junctions, inside)
     links = _Links(len(n.lane_id))
     for road in range(len(roads)):
         for section in range(n.road_section[road], n.road_section[road + 1] - 1):
@@ -82,11 +87,21 @@ def build_links(
     for road in range(len(roads)):
         for end in (AT_START, AT_END):
             _link_road_end(n, links, lane_links, road, end, connections)
+    named: dict[tuple[int, int, int], list[tuple[int, int]]] = {}
+    for one in (one for found in connections.values() for one in found):
+        named.setdefault((one.incoming, one.road, one.contact), []).extend(one.lanes)
+    for attachment in attachments:
+        _link_attachment(n, links, lane_links, attachment, index, named)
     _store(n, links)
 
 
 def _read_road_links(
-    reader: Reader, n: RoadTables, element: etree._Element, index: dict[str, int], junctions: dict[str, int]
+    reader: Reader,
+    n: RoadTables,
+    element: etree._Element,
+    index: dict[str, int],
+    junctions: dict[str, int],
+    inside: set[tuple[str, int]],
 ) -> None:
     for name, roads, contacts, into in (
         ("predecessor", n.road_start_road, n.road_start_contact, n.road_start_junction),
@@ -94,7 +109,8 @@ def _read_road_links(
     ):
         link = element.find(f"link/{name}")
         road = junction = contact = -1
-        if link is not None:
+        end = AT_START if name == "predecessor" else AT_END
+        if link is not None and (element.get("id", ""), end) not in inside:
             target = link.get("elementId", "")
             if link.get("elementType") == "junction":
                 junction = junctions.get(target, -1)
@@ -104,8 +120,7 @@ def _read_road_links(
                 known = index
                 contact = CONTACTS.get(link.get("contactPoint", ""), -1)
                 if road >= 0 and contact < 0:
-                    at = AT_START if name == "predecessor" else AT_END
-                    contact = _nearest_contact(n, len(roads), at, road)
+                    contact = _nearest_contact(n, len(roads), end, road)
             if road < 0 and junction < 0:
                 message = f"the {name} '{target}' does not exist"
                 if len(known) < 1000:
@@ -215,6 +230,40 @@ def _link_road_end(
             _link_joint(n, links, lane_links, (target, connection.contact), (section, end))
 
 
+def _link_attachment(
+    n: RoadTables,
+    links: _Links,
+    lane_links: LaneLinks,
+    attachment: Attachment,
+    index: dict[str, int],
+    named: dict[tuple[int, int, int], list[tuple[int, int]]],
+) -> None:
+    """Link the lanes of a road's end to those of the part of another road that it touches.
+
+    Junction connections and the lanes' own links say which; where neither does, lanes of the same id, or of the
+    opposite one where the roads' directions meet head on.
+    """
+    road, main = index.get(attachment.road, -1), index.get(attachment.main, -1)
+    if road < 0 or main < 0:
+        return
+    section = _end_section(n, road, attachment.end)
+    last = n.road_section[main + 1]
+    target = bisect_left(n.section_s, attachment.s - CUT_TOLERANCE, n.road_section[main], last)
+    if section < 0 or target == last or n.section_s[target] > attachment.s + CUT_TOLERANCE:
+        return
+    if attachment.contact == AT_END:
+        target -= 1
+    filed = lane_links.before if attachment.end == AT_START else lane_links.after
+    pairs = [(lane, n.lane_id[row]) for row in _rows(n, section) for lane in filed[row]]
+    pairs.extend(named.get((main, road, attachment.end), ()))
+    sign = 1 if attachment.end != attachment.contact else -1
+    for lane, own in pairs or [(sign * n.lane_id[row], n.lane_id[row]) for row in _rows(n, section)]:
+        found, row = lane_row_in(n, target, lane), lane_row_in(n, section, own)
+        if found >= 0 and row >= 0 and lane != 0 and own != 0:
+            links.add(found, attachment.contact, row, attachment.end)
+            links.branches.update(((found, attachment.contact, row), (row, attachment.end, found)))
+
+
 def _touches(n: RoadTables, road: int, contact: int, other: int, end: int) -> bool:
     """Tell whether an end of a road does not name another road, or another end of that road, as its neighbour."""
     named = n.road_start_road[road] if contact == AT_START else n.road_end_road[road]
@@ -234,9 +283,10 @@ def _store(n: RoadTables, links: _Links) -> None:
             target = n.section_road[n.lane_section[other]]
             n.link_lane.append(other)
             n.link_contact.append(contact)
-            n.link_turn.append(turns[target] if n.road_junction[target] >= 0 else 0.0)
+            branch = (row, end, other) in links.branches
+            n.link_turn.append(pi if branch else turns[target] if n.road_junction[target] >= 0 else 0.0)
             at_road_end = section == _end_section(n, road, end)
-            if at_road_end and (target, contact) not in exits[2 * road + end]:
+            if at_road_end and not branch and (target, contact) not in exits[2 * road + end]:
                 exits[2 * road + end].append((target, contact))
     n.lane_link.append(len(n.link_lane))
     for roads in exits:

@@ -26,7 +26,7 @@ def made(*parts: str, minor: int = 7) -> Document:
 
 
 def test_what_is_not_read_is_listed() -> None:
-    inside = '<access sOffset="0" restriction="bus"/>\n<material sOffset="0" friction="1"/>'
+    inside = '<access sOffset="0" restriction="bus"/>\n<colour sOffset="0"/>\n<access sOffset="0" colour="red"/>'
     document = made(
         road(more='<made up="1"/>').replace("junction=", 'name="a" junction='),
         road("2", lanes=section(lane(1), lane(-1, inside))),
@@ -34,15 +34,15 @@ def test_what_is_not_read_is_listed() -> None:
     assert [(one.path, one.attribute, one.count, one.line) for one in unread(document)] == [
         ("road", "name", 1, 1),
         ("road/made", "", 1, 1),
-        ("road/lanes/laneSection/right/lane/access", "", 1, 2),
-        ("road/lanes/laneSection/right/lane/material", "", 1, 3),
+        ("road/lanes/laneSection/right/lane/colour", "", 1, 3),
+        ("road/lanes/laneSection/right/lane/access", "colour", 1, 4),
     ]
 
 
 def test_a_switched_declaration_may_be_unread() -> None:
-    junction = '<junction id="5" type="virtual"><connection id="0" type="virtual"/></junction>'
+    junction = '<junction id="5" type="crossing"><roadSection id="0"/></junction>'
     document = made(road(), junction, minor=8)
-    assert [(one.path, one.attribute) for one in unread(document)] == [("junction/connection", "")]
+    assert [(one.path, one.attribute) for one in unread(document)] == [("junction", "")]
 
 
 LARGEST = 20_000

@@ -20,7 +20,7 @@ offset x y z hdg
 userData code value
 road id junction length rule
 road_link
-road_neighbour elementId elementType contactPoint
+road_neighbour elementId elementType contactPoint elementS elementDir
 road_type s type
 road_speed max unit
 planView
@@ -40,8 +40,8 @@ laneSection s singleSide
 left
 right
 center
-left_lane id type level direction
-right_lane id type level direction
+left_lane id type level direction advisory dynamicLaneDirection dynamicLaneType roadWorks
+right_lane id type level direction advisory dynamicLaneDirection dynamicLaneType roadWorks
 centre_lane id type level
 lane_link
 lane_neighbour id
@@ -49,6 +49,11 @@ width sOffset a b c d
 border sOffset a b c d
 speed sOffset max unit
 height sOffset inner outer
+access sOffset rule restriction
+restriction type
+material sOffset friction roughness surface
+rule sOffset value
+visibility sOffset forward back left right
 roadMark sOffset type color weight width laneChange
 sway ds a b c d
 mark_type
@@ -70,12 +75,14 @@ signal id name type subtype country value unit text s t zOffset hOffset orientat
 signalReference id s t orientation
 controller id name
 control signalId type
-junction id name type mainRoad sStart sEnd
+junction id name type mainRoad sStart sEnd orientation
 direct_junction id name type
-virtual_junction id name type mainRoad sStart sEnd
+virtual_junction id name type mainRoad sStart sEnd orientation
 connection id incomingRoad connectingRoad linkedRoad contactPoint type
 direct_connection id incomingRoad linkedRoad contactPoint
 virtual_connection id incomingRoad connectingRoad contactPoint type
+bypassing_connection id incomingRoad connectingRoad contactPoint type
+connection_end elementId elementS elementDir
 laneLink from to
 priority high low
 junction_controller id
