@@ -53,7 +53,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "llvmlite": ("engine.build",),
-    "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot"),
+    "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview"),
     "numba": ("engine.build",),
     "pyarrow": ("batch.results", "recording.store"),
     "scenariogeneration": (),

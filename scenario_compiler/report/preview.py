@@ -1,0 +1,268 @@
+"""A plan to look at before it runs: where everybody starts, the way ahead, and what happens when.
+
+Equal plans give equal bytes with one version of matplotlib.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from scenario_compiler.expressions import Value
+from scenario_compiler.frames import center_from_reference
+from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.report.map_plot import draw_map
+from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
+from scenario_compiler.report.surroundings import Window
+from scenario_compiler.roads.network import Network
+from scenario_compiler.roads.positions import LanePosition
+from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.storyboard import Event, TriggerCondition
+from scenario_compiler.vocabulary.word import Word, number_value
+
+SPACING = 4.0
+"""Distance between two points of the way ahead, m."""
+
+MARGIN = 30.0
+"""How much is shown around what matters, m."""
+
+REACH = 400.0
+"""How far the way ahead is drawn without a destination, m."""
+
+COLOURS = {"ego": BLUE, "static": VERMILION, "dynamic": ORANGE}
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """An event of the storyboard in words.
+
+    Attributes:
+        label: What happens, to whom.
+        trigger: What it waits for.
+        time: When that is at the parameters' defaults, s; None when it depends on the run.
+    """
+
+    label: str
+    trigger: str
+    time: float | None
+
+
+def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
+    """Draw a plan into a PNG or SVG file: the map's section with actors and route, and the triggers over time.
+
+    Raises:
+        ValueError: When the ending is neither .png nor .svg.
+        OSError: When the file cannot be written.
+    """
+    happenings = list(happenings_of(plan))
+    rows = max(1, len(happenings))
+    window = section_of(plan, network)
+    share = (window.y_max - window.y_min) / (window.x_max - window.x_min)
+    map_height = min(max(share, 0.28), 0.8) * size
+    height = map_height + 0.34 * rows + 1.5
+    with _style():
+        figure = Figure(figsize=(size, height), dpi=dpi, facecolor="white")
+        FigureCanvasAgg(figure)
+        top = 0.45 / height
+        axes = figure.add_axes((0.01, 1.0 - top - map_height / height, 0.98, map_height / height))
+        _draw_section(axes, plan, network, window)
+        axes.set_title(f"{plan.name}: {plan.summary}" if plan.summary else plan.name, fontsize=11, loc="left")
+        below = figure.add_axes((0.36, 0.5 / height, 0.62, 0.34 * rows / height))
+        _draw_times(below, plan, happenings)
+        _save(figure, path)
+
+
+def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
+    """Draw the ego vehicle's way on the map into a PNG or SVG file.
+
+    Raises:
+        ValueError: When the ending is neither .png nor .svg.
+        OSError: When the file cannot be written.
+    """
+    window = _around(way_ahead(plan, network))
+    share = (window.y_max - window.y_min) / (window.x_max - window.x_min)
+    with _style():
+        figure = Figure(figsize=(size, min(max(share, 0.3), 1.0) * size + 0.6), dpi=dpi, facecolor="white")
+        FigureCanvasAgg(figure)
+        axes = figure.add_axes((0.01, 0.02, 0.98, 0.9))
+        _draw_section(axes, plan, network, window)
+        length = sum(abs(leg.s_to - leg.s_from) for leg in plan.route)
+        told = f"route of {length:.0f} m to the destination" if plan.route else "no destination: the way straight on"
+        axes.set_title(f"{plan.name}: {told}", fontsize=11, loc="left")
+        _save(figure, path)
+
+
+def section_of(plan: Plan, network: Network) -> Window:
+    """Return the part of the map that holds every start and the way to the farthest actor ahead."""
+    starts = [(pose.x, pose.y) for pose in plan.derived.values()]
+    ego = plan.derived[plan.ego.id]
+    reach = max([60.0, *(math.hypot(x - ego.x, y - ego.y) + 20.0 for x, y in starts)])
+    ahead = [point for point in way_ahead(plan, network) if math.hypot(point[0] - ego.x, point[1] - ego.y) <= reach]
+    return _around([*starts, *ahead])
+
+
+def _around(points: list[tuple[float, float]]) -> Window:
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    return Window(min(xs) - MARGIN, min(ys) - MARGIN, max(xs) + MARGIN, max(ys) + MARGIN)
+
+
+def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
+    """Return points along the ego vehicle's route, or along its lane straight on, (x, y) in m."""
+    if plan.route:
+        return [
+            network.lane_pose(leg.road, leg.lane, _between(leg.s_from, leg.s_to, k, count))[:2]
+            for leg in plan.route
+            for count in [max(1, math.ceil(abs(leg.s_to - leg.s_from) / SPACING))]
+            for k in range(count + 1)
+        ]
+    pose = plan.derived[plan.ego.id]
+    place: LanePosition | None = next(iter(network.locate(pose.x, pose.y)), None)
+    points = [(pose.x, pose.y)]
+    for _ in range(int(REACH / SPACING)):
+        place = None if place is None else network.next(place, SPACING)
+        if place is None:
+            break
+        points.append(network.lane_pose(place.road, place.lane, place.s)[:2])
+    return points
+
+
+def _between(begin: float, end: float, k: int, count: int) -> float:
+    return begin + (end - begin) * k / count
+
+
+def happenings_of(plan: Plan) -> Iterator[Happening]:
+    """Yield every event of the storyboard in words, in document order."""
+    values = parameter_values(plan.parameters)
+    for story in plan.storyboard.stories:
+        for act in story.acts:
+            for group in act.groups:
+                for event in (event for maneuver in group.maneuvers for event in maneuver.events):
+                    yield _happening(", ".join(group.actors), event, values)
+
+
+def _happening(actors: str, event: Event, values: Mapping[str, Value]) -> Happening:
+    done = " and ".join(said(one.action, values) for one in event.actions)
+    groups = event.start.groups if event.start is not None else ()
+    trigger = " or ".join(" and ".join(said(one.condition, values) for one in group.conditions) for group in groups)
+    return Happening(f"{actors}: {done}", trigger or "at once", _time_of(event, values))
+
+
+def _time_of(event: Event, values: Mapping[str, Value]) -> float | None:
+    """Return when an event comes that waits for the time alone, s."""
+    if event.start is None:
+        return 0.0
+    if len(event.start.groups) != 1:
+        return None
+    times = [_time_in(one, values) for one in event.start.groups[0].conditions]
+    known = [time for time in times if time is not None]
+    return max(known) if known and len(known) == len(times) else None
+
+
+def _time_in(one: TriggerCondition, values: Mapping[str, Value]) -> float | None:
+    if not isinstance(one.condition, SimulationTimeCondition):
+        return None
+    return number_value(one.condition.after, values) + number_value(one.delay, values)
+
+
+def said(word: Word, values: Mapping[str, Value]) -> str:
+    """Return a word in a reader's words: its name and what was said of it."""
+    parts = [word.tag().replace("_", " ")]
+    for rule in grammar_of(type(word)).attributes.values():
+        value = getattr(word, rule.field)
+        if value == rule.default or value in (None, ""):
+            continue
+        if rule.kind in ("number", "fixed_number"):
+            value = f"{number_value(value, values):g}"
+        parts.append(f"{rule.name.replace('_', ' ')} {value}")
+    return " ".join(parts)
+
+
+def _draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> None:
+    draw_map(axes, network, window)
+    way = way_ahead(plan, network)
+    axes.plot([x for x, _ in way], [y for _, y in way], color=BLUE, linewidth=2.2, alpha=0.55, zorder=6)
+    wide = axes.get_xlim()[1] - axes.get_xlim()[0]
+    shown = [one for one in plan.entities if one.id in plan.derived]
+    for number, entity in enumerate(shown):
+        _draw_entity(axes, plan, entity, wide, 1 if number % 2 == 0 else -1)
+
+
+def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float, side: int) -> None:
+    pose, vehicle = plan.derived[entity.id], entity.vehicle
+    x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
+    grown = max(1.0, wide * 0.011 / vehicle.length)
+    length, width = 0.5 * vehicle.length * grown, 0.5 * vehicle.width * grown
+    c, s = math.cos(pose.heading), math.sin(pose.heading)
+    outline = ((length, 0.0), (0.6 * length, width), (-length, width), (-length, -width), (0.6 * length, -width))
+    corners = [(x + u * c - v * s, y + u * s + v * c) for u, v in outline]
+    colour = COLOURS[entity.kind]
+    axes.fill(*zip(*corners, strict=True), facecolor=colour, edgecolor="white", linewidth=0.8, zorder=8)
+    away = side * 9.0
+    axes.annotate(
+        entity.id,
+        (x, y),
+        xytext=(-s * away * 1.4, c * away * 1.4),
+        textcoords="offset points",
+        fontsize=7,
+        color="#10161c",
+        ha="center" if abs(c) > abs(s) else "right" if s * away > 0.0 else "left",
+        va="center",
+        zorder=9,
+        path_effects=[withStroke(linewidth=2.5, foreground="white")],
+    )
+
+
+def _draw_times(axes: Axes, plan: Plan, happenings: list[Happening]) -> None:
+    axes.set_xlim(0.0, plan.duration)
+    axes.set_ylim(-0.5, max(1, len(happenings)) - 0.5)
+    axes.invert_yaxis()
+    axes.set_yticks(range(len(happenings)), [_shortened(one.label) for one in happenings], fontsize=7.5)
+    axes.set_xlabel("time, s", fontsize=8)
+    axes.tick_params(axis="x", labelsize=8)
+    for row, one in enumerate(happenings):
+        if one.time is None:
+            axes.barh(row, plan.duration, height=0.6, color=GREY, alpha=0.18)
+            axes.text(0.01 * plan.duration, row, f"when {one.trigger}", va="center", fontsize=7.5)
+            continue
+        axes.plot([one.time], [row], marker="D", color=VERMILION, markersize=6, clip_on=False)
+        late = one.time > 0.7 * plan.duration
+        shift = -0.015 if late else 0.015
+        axes.text(
+            one.time + shift * plan.duration,
+            row,
+            f"{one.time:g} s",
+            va="center",
+            ha="right" if late else "left",
+            fontsize=7.5,
+        )
+    if not happenings:
+        axes.text(0.5 * plan.duration, 0, "nothing is triggered", ha="center", va="center", fontsize=8, color=GREY)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def _shortened(text: str, most: int = 62) -> str:
+    return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def _style() -> AbstractContextManager[None]:
+    return mpl.rc_context({"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans"})
+
+
+def _save(figure: Figure, path: Path) -> None:
+    ending = path.suffix.lower()
+    if ending not in (".png", ".svg"):
+        raise ValueError(f"a picture is drawn as .png or .svg, not as '{path.suffix}'")
+    metadata = {"Software": None} if ending == ".png" else {"Date": None, "Creator": None}
+    figure.savefig(path, format=ending[1:], metadata=metadata)

@@ -1,0 +1,134 @@
+"""What helps an author: the list of the library, a conflict to begin with, the preview of a plan, the gallery."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from scenario_compiler.compiler import Compilation, compile_target, validate_file
+from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.report.gallery import Card, shrunk, start_picture, write_gallery
+from scenario_compiler.report.preview import draw_preview, draw_route, happenings_of, section_of, way_ahead
+from scenario_compiler.resources import library_folder
+from scenario_compiler.source.authoring import new_conflict
+from scenario_compiler.source.listing import Listed, list_library
+
+LIBRARY = library_folder()
+TEMPLATES = [one for one in list_library(LIBRARY / "templates", Diagnostics()) if one.kind == "template"]
+
+
+def _compiled(target: str) -> Compilation:
+    sink = Diagnostics()
+    compilation = compile_target(target, {}, sink)
+    assert compilation is not None, [as_text(one) for one in sink]
+    return compilation
+
+
+@pytest.fixture(scope="module")
+def swerving() -> Compilation:
+    return _compiled(f"{LIBRARY / 'conflicts/r157_situations.xml'}#swerving_leader")
+
+
+@pytest.fixture(scope="module")
+def crossing() -> Compilation:
+    return _compiled(f"{LIBRARY / 'conflicts/r157_situations.xml'}#pedestrian")
+
+
+def test_the_list_holds_the_whole_library_in_order() -> None:
+    sink = Diagnostics()
+    rows = list(list_library(LIBRARY, sink))
+    assert not list(sink)
+    assert sum(row.kind == "conflict" for row in rows) >= 40
+    assert sum(row.kind == "template" for row in rows) >= 20
+    assert all(row.summary and row.source for row in rows)
+    (ramp,) = [row for row in rows if row.name == "ramp_blocked"]
+    assert (ramp.map, ramp.gold) == ("highway_loop", "5")
+    assert [one.name for one in ramp.parameters] == ["spacing"]
+    assert rows == list(list_library(LIBRARY, Diagnostics()))
+
+
+def test_a_listed_conflict_can_be_run_by_its_target() -> None:
+    rows = [row for row in list_library(LIBRARY / "conflicts/road_narrows.xml", Diagnostics())]
+    assert [_compiled(row.target).plan.name for row in rows] == ["road_narrows"]
+
+
+def test_an_unreadable_file_is_reported_and_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "a.xml").write_text("<scenarios")
+    (tmp_path / "b.xml").write_text('<scenarios version="1"><template name="mine" summary="Mine"/></scenarios>')
+    sink = Diagnostics()
+    assert [row.name for row in list_library(tmp_path, sink)] == ["mine"]
+    assert [one.code.id for one in sink] == ["SC102"]
+
+
+@pytest.mark.parametrize("template", TEMPLATES, ids=lambda row: row.name)
+def test_a_new_conflict_is_valid(template: Listed, tmp_path: Path) -> None:
+    path = tmp_path / "mine.xml"
+    path.write_text(new_conflict("mine", template.name, template.summary, template.parameters), encoding="utf-8")
+    sink = Diagnostics()
+    validate_file(path, sink)
+    assert [as_text(one) for one in sink] == []
+    text = path.read_text(encoding="utf-8")
+    for parameter in template.parameters:
+        assert f"<!-- {parameter.name} (" in text
+
+
+def test_the_preview_shows_actors_and_triggers(swerving: Compilation, tmp_path: Path) -> None:
+    for name in ("first.svg", "second.svg"):
+        draw_preview(swerving.plan, swerving.network, tmp_path / name)
+    first = (tmp_path / "first.svg").read_text(encoding="utf-8")
+    assert first == (tmp_path / "second.svg").read_text(encoding="utf-8")
+    assert "swerving_leader1.leader" in first
+    assert "5.5 s" in first
+    draw_preview(swerving.plan, swerving.network, tmp_path / "it.png")
+    image = cv2.imread(str(tmp_path / "it.png"))
+    assert image is not None
+    assert image.std() > 10.0
+
+
+def test_triggers_are_told_in_words(swerving: Compilation, crossing: Compilation) -> None:
+    assert [one.time for one in happenings_of(swerving.plan)] == [3.0, 5.5, 8.0, 10.5]
+    (crosses,) = happenings_of(crossing.plan)
+    assert crosses.time is None
+    assert crosses.trigger == "time gap entity ego to crossing_pedestrian1.walker below 3"
+    assert crosses.label.startswith("crossing_pedestrian1.walker: speed to 1.4 and lane change by 5")
+
+
+def test_the_section_holds_every_start(crossing: Compilation) -> None:
+    window = section_of(crossing.plan, crossing.network)
+    for pose in crossing.plan.derived.values():
+        assert window.x_min < pose.x < window.x_max
+        assert window.y_min < pose.y < window.y_max
+
+
+def test_the_way_ahead_follows_the_route(crossing: Compilation, tmp_path: Path) -> None:
+    way = np.array(way_ahead(crossing.plan, crossing.network))
+    length = np.hypot(*np.diff(way, axis=0).T).sum()
+    assert length == pytest.approx(sum(abs(leg.s_to - leg.s_from) for leg in crossing.plan.route), rel=0.01)
+    draw_route(crossing.plan, crossing.network, tmp_path / "route.svg")
+    assert f"route of {length:.0f} m" in (tmp_path / "route.svg").read_text(encoding="utf-8")
+
+
+def test_a_picture_of_another_kind_is_refused(crossing: Compilation, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"\.jpg"):
+        draw_preview(crossing.plan, crossing.network, tmp_path / "it.jpg")
+
+
+def test_the_gallery_is_small_and_always_the_same(crossing: Compilation, tmp_path: Path) -> None:
+    picture = start_picture(crossing.plan, crossing.network)
+    assert picture == start_picture(crossing.plan, crossing.network)
+    assert len(picture) < 60_000
+    cards = [Card("UN R157", "a<b", "It crosses", "A source", "file.xml#a", picture)]
+    write_gallery(cards, tmp_path / "gallery.html")
+    page = (tmp_path / "gallery.html").read_text(encoding="utf-8")
+    assert "a&lt;b" in page
+    assert "data:image/png;base64," in page
+    assert "http" not in page
+
+
+def test_shrinking_takes_means() -> None:
+    image = np.zeros((6, 9, 3), np.uint8)
+    image[:3, :3] = 200
+    assert shrunk(image, 3)[:, :, 0].tolist() == [[200, 0, 0], [0, 0, 0]]
