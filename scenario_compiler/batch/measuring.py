@@ -138,35 +138,45 @@ def from_sweep(plan: Plan, summaries: Floats, flat: Floats) -> tuple[Traces, End
     width = TRACE_HEAD + TRACE_FIELDS * entities
     rows = summaries[:, AT["rows"]].astype(np.int64)
     longest = int(rows.max(initial=0))
-    whole = flat.reshape(runs, -1, width)[:, :longest]
-    there = np.arange(longest) < rows[:, None]
-    head = {name: np.where(there, whole[..., k], np.nan) for k, name in enumerate(HEAD)}
-    each = whole[..., TRACE_HEAD:].reshape(runs, longest, entities, TRACE_FIELDS)
-    present = np.broadcast_to(there[..., None], (runs, longest, entities))
-    body = {name: np.where(present, each[..., k], np.nan) for k, name in enumerate(ENTITY)}
-    road = np.where(present, each[..., ENTITY.index("road")], -1.0).astype(np.int64)
-    on_road = road >= 0
+    whole: Floats = np.moveaxis(flat.reshape(runs, -1, width)[:, :longest], -1, 0)
+    over = np.arange(longest) >= rows[:, None]
+
+    def head(name: str, nothing: float = np.nan) -> Floats:
+        values: Floats = whole[HEAD.index(name)].copy()
+        values[over] = nothing
+        return values
+
+    def body(name: str, nothing: float = np.nan) -> Floats:
+        """Return a field of all entities, (runs, longest, entities), the entities outermost in memory."""
+        values: Floats = whole[TRACE_HEAD + ENTITY.index(name) :: TRACE_FIELDS].copy()
+        values[:, over] = nothing
+        return np.moveaxis(values, 0, -1)
+
+    present = np.broadcast_to(~over[..., None], (runs, longest, entities))
+    road = body("road", -1.0).astype(np.int64)
+    off_road = road < 0
+    blocked, lane_end, h = head("blocked"), head("lane_end"), body("h")
     vehicles = [entity.vehicle for entity in plan.entities]
     times = _first_times(summaries)
     turn = 2 * np.pi
     traces = Traces(
-        t=head["t"],
+        t=head("t"),
         present=present,
-        x=body["x"],
-        y=body["y"],
-        h=np.where((body["h"] >= 0) & (body["h"] < turn), body["h"], np.mod(body["h"], turn)),
-        v=body["v"],
-        a=body["a"],
+        x=body("x"),
+        y=body("y"),
+        h=np.where((h >= 0) & (h < turn), h, np.mod(h, turn)),
+        v=body("v"),
+        a=body("a"),
         road=road,
-        lane=np.where(on_road, each[..., ENTITY.index("lane")], 0.0).astype(np.int64),
-        s=np.where(on_road, body["s"], 0.0),
-        off=np.where(on_road, body["off"], 0.0),
-        brake=body["brake"],
-        cause=np.where(there, whole[..., HEAD.index("cause")], 0.0).astype(np.int64),
-        confidence_left=head["conf_left"],
-        confidence_right=head["conf_right"],
-        blocked_distance=np.where(head["blocked"] >= FAR, np.nan, head["blocked"]),
-        lane_end_distance=np.where(head["lane_end"] >= FAR, np.nan, head["lane_end"]),
+        lane=np.where(off_road, 0.0, body("lane", 0.0)).astype(np.int64),
+        s=np.where(off_road, 0.0, body("s")),
+        off=np.where(off_road, 0.0, body("off")),
+        brake=body("brake"),
+        cause=head("cause", 0.0).astype(np.int64),
+        confidence_left=head("conf_left"),
+        confidence_right=head("conf_right"),
+        blocked_distance=np.where(blocked >= FAR, np.nan, blocked),
+        lane_end_distance=np.where(lane_end >= FAR, np.nan, lane_end),
         length=np.array([vehicle.length for vehicle in vehicles]),
         width=np.array([vehicle.width for vehicle in vehicles]),
         center=np.array([vehicle.center for vehicle in vehicles]),

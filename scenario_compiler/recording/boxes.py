@@ -68,10 +68,10 @@ def along_path(traces: Traces) -> tuple[Floats, Floats, Floats]:
     if len(rows[0]):
         turned = np.broadcast_to(curvature, left.shape[1:])[rows]
         side, radius = np.where(turned < 0, -1.0, 1.0), 1.0 / np.abs(turned)
-        at = (slice(None), *rows)
-        forward, inward = ahead[at], radius - side * left[at]
-        along[at] = np.arctan2(forward, inward) * radius
-        across[at] = side * (radius - np.hypot(forward, inward))
+        for k in range(len(ahead)):
+            forward, inward = ahead[k][rows], radius - side * left[k][rows]
+            along[k][rows] = np.arctan2(forward, inward) * radius
+            across[k][rows] = side * (radius - np.hypot(forward, inward))
     tangent = traces.h[..., :1] + curvature * along.mean(axis=0)
     speed = traces.v[..., 1:] * np.cos(traces.h[..., 1:] - tangent)
     return np.moveaxis(along, 0, -1), np.moveaxis(across, 0, -1), speed
@@ -99,7 +99,7 @@ def touching(traces: Traces) -> Booleans:
     near = apart <= outer
     overlap = np.zeros(apart.shape, dtype=bool)
     overlap[near] = _overlap(*_boxes_at(traces, near))
-    return overlap.any(axis=-1)
+    return np.asarray(overlap.any(axis=-1))
 
 
 def _circles(traces: Traces) -> tuple[Floats, Floats]:
@@ -109,40 +109,44 @@ def _circles(traces: Traces) -> tuple[Floats, Floats]:
     return outer[0] + outer[1:], inner[0] + inner[1:]
 
 
-def _boxes_at(traces: Traces, where: Booleans) -> tuple[Floats, Floats]:
-    """Return the corners of the ego vehicle's box and of the other one, (k, 4, 2), for the k true places of `where`."""
+_Box = tuple[Floats, Floats]
+"""x and y of the four corners in turn of k boxes, each (4, k)."""
+
+
+def _boxes_at(traces: Traces, where: Booleans) -> tuple[_Box, _Box]:
+    """Return the ego vehicle's box and the other one for the k true places of `where`."""
     at = np.nonzero(where)
     rows, other = at[:-1], at[-1] + 1
-    return _corners_at(traces, rows, np.zeros_like(other)), _corners_at(traces, rows, other)
+    return _box_at(traces, rows, np.zeros_like(other)), _box_at(traces, rows, other)
 
 
-def _corners_at(traces: Traces, rows: tuple[Integers, ...], entity: Integers) -> Floats:
+def _box_at(traces: Traces, rows: tuple[Integers, ...], entity: Integers) -> _Box:
     place = (*rows, entity)
-    x, y, h = traces.x[place][:, None], traces.y[place][:, None], traces.h[place][:, None]
-    along = traces.center[entity, None] + 0.5 * traces.length[entity, None] * np.array([1.0, -1.0, -1.0, 1.0])
-    across = 0.5 * traces.width[entity, None] * np.array([1.0, 1.0, -1.0, -1.0])
-    c, s = np.cos(h), np.sin(h)
-    return np.stack([x + along * c - across * s, y + along * s + across * c], axis=-1)
+    x, y = traces.x[place], traces.y[place]
+    c, s = (each[place] for each in traces.forward)
+    along, across = (each[:, entity] for each in _corner_offsets(traces, (1,)))
+    return x + along * c - across * s, y + along * s + across * c
 
 
-def _to_edges(points: Floats, boxes: Floats) -> Floats:
-    """Return the least distance from any of the 4 points to any of the 4 edges of the box."""
-    begin = boxes[..., None, :, :]
-    edge = np.roll(boxes, -1, axis=-2)[..., None, :, :] - begin
-    to = points[..., :, None, :] - begin
-    share = np.clip((to * edge).sum(-1) / np.maximum((edge * edge).sum(-1), 1e-12), 0.0, 1.0)
-    gap = to - share[..., None] * edge
-    return np.asarray(np.sqrt((gap * gap).sum(-1)).min(axis=(-1, -2)))
+def _to_edges(points: _Box, box: _Box) -> Floats:
+    """Return the least distance from any of the 4 points to any of the 4 edges of the box, (k,)."""
+    begin_x, begin_y = box
+    edge_x, edge_y = (np.roll(each, -1, axis=0) - each for each in box)
+    to_x, to_y = points[0][:, None] - begin_x, points[1][:, None] - begin_y
+    square = np.maximum(edge_x * edge_x + edge_y * edge_y, 1e-12)
+    share = np.clip((to_x * edge_x + to_y * edge_y) / square, 0.0, 1.0)
+    gap_x, gap_y = to_x - share * edge_x, to_y - share * edge_y
+    return np.asarray(np.sqrt((gap_x * gap_x + gap_y * gap_y).min(axis=(0, 1))))
 
 
-def _overlap(a: Floats, b: Floats) -> Booleans:
-    """Return where two boxes overlap, by the separating axes of both."""
-    apart = np.zeros(a.shape[:-2], dtype=bool)
-    for box in (a, b):
+def _overlap(a: _Box, b: _Box) -> Booleans:
+    """Return where two boxes overlap, by the separating axes of both, (k,)."""
+    apart = np.zeros(a[0].shape[1:], dtype=bool)
+    for x, y in (a, b):
         for edge in (0, 1):
-            axis = box[..., edge + 1, :] - box[..., edge, :]
-            on_a, on_b = (a * axis[..., None, :]).sum(-1), (b * axis[..., None, :]).sum(-1)
-            apart |= (on_a.max(-1) < on_b.min(-1)) | (on_b.max(-1) < on_a.min(-1))
+            axis_x, axis_y = x[edge + 1] - x[edge], y[edge + 1] - y[edge]
+            on_a, on_b = (each[0] * axis_x + each[1] * axis_y for each in (a, b))
+            apart |= (on_a.max(axis=0) < on_b.min(axis=0)) | (on_b.max(axis=0) < on_a.min(axis=0))
     return ~apart
 
 
