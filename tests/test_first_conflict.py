@@ -1,0 +1,86 @@
+"""docs/your-first-conflict.md is true: each file in it is checked, each command is run, each answer is as shown."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from scenario_compiler import judge, open_world, run
+from scenario_compiler.cli import main
+from scenario_compiler.compiler import Overrides, compile_target, validate_file
+from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.resources import schema_file
+
+PAGE = Path(__file__).parent.parent / "docs" / "your-first-conflict.md"
+
+
+def _blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def _named(block: str) -> tuple[str, str]:
+    """Return the file that a block is, by the comment in its first line: (name, text)."""
+    found = re.match(r"<!-- (\S+\.xml) -->\n", block)
+    assert found, block
+    return found.group(1), block
+
+
+FILES = dict(map(_named, _blocks("xml")))
+COMMANDS = [line for block in _blocks("sh") for line in block.splitlines()]
+VALID = sorted(set(FILES) - {"wrong.xml"})
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder that is the working one and holds the page's files."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def test_the_page_has_files_and_commands() -> None:
+    assert len(FILES) == 5
+    assert len(COMMANDS) >= 8
+    assert all(line.startswith("scenario-compiler ") for line in COMMANDS)
+
+
+@pytest.mark.parametrize("name", VALID)
+def test_file_has_no_finding_and_keeps_to_the_schema(folder: Path, name: str) -> None:
+    sink = Diagnostics()
+    validate_file(folder / name, sink)
+    assert [as_text(one) for one in sink] == []
+    etree.XMLSchema(etree.parse(schema_file("conflict.xsd"))).assertValid(etree.parse(folder / name))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_command_runs(folder: Path, command: str) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(shlex.split(command)[1:])
+    assert left.value.code == 0
+    if "-o out" in command:
+        assert (folder / "out" / "report.html").is_file()
+
+
+def test_faults_are_told_as_shown(folder: Path) -> None:
+    sink = Diagnostics()
+    validate_file(Path("wrong.xml"), sink)
+    assert _blocks("text") == ["\n".join(as_text(one) for one in sink) + "\n"]
+
+
+@pytest.mark.parametrize(("name", "cause"), [("mine", ""), ("narrow", "path_blocked"), ("van", "path_blocked")])
+def test_conflict_does_what_the_page_says(folder: Path, name: str, cause: str) -> None:
+    compilation = compile_target(folder / f"{name}.xml", {}, Diagnostics(), overrides=Overrides(perception="ideal"))
+    assert compilation is not None
+    recording = run(compilation.plan, open_world("kinematic", compilation.plan, compilation.network), seed=1)
+    assert (judge(compilation.plan, recording).cause or "") == cause
+
+
+def test_links_lead_somewhere() -> None:
+    links = re.findall(r"\]\(([^)#:]+)\)", PAGE.read_text(encoding="utf-8"))
+    assert links
+    assert [link for link in links if not (PAGE.parent / link).exists()] == []
