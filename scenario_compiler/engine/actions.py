@@ -12,7 +12,9 @@ from math import atan, atan2, pi
 from scenario_compiler.engine.motion import glide, place_scripted
 from scenario_compiler.engine.numbers import safe_sqrt
 from scenario_compiler.engine.opcodes import (
+    ACTION_FOLLOW_PATH,
     ACTION_LANE_CHANGE,
+    ACTION_LANE_OFFSET,
     ACTION_SPEED,
     DIMENSION_DISTANCE,
     ELEMENT_ACTION,
@@ -20,6 +22,7 @@ from scenario_compiler.engine.opcodes import (
     RUNNING,
     TOLERANCE,
 )
+from scenario_compiler.engine.own_path import step_follow_path
 from scenario_compiler.engine.shapes import shape_slope, shape_value
 from scenario_compiler.engine.starts import set_speed
 from scenario_compiler.engine.state import State
@@ -103,7 +106,10 @@ def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt
 
 @compiled
 def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Step a lane change; return 1 when it is done. A standing entity waits; the ego has done so at once."""
+    """Step a lane change or a move to an offset; return 1 when it is done.
+
+    A standing entity waits; the ego has done so at once.
+    """
     i = p.action_entity[k]
     if p.entity_motion[i] != MOTION_SCRIPTED:
         return 1
@@ -131,8 +137,10 @@ def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None
     done = 1
     if op == ACTION_SPEED:
         done = step_speed(p, st, k, dt)
-    elif op == ACTION_LANE_CHANGE:
+    elif op in (ACTION_LANE_CHANGE, ACTION_LANE_OFFSET):
         done = step_lane_change(n, p, st, k, dt)
+    elif op == ACTION_FOLLOW_PATH:
+        done = step_follow_path(n, p, st, k, dt)
     if done == 1:
         action_done(p, st, k, st.frame[0] + 1)
 

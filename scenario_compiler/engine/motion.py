@@ -20,6 +20,8 @@ from scenario_compiler.engine.opcodes import (
     MOTION_POSED,
     MOTION_SCRIPTED,
     MOTION_STATIC,
+    MOTION_TRAFFIC,
+    MOTION_WALKER,
     TOLERANCE,
 )
 from scenario_compiler.engine.path import locate_ego
@@ -45,6 +47,17 @@ driver's.
 
 
 @compiled
+def next_turn(p: Program, st: State, i: int, road: int) -> int:
+    """Return the road that an entity takes at the junction after `road`, -1 for straight on."""
+    if p.entity_motion[i] == MOTION_TRAFFIC:
+        return st.turn_to[i] if st.turn_from[i] == road else -1
+    for k in range(p.entity_leg_first[i], p.entity_leg_last[i] - 1):
+        if p.leg_road[k] == road:
+            return p.leg_road[k + 1]
+    return -1
+
+
+@compiled
 def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None:
     """Move a scripted entity along the lane it is led by, signed along its forward direction."""
     road = st.road[i]
@@ -55,7 +68,7 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
     if stretch < 0.1:
         stretch = 0.1
     sense = st.facing[i] * lane_direction(n, road, lane)
-    to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, -1)
+    to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, next_turn(p, st, i, road))
     if rest > TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:
@@ -105,7 +118,7 @@ def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
     if st.ended[i] == 1:
         st.v[i] = 0.0
         return
-    if p.entity_follows[i] == 1 and st.longitudinal[i] < 0:
+    if p.entity_follows[i] == 1 and st.longitudinal[i] < 0 and st.road[i] >= 0:
         follow_leader(n, p, st, i, dt)
     if st.moved[i] == 0 and abs(st.v[i]) > TOLERANCE:
         glide(n, p, st, i, st.v[i] * dt)
@@ -147,14 +160,14 @@ def settle(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Move every entity that the engine moves; a posed one has been moved from outside."""
+    """Move every entity that the engine moves but traffic; a posed one has been moved from outside."""
     for i in range(p.entity_count[0]):
         kind = p.entity_motion[i]
         if kind == MOTION_SCRIPTED:
             move_scripted(n, p, st, i, dt)
         elif kind == MOTION_BICYCLE:
             move_bicycle(p, st, i, dt)
-        elif kind not in (MOTION_STATIC, MOTION_POSED):
+        elif kind not in (MOTION_STATIC, MOTION_POSED, MOTION_TRAFFIC, MOTION_WALKER):
             fault(st, FAULT_UNKNOWN_MOTION, i)
 
 

@@ -8,6 +8,9 @@ NONE = -1
 FAR = 1.0e9
 """Distance or time that stands for "none there": finite, so that it can be compared, subtracted and written."""
 
+STANDING = 0.05
+"""Speed under which an entity stands, m/s."""
+
 TOLERANCE = 1.0e-6
 """Slack of every comparison of times and condition values (esmini 3.6)."""
 
@@ -16,10 +19,14 @@ MOTION_STATIC = 0
 MOTION_SCRIPTED = 1
 MOTION_BICYCLE = 2
 MOTION_POSED = 3
+MOTION_TRAFFIC = 4
+MOTION_WALKER = 5
 
 # Positions.
 POSITION_LANE = 0
 POSITION_RELATIVE = 1
+POSITION_BESIDE = 2
+POSITION_RANDOM = 3
 
 # Storyboard elements and their states.
 ELEMENT_STORY = 0
@@ -49,6 +56,14 @@ CONDITION_LANE_CONFIDENCE = 7
 CONDITION_TAKEOVER_STATE = 8
 CONDITION_LONGITUDINAL_DISTANCE = 9
 CONDITION_ELEMENT_STATE = 10
+CONDITION_STANDSTILL = 11
+CONDITION_SENSOR_HEALTH = 12
+
+SIDE_BOTH = 0
+SIDE_LEFT = 1
+SIDE_RIGHT = 2
+SIDE_EITHER = 3
+"""Of which side of the lane a condition on the confidence speaks."""
 
 RULE_LESS = 0
 RULE_LESS_OR_EQUAL = 1
@@ -69,6 +84,25 @@ DELAY_RECORDS = 256
 ACTION_SPEED = 0
 ACTION_LANE_CHANGE = 1
 ACTION_SENSOR_NOISE = 2
+ACTION_LANE_OFFSET = 3
+ACTION_FOLLOW_PATH = 4
+ACTION_FAILURE = 5
+ACTION_END_FAILURE = 6
+ACTION_WEATHER = 7
+ACTION_MESSAGE = 8
+ACTION_STOP = 9
+
+# Failures of the camera.
+FAILURE_NOISE = 0
+FAILURE_DROPOUT = 1
+FAILURE_FREEZE = 2
+FAILURE_BLACKOUT = 3
+FAILURE_BLUR = 4
+FAILURE_DIRT = 5
+FAILURES = 6
+
+WEATHER_SIZE = 14
+"""Numbers of a weather."""
 
 SHAPE_LINEAR = 0
 SHAPE_SINUSOIDAL = 1
@@ -127,6 +161,10 @@ EVENT_SENSOR_NOISE = 13
 EVENT_STORYBOARD_START = 14
 EVENT_STORYBOARD_END = 15
 EVENT_WARNING_OVER = 16
+EVENT_FAILURE = 17
+EVENT_FAILURE_END = 18
+EVENT_WEATHER = 19
+EVENT_MESSAGE = 20
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 
@@ -150,11 +188,24 @@ FAULT_UNKNOWN_MOTION = 6
 FAULT_DELAY_OVERFLOW = 7
 FAULT_UNKNOWN_RULE = 8
 FAULT_UNKNOWN_EDGE = 9
+FAULT_NO_ROOM = 10
 
 # Streams of the counter hash inside a run.
 STREAM_STEERING = 1
+STREAM_PLACE = 2
+STREAM_TURN = 3
+STREAM_FAILURE = 4
 
 # Sizes of scratch columns.
+BUCKETS = 128
+"""Chains of the list of entities by road."""
+
+DRIVES_BY_RULES = 1 << 30
+"""In place of an action in `State.lateral`: a vehicle of traffic changes its lane by itself."""
+
+PLACE_ATTEMPTS = 200
+"""Places that are drawn for an entity before there is no room for it."""
+
 WAY_SIZE = 16
 """Roads that a look ahead crosses at most."""
 

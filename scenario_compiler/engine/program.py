@@ -7,28 +7,55 @@ from math import radians
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
+from scenario_compiler.engine.conflicts import conflicts_of
 from scenario_compiler.engine.tables import Program, validate
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
 from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.plan.places import spans_of
 from scenario_compiler.roads.network import Network
-from scenario_compiler.vocabulary.actions import Action, LaneChangeAction, SensorNoiseAction, SpeedAction
+from scenario_compiler.vocabulary.actions import (
+    RUN_ACTIONS,
+    Action,
+    EndFailureAction,
+    Failure,
+    FollowPathAction,
+    LaneChangeAction,
+    LaneOffsetAction,
+    MessageAction,
+    SensorNoiseAction,
+    SpeedAction,
+    StopAction,
+    WeatherAction,
+)
+from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.conditions import (
     Condition,
     DistanceCondition,
+    EventCondition,
     LaneConfidenceCondition,
     ReachPositionCondition,
+    SensorHealthCondition,
     SimulationTimeCondition,
     SpeedCondition,
+    StandstillCondition,
     TakeoverStateCondition,
     TimeHeadwayCondition,
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
-from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
+from scenario_compiler.vocabulary.positions import (
+    AnyOfPosition,
+    BesidePosition,
+    LanePosition,
+    RandomPosition,
+    RelativeLanePosition,
+)
 from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.sensors import FailureKind
 from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, DriverModel
+from scenario_compiler.vocabulary.weather import Weather, weather_numbers
 from scenario_compiler.vocabulary.word import Word, number_value
 
 Slot = float | Expression
@@ -69,6 +96,20 @@ STATES = {
     "minimum_risk": op.TAKEOVER_MINIMUM_RISK,
     "standstill": op.TAKEOVER_STANDSTILL,
 }
+FAILURE_CODES: dict[FailureKind, int] = {
+    "noise": op.FAILURE_NOISE,
+    "dropout": op.FAILURE_DROPOUT,
+    "freeze": op.FAILURE_FREEZE,
+    "blackout": op.FAILURE_BLACKOUT,
+    "blur": op.FAILURE_BLUR,
+    "dirt": op.FAILURE_DIRT,
+}
+SIDES = {"both": op.SIDE_BOTH, "either": op.SIDE_EITHER, "left": op.SIDE_LEFT, "right": op.SIDE_RIGHT}
+EVENT_STATES: dict[str, tuple[int, float]] = {
+    "started": (op.RULE_GREATER_OR_EQUAL, 1.0 * op.RUNNING),
+    "running": (op.RULE_EQUAL, 1.0 * op.RUNNING),
+    "complete": (op.RULE_EQUAL, 1.0 * op.COMPLETE),
+}
 CAUSE_CODES: dict[CauseKind, int] = {
     "controller": op.CAUSE_CONTROLLER,
     "sensor_health": op.CAUSE_SENSOR_HEALTH,
@@ -76,7 +117,16 @@ CAUSE_CODES: dict[CauseKind, int] = {
     "path_blocked": op.CAUSE_PATH_BLOCKED,
     "lane_ends": op.CAUSE_LANE_ENDS,
 }
-MOTIONS = {"ego": op.MOTION_BICYCLE, "static": op.MOTION_STATIC, "dynamic": op.MOTION_SCRIPTED}
+MOTIONS = {
+    "ego": op.MOTION_BICYCLE,
+    "static": op.MOTION_STATIC,
+    "dynamic": op.MOTION_SCRIPTED,
+    "traffic": op.MOTION_TRAFFIC,
+    "walker": op.MOTION_WALKER,
+}
+
+TRAFFIC_MARGINS = (5.0, 25.0)
+"""Distances that vehicles of traffic keep at the start from where a road is entered and left, m: enough to stop in."""
 
 FOLLOW_EGO = (1.5, 2.0, 1.5, 2.0)
 """Car following of the automation: time gap s, gap at standstill m, acceleration and comfortable deceleration m/s2. Our
@@ -111,6 +161,10 @@ class _Draft:
         self.network = network
         self.program = Program()
         self.numbers: list[Slot] = [0.0] * slots.K_ENTITIES
+        self.messages = 0
+        self.events: dict[str, int] = {}
+        self.awaited: list[tuple[int, str]] = []
+        self.spans: dict[tuple[Word, str], tuple[int, int]] = {}
         self.entities = {entity.id: i for i, entity in enumerate(plan.entities)}
         self.run()
         self.takeover()
@@ -118,6 +172,8 @@ class _Draft:
             self.entity(entity, posed)
         self.program.entity_order = self.start_order()
         self.markings()
+        self.traffic()
+        self.paths()
         self.storyboard()
         self.program.entity_count[0] = len(plan.entities)
 
@@ -135,6 +191,9 @@ class _Draft:
         k[slots.K_STEP] = plan.step
         k[slots.K_DURATION] = plan.duration
         k[slots.K_NOISE] = plan.camera.sensor_noise
+        for failure in plan.camera.failures:
+            self.failure(failure, waits=False)
+        self.weather(plan.weather)
         p.ego[0] = 0
         p.control_every[0] = plan.control_every
         p.perception[0] = op.PERCEPTION_CAMERA if plan.perception == "camera" else op.PERCEPTION_IDEAL
@@ -155,6 +214,7 @@ class _Draft:
         k[slots.K_ESCALATE_AFTER] = takeover.escalate_after
         k[slots.K_MINIMUM_RISK_AFTER] = takeover.minimum_risk_after
         k[slots.K_MINIMUM_RISK_DECELERATION] = takeover.minimum_risk_deceleration
+        p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
         k[slots.K_HAND_BACK_AFTER] = takeover.hand_back_after
         given = {cause.kind: cause for cause in takeover.causes}
         for kind in given or CAUSE_DEFAULTS:
@@ -210,18 +270,61 @@ class _Draft:
             follow = (one.time_gap, one.minimum_gap, one.acceleration, one.deceleration)
         p.entity_motion.append(motion)
         p.entity_follows.append(0 if entity.follow is None else 1)
-        p.entity_position.append(self.position(entity.start))
+        p.entity_position.append(self.position(entity.start, entity.kind))
+        p.entity_leg_first.append(len(p.leg_road))
+        for leg in entity.route:
+            road = self.network.road_index(leg.road)
+            if len(p.leg_road) == p.entity_leg_first[-1] or p.leg_road[-1] != road:
+                p.leg_road.append(road)
+        p.entity_leg_last.append(len(p.leg_road))
+        p.entity_seed.append(op.NONE if entity.seed is None else entity.seed)
         p.entity_const.append(
             self.block(
                 *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
                 *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration),
-                *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow),
+                *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow, entity.share),
             )
         )
 
-    def position(self, position: Word) -> int:
-        """Append a position; return its row."""
+    def traffic(self) -> None:
+        """Count background traffic, and note which ways over the junctions cross."""
         p = self.program
+        p.traffic_count[0] = sum(1 for motion in p.entity_motion if motion in (op.MOTION_TRAFFIC, op.MOTION_WALKER))
+        if p.traffic_count[0] > 0:
+            p.conflict_first, p.conflict_road = conflicts_of(self.network)
+
+    def paths(self) -> None:
+        """Append the paths that entities begin with, as actions of the init."""
+        p = self.program
+        for i, entity in enumerate(self.plan.entities):
+            if entity.path is not None:
+                p.init_action.append(self.action(entity.path, i))
+        p.init_count[0] = len(p.init_action)
+
+    def stretches(self, position: RandomPosition | AnyOfPosition, kind: str) -> tuple[int, int]:
+        """Append what a random position is drawn from, once; return its first row and the one after its last."""
+        p, network = self.program, self.network
+        if (position, kind) not in self.spans:
+            first = p.span_count[0]
+            if isinstance(position, AnyOfPosition):
+                for one in position.places:
+                    p.span_road.append(network.road_index(one.road))
+                    p.span_lane.append(one.lane)
+                    p.span_const.append(self.block(one.s, one.s))
+            else:
+                behind, before = TRAFFIC_MARGINS if kind == "traffic" else (0.0, 0.0)
+                for span in spans_of(network, position, behind=behind, before=before):
+                    p.span_road.append(span.road)
+                    p.span_lane.append(span.lane)
+                    p.span_const.append(self.block(span.s_from, span.s_to))
+            p.span_count[0] = len(p.span_road)
+            self.spans[position, kind] = (first, p.span_count[0])
+        return self.spans[position, kind]
+
+    def position(self, position: Word, kind: str = "") -> int:
+        """Append a position, of an entity of a kind; return its row."""
+        p = self.program
+        seed, spans = op.NONE, (0, 0)
         if isinstance(position, LanePosition):
             road, lane, entity = self.network.road_index(position.road), position.lane, op.NONE
             code = op.POSITION_LANE
@@ -230,6 +333,18 @@ class _Draft:
             road, lane, entity = op.NONE, position.lanes, self.entities[position.entity]
             code = op.POSITION_RELATIVE
             base = self.block(position.distance, position.offset, position.turn)
+        elif isinstance(position, BesidePosition):
+            road, lane, entity = op.NONE, 0, self.entities[position.entity]
+            code = op.POSITION_BESIDE
+            base = self.block(position.ahead, position.distance, position.turn)
+        elif isinstance(position, RandomPosition | AnyOfPosition):
+            road, lane, entity, code = op.NONE, 0, op.NONE, op.POSITION_RANDOM
+            spans = self.stretches(position, kind)
+            if isinstance(position, RandomPosition):
+                seed = op.NONE if position.seed is None else position.seed
+                base = self.block(position.clear, position.offset, position.turn)
+            else:
+                base = self.block(0.0, 0.0, 0.0)
         else:
             raise ValueError(f"the plan holds a position that is not bound to a lane: {position.tag()}")
         p.position_op.append(code)
@@ -237,16 +352,21 @@ class _Draft:
         p.position_lane.append(lane)
         p.position_entity.append(entity)
         p.position_const.append(base)
+        p.position_seed.append(seed)
+        p.position_first.append(spans[0])
+        p.position_last.append(spans[1])
         p.position_count[0] += 1
         return p.position_count[0] - 1
 
     def start_order(self) -> list[int]:
-        """Return the entities so that each comes after the one that its start is relative to."""
+        """Return the entities so that each comes after the one that its start is relative to, random ones last."""
         p = self.program
         order: list[int] = []
         waiting = list(range(len(p.entity_motion)))
         while waiting:
             ready = [i for i in waiting if p.position_entity[p.entity_position[i]] in (op.NONE, *order)]
+            fixed = [i for i in ready if p.position_op[p.entity_position[i]] != op.POSITION_RANDOM]
+            ready = fixed or ready
             if not ready:
                 names = ", ".join(self.plan.entities[i].id for i in waiting)
                 raise ValueError(f"the starts of {names} are relative to each other")
@@ -278,6 +398,8 @@ class _Draft:
                         for event in maneuver.events:
                             self.event(event, maneuver_at, actors)
         p.element_count[0] = len(p.element_kind)
+        for condition, name in self.awaited:
+            p.condition_other[condition] = self.events[name]
 
     def element(
         self,
@@ -314,30 +436,84 @@ class _Draft:
             limit=event.maximum_execution_count,
             priority=PRIORITIES[event.priority],
         )
+        self.events.setdefault(event.name, at)
         for named in event.actions:
-            of_all = [self.program.ego[0]] if isinstance(named.action, SensorNoiseAction) else actors
+            of_all = [self.program.ego[0]] if isinstance(named.action, RUN_ACTIONS) else actors
             for actor in of_all:
                 self.element(op.ELEMENT_ACTION, at, action=self.action(named.action, actor))
 
-    def action(self, action: Action, actor: int) -> int:
+    def points(self, path: FollowPathAction | Path) -> None:
+        """Append the points of a path."""
+        p = self.program
+        for point in path.points:
+            p.point_position.append(self.position(point.position))
+            p.point_const.append(self.block(-1.0 if point.time is None else point.time))
+
+    def action(self, action: Action | Path, actor: int) -> int:
         """Append an action of an entity; return its row."""
         p = self.program
-        lanes, shape = 0, op.SHAPE_STEP
+        lanes, shape, other = 0, op.SHAPE_STEP, op.NONE
+        first, drives_on = len(p.point_position), 0
         if isinstance(action, SpeedAction):
             code, shape, base = op.ACTION_SPEED, SHAPES[action.shape], self.block(action.to, action.over_time)
         elif isinstance(action, LaneChangeAction):
             code, shape, lanes = op.ACTION_LANE_CHANGE, SHAPES[action.shape], action.by
             base = self.block(0.0, action.over_time)
-        else:
+        elif isinstance(action, LaneOffsetAction):
+            code, shape, base = op.ACTION_LANE_OFFSET, SHAPES[action.shape], self.block(action.to, action.over_time)
+        elif isinstance(action, FollowPathAction | Path):
+            self.points(action)
+            code, drives_on = op.ACTION_FOLLOW_PATH, 1 if action.then == "drive" else 0
+            base = self.block(-1.0 if action.speed is None else action.speed, 0.0)
+        elif isinstance(action, SensorNoiseAction):
             code, base = op.ACTION_SENSOR_NOISE, self.block(action.sigma, 0.0)
+        else:
+            code, other, base = self.run_action(action)
         p.action_op.append(code)
         p.action_entity.append(actor)
         p.action_shape.append(shape)
         p.action_dimension.append(op.DIMENSION_TIME)
         p.action_lanes.append(lanes)
+        p.action_other.append(other)
         p.action_const.append(base)
+        p.action_point.append(first)
+        p.action_points.append(len(p.point_position) - first)
+        p.action_drives_on.append(drives_on)
         p.action_count[0] = len(p.action_op)
         return p.action_count[0] - 1
+
+    def run_action(
+        self, action: Failure | EndFailureAction | WeatherAction | MessageAction | StopAction
+    ) -> tuple[int, int, int]:
+        """Return (kind, what it refers to, block) of an action that concerns the run as a whole."""
+        if isinstance(action, Failure):
+            return op.ACTION_FAILURE, self.failure(action, waits=True), self.block(0.0, 0.0)
+        if isinstance(action, EndFailureAction):
+            kind = op.NONE if action.kind is None else FAILURE_CODES[action.kind]
+            return op.ACTION_END_FAILURE, kind, self.block(0.0, 0.0)
+        if isinstance(action, WeatherAction):
+            return op.ACTION_WEATHER, self.weather(action), self.block(0.0, action.over_time)
+        if isinstance(action, MessageAction):
+            self.messages += 1
+            return op.ACTION_MESSAGE, self.messages - 1, self.block(0.0, 0.0)
+        return op.ACTION_STOP, op.NONE, self.block(0.0, 0.0)
+
+    def failure(self, failure: Failure, *, waits: bool) -> int:
+        """Append a failure of the camera, which `waits` for its action or counts from the start; return its row."""
+        p = self.program
+        duration = -1.0 if failure.duration is None else failure.duration
+        p.failure_kind.append(FAILURE_CODES[failure.kind])
+        p.failure_waits.append(1 if waits else 0)
+        p.failure_const.append(self.block(failure.onset, duration, failure.ramp, failure.amount))
+        p.failure_count[0] = len(p.failure_kind)
+        return p.failure_count[0] - 1
+
+    def weather(self, weather: Weather) -> int:
+        """Append a weather; return its row."""
+        p = self.program
+        p.weather_const.append(self.block(*weather_numbers(weather)))
+        p.weather_count[0] = len(p.weather_const)
+        return p.weather_count[0] - 1
 
     def trigger(self, trigger: Trigger) -> int:
         """Append a trigger with its groups and conditions; return its row."""
@@ -352,6 +528,8 @@ class _Draft:
     def condition(self, wrapped: TriggerCondition) -> None:
         p = self.program
         code, rule, value, entity, other = self.measured(wrapped.condition)
+        if isinstance(wrapped.condition, EventCondition):
+            self.awaited.append((p.condition_count[0], wrapped.condition.name))
         delayed = isinstance(wrapped.delay, Expression) or wrapped.delay > 0.0
         p.condition_op.append(code)
         p.condition_rule.append(rule)
@@ -384,6 +562,13 @@ class _Draft:
         if isinstance(c, TraveledDistanceCondition):
             return op.CONDITION_TRAVELED_DISTANCE, op.RULE_GREATER_OR_EQUAL, c.distance, c.entity, op.NONE
         if isinstance(c, LaneConfidenceCondition):
-            return op.CONDITION_LANE_CONFIDENCE, less, c.below, "", op.NONE
+            return op.CONDITION_LANE_CONFIDENCE, less, c.below, "", SIDES[c.side]
+        if isinstance(c, SensorHealthCondition):
+            return op.CONDITION_SENSOR_HEALTH, less, c.below, "", op.NONE
+        if isinstance(c, StandstillCondition):
+            return op.CONDITION_STANDSTILL, op.RULE_GREATER_OR_EQUAL, c.duration, c.entity, op.NONE
+        if isinstance(c, EventCondition):
+            rule, state = EVENT_STATES[c.state]
+            return op.CONDITION_ELEMENT_STATE, rule, state, "", op.NONE
         assert isinstance(c, TakeoverStateCondition)
         return op.CONDITION_TAKEOVER_STATE, op.RULE_EQUAL, 0.0, "", STATES[c.state]

@@ -3,42 +3,30 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.collision import prepare_boxes, update_boxes
-from scenario_compiler.engine.faults import fault
-from scenario_compiler.engine.motion import place_scripted
-from scenario_compiler.engine.numbers import clip, is_number
+from scenario_compiler.engine.failures import reset_camera
 from scenario_compiler.engine.opcodes import (
     CAUSES,
     DELAY_RECORDS,
     FAR,
     FAULT_NONE,
-    FAULT_NOT_FINITE,
-    FAULT_OFF_ROAD_START,
     LOG_SIZE,
     MANOEUVRE_KEEP,
-    MOTION_BICYCLE,
-    MOTION_POSED,
     NONE,
-    POSITION_RELATIVE,
     STANDBY,
     STOP_NONE,
     TAKEOVER_AUTOMATED,
 )
-from scenario_compiler.engine.path import locate_ego, set_path
+from scenario_compiler.engine.placing import reset_positions, start_entity
 from scenario_compiler.engine.slots import (
     E_DESIRED_SPEED,
     E_SPEED,
-    K_NOISE,
-    P_OFFSET,
-    P_S,
-    P_TURN,
 )
-from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.traffic import prepare_traffic
+from scenario_compiler.engine.weather import reset_weather
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction, lane_exists, lane_pose
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.travel import advance
 
 
 @compiled
@@ -53,6 +41,7 @@ def reset_entities(p: Program, st: State) -> None:
         st.throttle[i] = 0.0
         st.brake[i] = 0.0
         st.odometer[i] = 0.0
+        st.still[i] = 0.0
         st.ended[i] = 0
         st.moved[i] = 0
         st.longitudinal[i] = NONE
@@ -148,7 +137,6 @@ def reset_run(p: Program, st: State) -> None:
     st.stop[0] = STOP_NONE
     st.flag[0] = FAULT_NONE
     st.flag_at[0] = NONE
-    st.sigma[0] = p.const[K_NOISE]
     st.conf_left[0] = 1.0
     st.conf_right[0] = 1.0
     st.health[0] = 1.0
@@ -175,88 +163,20 @@ def reset_run(p: Program, st: State) -> None:
 
 
 @compiled
-def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int, int, float, float, int]:
-    """Return (road, lane, s, offset to the left along s, direction of travel) of a position; road -1 for none.
-
-    A relative position is counted from where the entity starts: along its lane, then to the side.
-    """
-    base = p.position_const[k]
-    s = p.const[base + P_S]
-    offset = p.const[base + P_OFFSET]
-    road = p.position_road[k]
-    lane = p.position_lane[k]
-    if is_number(s) == 0 or is_number(offset) == 0:
-        return -1, 0, 0.0, 0.0, 1
-    if p.position_op[k] == POSITION_RELATIVE:
-        other = p.position_entity[k]
-        road, lane, s, rest = advance(n, st.road[other], st.lane[other], st.s[other], s, -1)
-        direction = lane_direction(n, road, lane)
-        if rest > 0.0:
-            return -1, 0, 0.0, 0.0, 1
-        lane = neighbour_lane(n, road, lane, s, p.position_lane[k], direction)
-        if lane == 0:
-            return -1, 0, 0.0, 0.0, 1
-        return road, lane, s, offset * direction, lane_direction(n, road, lane)
-    s = clip(s, 0.0, n.road_length[road])
-    if lane_exists(n, road, lane, s) == 0:
-        return -1, 0, 0.0, 0.0, 1
-    return road, lane, s, offset, lane_direction(n, road, lane)
-
-
-@compiled
-def start_entity(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Put an entity where it starts; the ego's path starts in its lane."""
-    k = p.entity_position[i]
-    road, lane, s, offset, direction = resolve_position(n, p, st, k)
-    if road < 0:
-        st.road[i] = 0
-        st.lane[i] = 0
-        st.s[i] = 0.0
-        fault(st, FAULT_OFF_ROAD_START, i)
-        return
-    turn = p.const[p.position_const[k] + P_TURN]
-    if is_number(turn + st.v[i]) == 0:
-        fault(st, FAULT_NOT_FINITE, i)
-        return
-    st.road[i] = road
-    st.s[i] = s
-    st.kept_lane[i] = lane
-    st.kept_off[i] = offset
-    st.facing[i] = direction
-    st.turn[i] = turn
-    place_scripted(n, p, st, i)
-    st.last_x[i] = st.x[i]
-    st.last_y[i] = st.y[i]
-    if i == p.ego[0]:
-        set_path(st, road, lane, s)
-        if p.entity_motion[i] == MOTION_BICYCLE or p.entity_motion[i] == MOTION_POSED:
-            locate_ego(n, p, st, i)
-
-
-@compiled
-def reset_positions(n: RoadTables, p: Program, st: State) -> None:
-    """Evaluate the plan's positions; those relative to an entity hold for where it starts."""
-    for k in range(p.position_count[0]):
-        road, lane, s, offset, _ = resolve_position(n, p, st, k)
-        st.position_x[k] = FAR
-        st.position_y[k] = FAR
-        if road >= 0:
-            x, y, _, _, _, _ = lane_pose(n, road, lane, s, offset)
-            st.position_x[k] = x
-            st.position_y[k] = y
-
-
-@compiled
 def reset_columns(n: RoadTables, p: Program, st: State) -> None:
     """Put every column to t = 0, before the init actions."""
     reset_run(p, st)
+    reset_camera(p, st)
+    reset_weather(p, st)
     reset_entities(p, st)
     reset_story(p, st)
     reset_takeover(p, st)
     for k in range(p.entity_count[0]):
-        start_entity(n, p, st, p.entity_order[k])
+        start_entity(n, p, st, k)
         if st.flag[0] != FAULT_NONE:
             return
+    if p.traffic_count[0] > 0:
+        prepare_traffic(n, p, st)
     reset_positions(n, p, st)
     prepare_boxes(p, st)
     update_boxes(p, st)

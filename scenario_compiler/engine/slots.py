@@ -55,9 +55,12 @@ E_TIME_GAP = 11
 E_MINIMUM_GAP = 12
 E_ACCELERATION = 13
 E_DECELERATION = 14
-E_SIZE = 15
+E_SHARE = 15
+"""Share of the speed limit that a driver of traffic aims for."""
+E_SIZE = 16
 
-# A position's block: s or the distance ahead, the lateral offset and the heading relative to the lane's direction.
+# A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading relative
+# to the lane's direction.
 P_S = 0
 P_OFFSET = 1
 P_TURN = 2
@@ -79,3 +82,20 @@ C_SIZE = 2
 A_TARGET = 0
 A_DYNAMICS = 1
 A_SIZE = 2
+
+# A failure of the camera: when it begins after the start or its action, how long it lasts (negative: for good), in
+# which time it grows and goes, and how severe it is.
+F_ONSET = 0
+F_DURATION = 1
+F_RAMP = 2
+F_AMOUNT = 3
+F_SIZE = 4
+
+# A stretch that random positions are drawn from.
+L_FROM = 0
+L_TO = 1
+L_SIZE = 2
+
+# A point of a path: the time since its begin, negative for none.
+G_TIME = 0
+G_SIZE = 1

@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+from scenario_compiler.engine.failures import begin_failure, end_failures, update_camera
 from scenario_compiler.engine.faults import fault, log_event
+from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
 from scenario_compiler.engine.numbers import clip
 from scenario_compiler.engine.opcodes import (
+    ACTION_END_FAILURE,
+    ACTION_FAILURE,
+    ACTION_FOLLOW_PATH,
     ACTION_LANE_CHANGE,
+    ACTION_LANE_OFFSET,
+    ACTION_MESSAGE,
     ACTION_SENSOR_NOISE,
     ACTION_SPEED,
+    ACTION_STOP,
+    ACTION_WEATHER,
     COMPLETE,
     DIMENSION_DISTANCE,
+    EVENT_MESSAGE,
     EVENT_SENSOR_NOISE,
     FAULT_UNKNOWN_ACTION,
     MOTION_SCRIPTED,
     NONE,
     RUNNING,
+    STOP_NONE,
+    STOP_TRIGGER,
 )
+from scenario_compiler.engine.own_path import start_follow_path
 from scenario_compiler.engine.shapes import shape_peak, transition_span
 from scenario_compiler.engine.slots import (
     A_DYNAMICS,
@@ -26,9 +39,13 @@ from scenario_compiler.engine.slots import (
 )
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.weather import begin_weather
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre, lane_exists
 from scenario_compiler.roads.tables import RoadTables
+
+OFFSET_ACCELERATION = 1.0
+"""Greatest lateral acceleration with which the ego's automation moves to an offset, m/s2."""
 
 
 @compiled
@@ -133,6 +150,51 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 
 @compiled
+def start_lane_offset(p: Program, st: State, k: int) -> None:
+    """Prepare a move to an offset from the lane's centre; the ego's automation plans it and steers by itself."""
+    i = p.action_entity[k]
+    base = p.action_const[k]
+    left = p.const[base + A_TARGET]
+    st.action_from[k] = 0.0
+    st.action_change[k] = 0.0
+    st.action_span[k] = 0.0
+    st.lateral[i] = k
+    if st.road[i] < 0:
+        return
+    if p.entity_motion[i] != MOTION_SCRIPTED:
+        if i == p.ego[0]:
+            least = shift_distance(st.v[i], left - st.path_off[0], OFFSET_ACCELERATION)
+            plan_shift(st, i, left, max(least, st.v[i] * p.const[base + A_DYNAMICS]))
+        return
+    st.turn[i] = 0.0
+    st.action_from[k] = st.kept_off[i]
+    st.action_change[k] = st.facing[i] * left - st.kept_off[i]
+    value = p.const[base + A_DYNAMICS]
+    st.action_span[k] = transition_span(p.action_shape[k], p.action_dimension[k], value, st.action_change[k])
+
+
+@compiled
+def act_at_once(p: Program, st: State, k: int) -> None:
+    """Do an action that concerns the run as a whole: the camera, the weather, a message, the end."""
+    op = p.action_op[k]
+    if op == ACTION_FAILURE:
+        begin_failure(st, p.action_other[k])
+        update_camera(p, st)
+    elif op == ACTION_END_FAILURE:
+        end_failures(p, st, p.action_other[k])
+        update_camera(p, st)
+    elif op == ACTION_WEATHER:
+        begin_weather(p, st, k)
+    elif op == ACTION_MESSAGE:
+        log_event(st, EVENT_MESSAGE, 1.0 * p.action_other[k])
+    elif op == ACTION_STOP:
+        if st.stop[0] == STOP_NONE:
+            st.stop[0] = STOP_TRIGGER
+    else:
+        fault(st, FAULT_UNKNOWN_ACTION, k)
+
+
+@compiled
 def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> None:
     """Start an action that stands in an element, or in the init (-1)."""
     st.action_state[k] = RUNNING
@@ -143,11 +205,16 @@ def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> 
         start_speed(p, st, k)
     elif op == ACTION_LANE_CHANGE:
         start_lane_change(n, p, st, k)
+    elif op == ACTION_LANE_OFFSET:
+        start_lane_offset(p, st, k)
+    elif op == ACTION_FOLLOW_PATH:
+        start_follow_path(p, st, k)
     elif op == ACTION_SENSOR_NOISE:
-        st.sigma[0] = p.const[p.action_const[k] + A_TARGET]
-        log_event(st, EVENT_SENSOR_NOISE, st.sigma[0])
+        st.noise[0] = p.const[p.action_const[k] + A_TARGET]
+        update_camera(p, st)
+        log_event(st, EVENT_SENSOR_NOISE, st.noise[0])
     else:
-        fault(st, FAULT_UNKNOWN_ACTION, k)
+        act_at_once(p, st, k)
 
 
 @compiled

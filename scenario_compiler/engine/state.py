@@ -7,7 +7,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from scenario_compiler.engine.opcodes import DELAY_RECORDS, DRAWS_PER_RUN, LOG_SIZE, WAY_SIZE
+from scenario_compiler.engine.opcodes import (
+    BUCKETS,
+    DELAY_RECORDS,
+    DRAWS_PER_RUN,
+    FAILURES,
+    LOG_SIZE,
+    WAY_SIZE,
+    WEATHER_SIZE,
+)
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.randomness import hash_bits, normal, uniform
 
@@ -59,6 +67,8 @@ class State:
     """Lane that a scripted entity is led by: its own, or the target of a lane change."""
     kept_off: list[float]
     odometer: list[float]
+    still: list[float]
+    """How long the entity has stood, s."""
     ended: list[int]
     """1 when the entity stands at the end of its road."""
     moved: list[int]
@@ -108,6 +118,35 @@ class State:
     action_from: list[float]
     action_change: list[float]
     action_clip: list[float]
+    turn_from: list[int]
+    """Road at whose end the turn below is taken; NONE before it is drawn. This and what follows is of traffic."""
+    turn_to: list[int]
+    """Road that the vehicle turns into, NONE where there is no choice."""
+    turns: list[int]
+    """Number of turns drawn so far."""
+    claim: list[int]
+    """Connecting road of a junction that the vehicle may drive on, or NONE."""
+    entered: list[int]
+    """1 from when it has come to that road."""
+    asked: list[int]
+    """Frame since which it waits for a connecting road, or NONE."""
+    wish: list[float]
+    """Speed that the driver aims for, negative before the first decision."""
+    lane_rest: list[float]
+    """How far the lane goes on."""
+    change_at: list[float]
+    """When the last lane change began."""
+    change_from: list[float]
+    """Offset from the new lane's centre at its begin."""
+    bucket_next: list[int]
+    """Next entity in the chain of its road."""
+    bucket_head: list[int]
+    """First entity of each chain."""
+    along_way: list[int]
+    """1 when the way was last walked ahead, -1 when back."""
+    action_x: list[float]
+    """Where the entity was when it began to follow a path."""
+    action_y: list[float]
 
     # Inputs from outside: the controller and the detector.
     conf_left: list[float]
@@ -122,6 +161,25 @@ class State:
     # The ego.
     sigma: list[float]
     """Camera noise now, grey levels."""
+    noise: list[float]
+    """Noise of the camera itself, without its failures."""
+    failure_now: list[float]
+    """By kind, how severe the camera's failures are, 0 to 1."""
+    failure_since: list[float]
+    """Time from which a failure's onset counts, -1 while it waits or is over."""
+    failure_active: list[int]
+    missing: list[int]
+    """1 where the image of this frame does not arrive."""
+    frozen: list[int]
+    """1 where the image before is delivered again."""
+    weather: list[float]
+    """The 14 numbers now."""
+    weather_from: list[float]
+    """The numbers when the present change began."""
+    weather_to: list[int]
+    """The weather that it goes to, NONE when it does not change."""
+    weather_since: list[float]
+    weather_over: list[float]
     target_speed: list[float]
     """Speed that the automation aims for; a speed action on the ego changes it."""
     path_road: list[int]
@@ -251,6 +309,7 @@ _ENTITY = (
         "kept_off",
         "odometer",
         "ended",
+        "still",
     ],
     *[
         "moved",
@@ -271,6 +330,10 @@ _ENTITY = (
     ],
     *["high", "along", "across", "border_left", "border_right", "contact"],
 )
+_TRAFFIC = (
+    *("turn_from", "turn_to", "turns", "claim", "entered", "asked", "wish", "lane_rest", "change_at", "change_from"),
+    "bucket_next",
+)
 _POSITION = ["position_x", "position_y", "position_at_road", "position_at_lane", "position_at_s"]
 _ELEMENT = ["element_state", "element_runs", "element_started", "element_ended", "element_stopped", "element_skipped"]
 _CONDITION = ("condition_known", "condition_before")
@@ -284,6 +347,8 @@ _ACTION = [
     "action_from",
     "action_change",
     "action_clip",
+    "action_x",
+    "action_y",
 ]
 _WAY = ["way_road", "way_lane", "way_s", "way_sign", "way_from"]
 _LOG = ("log_time", "log_kind", "log_value")
@@ -294,6 +359,7 @@ def new_state(program: Program) -> State:
     p = program
     sizes = {name: 1 for name in State.__slots__}
     sizes |= dict.fromkeys(_ENTITY, p.entity_count[0])
+    sizes |= dict.fromkeys(_TRAFFIC, p.entity_count[0]) | {"bucket_head": BUCKETS}
     sizes |= dict.fromkeys(_POSITION, p.position_count[0])
     sizes |= dict.fromkeys(_ELEMENT, p.element_count[0])
     sizes |= dict.fromkeys(_CONDITION, p.condition_count[0])
@@ -302,6 +368,8 @@ def new_state(program: Program) -> State:
     sizes |= dict.fromkeys(_ACTION, p.action_count[0])
     sizes |= dict.fromkeys(_WAY, WAY_SIZE)
     sizes |= dict.fromkeys(_LOG, LOG_SIZE)
+    sizes |= dict.fromkeys(("failure_since", "failure_active"), p.failure_count[0])
+    sizes |= {"failure_now": FAILURES, "weather": WEATHER_SIZE, "weather_from": WEATHER_SIZE}
     sizes |= {"draw": DRAWS_PER_RUN, "history": len(p.cause_on)}
     columns: dict[str, list[float] | list[int]] = {}
     for column in fields(State):

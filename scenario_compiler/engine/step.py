@@ -12,12 +12,14 @@ from __future__ import annotations
 from scenario_compiler.engine.actions import run_actions
 from scenario_compiler.engine.automation import control_ego
 from scenario_compiler.engine.collision import check_collisions, update_boxes, watch_ttc
+from scenario_compiler.engine.failures import update_camera
 from scenario_compiler.engine.motion import move_entities, take_stock
 from scenario_compiler.engine.numbers import length_of
 from scenario_compiler.engine.opcodes import (
     FAULT_NONE,
     MOTION_BICYCLE,
     MOTION_POSED,
+    STANDING,
     STOP_COLLISION,
     STOP_DESTINATION,
     STOP_DURATION,
@@ -33,6 +35,8 @@ from scenario_compiler.engine.starts import start_action
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import run_triggers, trigger_fires
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.traffic import move_traffic
+from scenario_compiler.engine.weather import update_weather
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
@@ -69,9 +73,19 @@ def play_story(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 
 @compiled
+def watch_standing(p: Program, st: State, dt: float) -> None:
+    """Count how long each entity has stood."""
+    for i in range(p.entity_count[0]):
+        st.still[i] = st.still[i] + dt if abs(st.v[i]) < STANDING else 0.0
+
+
+@compiled
 def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
     """Take stock after all have moved."""
     take_stock(n, p, st, dt)
+    watch_standing(p, st, dt)
+    update_camera(p, st)
+    update_weather(p, st)
     if st.flag[0] != FAULT_NONE:
         return
     update_boxes(p, st)
@@ -141,6 +155,7 @@ def finish_step(n: RoadTables, p: Program, st: State) -> None:
     dt = p.const[K_STEP]
     st.clock[0] += dt
     move_entities(n, p, st, dt)
+    move_traffic(n, p, st, dt)
     finish_frame(n, p, st, dt)
     if st.flag[0] != FAULT_NONE:
         return

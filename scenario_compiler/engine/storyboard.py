@@ -11,7 +11,9 @@ from __future__ import annotations
 from scenario_compiler.engine.conditions import condition_fires
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.opcodes import (
+    ACTION_FOLLOW_PATH,
     ACTION_LANE_CHANGE,
+    ACTION_LANE_OFFSET,
     ACTION_SPEED,
     COMPLETE,
     ELEMENT_ACT,
@@ -134,7 +136,7 @@ def displace(p: Program, st: State, k: int, frame: int) -> None:
     older = NONE
     if p.action_op[k] == ACTION_SPEED:
         older = st.longitudinal[i]
-    if p.action_op[k] == ACTION_LANE_CHANGE:
+    if p.action_op[k] in (ACTION_LANE_CHANGE, ACTION_LANE_OFFSET, ACTION_FOLLOW_PATH):
         older = st.lateral[i]
     if older >= 0:
         action_done(p, st, older, frame)

@@ -10,17 +10,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 
 from scenario_compiler.engine.opcodes import (
-    ACTION_SENSOR_NOISE,
+    ACTION_STOP,
     CAUSES,
-    CONDITION_ELEMENT_STATE,
+    CONDITION_SENSOR_HEALTH,
     DIMENSION_DISTANCE,
     DRIVER_FIXED,
     EDGE_BOTH,
     ELEMENT_ACTION,
-    MOTION_POSED,
+    FAILURES,
+    MOTION_WALKER,
     NONE,
     PERCEPTION_CAMERA,
-    POSITION_RELATIVE,
+    POSITION_RANDOM,
     PRIORITY_SKIP,
     RULE_NOT_EQUAL,
     SHAPE_STEP,
@@ -41,6 +42,8 @@ class Program:
     perception: list[int] = field(default_factory=lambda: [0])
     control_every: list[int] = field(default_factory=lambda: [1])
     driver_kind: list[int] = field(default_factory=lambda: [0])
+    hazard_lights: list[int] = field(default_factory=lambda: [1])
+    """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
     destination_road: list[int] = field(default_factory=lambda: [NONE])
     destination_lane: list[int] = field(default_factory=lambda: [0])
     route_count: list[int] = field(default_factory=lambda: [0])
@@ -59,6 +62,19 @@ class Program:
     """Position that it starts at."""
     entity_follows: list[int] = field(default_factory=list)
     """1 where it follows the vehicle ahead."""
+    entity_leg_first: list[int] = field(default_factory=list)
+    """First road of the entity's way to its destination."""
+    entity_leg_last: list[int] = field(default_factory=list)
+    """The road after its last."""
+    leg_road: list[int] = field(default_factory=list)
+    entity_seed: list[int] = field(default_factory=list)
+    """Seed of traffic's turns, or NONE for the run's."""
+    traffic_count: list[int] = field(default_factory=lambda: [0])
+    """Number of entities that are background traffic."""
+    conflict_first: list[int] = field(default_factory=lambda: [0])
+    """Row starts by road, with background traffic alone."""
+    conflict_road: list[int] = field(default_factory=list)
+    """Connecting roads that the road crosses."""
     entity_order: list[int] = field(default_factory=list)
     """Entities so that each comes after the one that its start is relative to."""
 
@@ -68,6 +84,16 @@ class Program:
     """Lane id; for relative positions the number of lanes to the left."""
     position_entity: list[int] = field(default_factory=list)
     position_const: list[int] = field(default_factory=list)
+    position_seed: list[int] = field(default_factory=list)
+    """Seed of a random position, or NONE for the run's."""
+    position_first: list[int] = field(default_factory=list)
+    """First stretch that a random position is drawn from."""
+    position_last: list[int] = field(default_factory=list)
+    """The stretch after its last."""
+    span_road: list[int] = field(default_factory=list)
+    span_lane: list[int] = field(default_factory=list)
+    span_const: list[int] = field(default_factory=list)
+    span_count: list[int] = field(default_factory=lambda: [0])
 
     route_road: list[int] = field(default_factory=list)
     """Roads of the ego's way in order, each once a pass."""
@@ -93,12 +119,22 @@ class Program:
     group_first: list[int] = field(default_factory=lambda: [0])
     """Row starts of conditions by group."""
 
+    failure_kind: list[int] = field(default_factory=list)
+    failure_waits: list[int] = field(default_factory=list)
+    """1 where the failure waits for the action that begins it, 0 where it counts from the start."""
+    failure_const: list[int] = field(default_factory=list)
+    failure_count: list[int] = field(default_factory=lambda: [0])
+
+    weather_const: list[int] = field(default_factory=list)
+    """Blocks of 14 numbers: the weather at the start, then those of actions."""
+    weather_count: list[int] = field(default_factory=lambda: [0])
+
     condition_op: list[int] = field(default_factory=list)
     condition_rule: list[int] = field(default_factory=list)
     condition_edge: list[int] = field(default_factory=list)
     condition_const: list[int] = field(default_factory=list)
     condition_other: list[int] = field(default_factory=list)
-    """The reference entity, position, element or takeover state, by kind."""
+    """The reference entity, position, element, takeover state or side of the lane, by kind."""
     condition_all: list[int] = field(default_factory=list)
     """1 where all triggering entities must fulfil it, 0 where any does."""
     condition_first: list[int] = field(default_factory=lambda: [0])
@@ -114,7 +150,17 @@ class Program:
     action_dimension: list[int] = field(default_factory=list)
     action_lanes: list[int] = field(default_factory=list)
     """Lanes to the left that a lane change goes."""
+    action_other: list[int] = field(default_factory=list)
+    """The failure that an action begins, the kind that it ends, the weather or the message; by kind."""
     action_const: list[int] = field(default_factory=list)
+    action_point: list[int] = field(default_factory=list)
+    """First point of a path."""
+    action_points: list[int] = field(default_factory=list)
+    """Number of its points."""
+    action_drives_on: list[int] = field(default_factory=list)
+    """1 where the entity goes on along the lane at the end of its path."""
+    point_position: list[int] = field(default_factory=list)
+    point_const: list[int] = field(default_factory=list)
     init_action: list[int] = field(default_factory=list)
     """Actions that start with the run, in order."""
 
@@ -139,19 +185,38 @@ def validate(program: Program, roads: int) -> None:
     _inside("perception", p.perception, 0, PERCEPTION_CAMERA + 1)
     _inside("control_every", p.control_every, 1, 1 << 30)
     _inside("driver_kind", p.driver_kind, 0, DRIVER_FIXED + 1)
+    _inside("hazard_lights", p.hazard_lights, 0, 2)
     _inside("destination_road", p.destination_road, NONE, roads)
-    _column("entity_motion", p.entity_motion, entities, 0, MOTION_POSED + 1)
+    _column("entity_motion", p.entity_motion, entities, 0, MOTION_WALKER + 1)
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
     _column("entity_position", p.entity_position, entities, 0, positions)
     _column("entity_follows", p.entity_follows, entities, 0, 2)
+    _column("entity_leg_first", p.entity_leg_first, entities, 0, len(p.leg_road) + 1)
+    _column("entity_leg_last", p.entity_leg_last, entities, 0, len(p.leg_road) + 1)
+    _inside("leg_road", p.leg_road, 0, roads)
+    _column("entity_seed", p.entity_seed, entities, NONE, 1 << 32)
+    _rows("conflict_first", p.conflict_first, len(p.conflict_road))
+    _inside("conflict_road", p.conflict_road, 0, roads)
+    if p.traffic_count[0] > 0:
+        _column("conflict_first", p.conflict_first, roads + 1, 0, len(p.conflict_road) + 1)
     _column("entity_order", p.entity_order, entities, 0, entities)
-    _column("position_op", p.position_op, positions, 0, POSITION_RELATIVE + 1)
+    _column("position_op", p.position_op, positions, 0, POSITION_RANDOM + 1)
     _column("position_road", p.position_road, positions, NONE, roads)
     _column("position_entity", p.position_entity, positions, NONE, entities)
     _column("position_const", p.position_const, positions, 0, len(p.const) + 1)
+    _column("position_seed", p.position_seed, positions, NONE, 1 << 32)
+    _column("position_first", p.position_first, positions, 0, p.span_count[0] + 1)
+    _column("position_last", p.position_last, positions, 0, p.span_count[0] + 1)
+    _column("span_road", p.span_road, p.span_count[0], 0, roads)
+    _column("span_lane", p.span_lane, p.span_count[0], -1000, 1000)
+    _column("span_const", p.span_const, p.span_count[0], 0, len(p.const) + 1)
     _column("route_road", p.route_road, p.route_count[0], 0, roads)
     _column("stretch_road", p.stretch_road, p.stretch_count[0], NONE, roads)
     _column("stretch_const", p.stretch_const, p.stretch_count[0], 0, len(p.const) + 1)
+    _column("failure_kind", p.failure_kind, p.failure_count[0], 0, FAILURES)
+    _column("failure_waits", p.failure_waits, p.failure_count[0], 0, 2)
+    _column("failure_const", p.failure_const, p.failure_count[0], 0, len(p.const) + 1)
+    _column("weather_const", p.weather_const, p.weather_count[0], 0, len(p.const) + 1)
     _inside("cause_on", p.cause_on, 0, 2)
     _column("cause_order", p.cause_order, p.cause_count[0], 1, CAUSES)
     _validate_story(p, elements, triggers, conditions, actions)
@@ -175,7 +240,7 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _inside("stop_trigger", p.stop_trigger, NONE, triggers)
     _rows("trigger_first", p.trigger_first, len(p.group_first) - 1)
     _rows("group_first", p.group_first, conditions)
-    _column("condition_op", p.condition_op, conditions, 0, CONDITION_ELEMENT_STATE + 1)
+    _column("condition_op", p.condition_op, conditions, 0, CONDITION_SENSOR_HEALTH + 1)
     _column("condition_rule", p.condition_rule, conditions, 0, RULE_NOT_EQUAL + 1)
     _column("condition_edge", p.condition_edge, conditions, 0, EDGE_BOTH + 1)
     _column("condition_const", p.condition_const, conditions, 0, len(p.const) + 1)
@@ -183,11 +248,17 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _column("condition_ring", p.condition_ring, conditions, NONE, p.ring_count[0])
     _rows("condition_first", p.condition_first, len(p.condition_entity))
     _inside("condition_entity", p.condition_entity, 0, entities)
-    _column("action_op", p.action_op, actions, 0, ACTION_SENSOR_NOISE + 1)
+    _column("action_op", p.action_op, actions, 0, ACTION_STOP + 1)
     _column("action_entity", p.action_entity, actions, 0, entities)
     _column("action_shape", p.action_shape, actions, 0, SHAPE_STEP + 1)
     _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
+    _column("action_other", p.action_other, actions, NONE, 1 << 30)
     _column("action_const", p.action_const, actions, 0, len(p.const) + 1)
+    _column("action_point", p.action_point, actions, 0, len(p.point_position) + 1)
+    _column("action_points", p.action_points, actions, 0, len(p.point_position) + 1)
+    _column("action_drives_on", p.action_drives_on, actions, 0, 2)
+    _inside("point_position", p.point_position, 0, p.position_count[0])
+    _column("point_const", p.point_const, len(p.point_position), 0, len(p.const) + 1)
     _column("init_action", p.init_action, p.init_count[0], 0, actions)
 
 

@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, Value
 from scenario_compiler.frames import heading_from_carla, point_from_carla, reference_from_center
 from scenario_compiler.plan.model import StartPose
+from scenario_compiler.plan.places import spans_of
+from scenario_compiler.randomness import uniform
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type
 from scenario_compiler.roads.spawn_points import read_spawn_points
 from scenario_compiler.vocabulary.positions import (
+    AnyOfPosition,
+    BesidePosition,
     BoundPosition,
     LanePosition,
+    NumberedSpawnPoint,
     Position,
+    RandomPosition,
+    RandomSpawnPoint,
     RelativeLanePosition,
     RoadPosition,
     SpawnPoint,
@@ -30,42 +37,68 @@ UNKNOWN_ROAD = Code(
     "SC371",
     "unknown-road",
     "A position names a road that the map does not have. Road ids are those of the OpenDRIVE file; `scenario-compiler "
-    "map plot FILE` draws them.",
+    "map plot FILE` draws them."
+    '\n\n    <lane road="31" lane="-1" s="20"/>     the map\'s roads are 1 to 30',
 )
 UNKNOWN_LANE = Code(
     "SC372",
     "unknown-lane",
     "A position names a lane that the road does not have at this s. Lanes are numbered from the reference line: -1, "
-    "-2, ... to the right, 1, 2, ... to the left, and a road may have different lanes in different sections.",
+    "-2, ... to the right, 1, 2, ... to the left, and a road may have different lanes in different sections."
+    '\n\n    <lane road="3" lane="-4" s="20"/>     road 3 has the lanes -2 to 2',
 )
 BEYOND_ROAD = Code(
     "SC373",
     "beyond-road",
     "A position lies before the begin or behind the end of its road. s is measured along the road's reference line "
-    "from 0 to the road's length.",
+    "from 0 to the road's length."
+    '\n\n    <lane road="3" lane="-1" s="900"/>     road 3 is 400 m long',
 )
 OFF_ROAD = Code(
     "SC374",
     "off-road",
     "A position in the world lies on no lane of the map, so nothing can drive there. Check the frame: CARLA's y axis "
-    'points the other way than OpenDRIVE\'s (`frame="carla"`), and maps of different releases differ.',
+    'points the other way than OpenDRIVE\'s (`frame="carla"`), and maps of different releases differ.'
+    '\n\n    <world x="151.4" y="-91.5" frame="carla"/>     y has the other sign in OpenDRIVE\'s axes',
 )
 LANE_ENDS_EARLY = Code(
     "SC375",
     "lane-ends-early",
     "A position ahead of an entity lies beyond the end of the lane that the entity drives on. Shorten the distance, or "
-    "start the entity on a road that goes on.",
+    "start the entity on a road that goes on."
+    '\n\n    <ahead_of entity="ego" distance="800"/>     the ego vehicle\'s lane ends after 420 m',
 )
 UNKNOWN_SPAWN_POINT = Code(
     "SC376",
     "unknown-spawn-point",
-    "A position names a spawn point that the map's map.toml does not list.",
+    "A position names a spawn point that neither the scenario's <spawn_points> nor the map's map.toml lists, or asks "
+    "for one beyond the end of the list:\n\n"
+    '    <spawn_points><point name="bridge"><lane road="3" lane="-1" s="20"/></point></spawn_points>\n'
+    '    <start><spawn_point name="bridge"/></start>\n'
+    '    <start><numbered_spawn_point index="0"/></start>\n\n'
+    "`scenario-compiler map info FILE` shows those of a map.",
+)
+NO_RANDOM_PLACE = Code(
+    "SC382",
+    "no-random-place",
+    "A <random> position leaves no stretch of any lane to choose from: the roads have no lane of that kind or id, or "
+    "`s_from` and `s_to` lie outside of them. Widen the choice:\n\n"
+    '    <random on="sidewalk" roads="1 2"/>',
+)
+RANDOM_HERE = Code(
+    "SC383",
+    "random-position-here",
+    "A random position stands where only a fixed one makes sense: as a destination, in a condition or an action, or as "
+    "the start of an ego vehicle that has a destination (its route would differ from run to run). Give the draw a "
+    '`seed`, as in <random_spawn_point seed="3"/>, or write a fixed position.'
+    '\n\n    <destination><random on="driving"/></destination>     would differ from run to run',
 )
 NO_VALUE = Code(
     "SC377",
     "no-value",
     "An expression has no value for the parameters' values: a division by zero, the root of a negative number, or a "
-    "result that is not finite.",
+    "result that is not finite."
+    '\n\n    <ahead_of entity="ego" distance="${100 / $count}"/>     has no value where count is 0',
 )
 
 
@@ -77,11 +110,13 @@ class Binder:
         network: The map.
         values: Values of the scenario's parameters, for checks and for positions that must become numbers.
         sink: Where faults go.
+        named: The scenario's own spawn points, in document order.
     """
 
     network: Network
     values: Mapping[str, Value]
     sink: Diagnostics
+    named: Mapping[str, Position] = field(default_factory=dict)
 
     def value(self, number: Number, position: Position) -> float:
         """Return a number of a position at the parameters' values; 0 and a diagnostic when it has none."""
@@ -101,12 +136,16 @@ class Binder:
         """
         if isinstance(position, LanePosition):
             return position if self._on_lane(position) else None
-        if isinstance(position, RelativeLanePosition):
+        if isinstance(position, RelativeLanePosition | BesidePosition):
             return position
         if isinstance(position, RoadPosition):
             return self._bind_road(position)
-        if isinstance(position, SpawnPoint):
-            return self._bind_spawn_point(position)
+        if isinstance(position, SpawnPoint | NumberedSpawnPoint):
+            return self._bind_spawn_point(position, center)
+        if isinstance(position, RandomSpawnPoint):
+            return self._bind_random_spawn_point(position, center)
+        if isinstance(position, RandomPosition):
+            return self._bind_random(position)
         return self._bind_world(position, center)
 
     def _on_lane(self, position: LanePosition) -> bool:
@@ -125,13 +164,13 @@ class Binder:
             return False
         return True
 
-    def on_road(self, word: Word, road: str, s: float) -> bool:
-        """Return whether the map has the road and s lies on it; report what does not."""
+    def on_road(self, word: Word, road: str, s: float, attribute: str = "road") -> bool:
+        """Return whether the map has the road, which `attribute` names, and s lies on it; report what does not."""
         if road not in self.network.road_ids:
             self.sink.add(
                 UNKNOWN_ROAD,
                 f"the map '{self.network.name}' has no road '{road}'",
-                word.place_of("road"),
+                word.place_of(attribute),
                 hint=did_you_mean(road, self.network.road_ids),
             )
             return False
@@ -156,19 +195,59 @@ class Binder:
         offset = t - (nearest.t_left + nearest.t_right) / 2
         return self._facing(FoundLane(position.road, nearest.lane, s, offset), heading, position)
 
-    def _bind_spawn_point(self, position: SpawnPoint) -> LanePosition | None:
+    def _spawn_points(self) -> Mapping[str, Position]:
+        """Return the scenario's spawn points, or the map's where the scenario has none."""
+        return self.named or self._map_points()
+
+    def _map_points(self) -> dict[str, Position]:
         points = read_spawn_points(self.network.path, self.sink)
-        if position.name not in points:
-            self.sink.add(
-                UNKNOWN_SPAWN_POINT,
-                f"the map '{self.network.name}' has no spawn point '{position.name}'",
-                position.place_of("name"),
-                hint=did_you_mean(position.name, points) or "the map names no spawn points",
-            )
+        return {name: LanePosition(road=one.road, lane=one.lane, s=one.s) for name, one in points.items()}
+
+    def _bind_spawn_point(self, position: SpawnPoint | NumberedSpawnPoint, center: float) -> BoundPosition | None:
+        if isinstance(position, SpawnPoint):
+            points = {**self._map_points(), **self.named}
+            found = points.get(position.name)
+            message = f"neither the scenario nor the map '{self.network.name}' has a spawn point '{position.name}'"
+            hint = did_you_mean(position.name, points) or "the map names no spawn points"
+            place = position.place_of("name")
+        else:
+            listed = list(self._spawn_points().values())
+            found = listed[position.index] if position.index < len(listed) else None
+            message = f"there is no spawn point {position.index}"
+            hint = f"they are numbered from 0 to {len(listed) - 1}" if listed else "there are no spawn points"
+            place = position.place_of("index")
+        if found is None:
+            self.sink.add(UNKNOWN_SPAWN_POINT, message, place, hint=hint)
             return None
-        point = points[position.name]
-        bound = LanePosition(road=point.road, lane=point.lane, s=point.s).written_at(position.origin)
-        return bound if self._on_lane(bound) else None
+        return self._bind_listed(found, position, center)
+
+    def _bind_listed(self, found: Position, position: Position, center: float) -> BoundPosition | None:
+        """Bind an entry of a list of spawn points; one of the map's is spoken of where it is used."""
+        if not found.origin.line:
+            found = found.model_copy().written_at(position.origin)
+        return replace(self, named={}).bind(found, center)
+
+    def _bind_random_spawn_point(self, position: RandomSpawnPoint, center: float) -> BoundPosition | None:
+        listed = list(self._spawn_points().values())
+        if not listed:
+            message = "there are no spawn points to draw from"
+            self.sink.add(UNKNOWN_SPAWN_POINT, message, position.origin, hint="list some in <spawn_points>")
+            return None
+        if position.seed is not None:
+            drawn = int(uniform(position.seed, 0, "spawn_point") * len(listed))
+            return self._bind_listed(listed[drawn], position, center)
+        bound = [self._bind_listed(one, position, center) for one in listed]
+        places = tuple(one for one in bound if isinstance(one, LanePosition))
+        return AnyOfPosition(places=places).written_at(position.origin) if len(places) == len(listed) else None
+
+    def _bind_random(self, position: RandomPosition) -> RandomPosition | None:
+        known = [self.on_road(position, road, 0.0, "roads") for road in position.roads]
+        if not all(known):
+            return None
+        if not spans_of(self.network, position):
+            self.sink.add(NO_RANDOM_PLACE, "no lane is left to choose from", position.origin)
+            return None
+        return position
 
     def _bind_world(self, position: WorldPosition, center: float) -> LanePosition | None:
         x, y, yaw = (self.value(n, position) for n in (position.x, position.y, position.yaw))
@@ -217,7 +296,10 @@ class Binder:
         return pose.heading if direction > 0 else pose.heading + math.pi
 
     def resolve(self, position: BoundPosition, starts: Mapping[str, FoundLane]) -> tuple[FoundLane, StartPose] | None:
-        """Return where a bound position lies at the parameters' values; `starts` are the entities' lanes so far."""
+        """Return where a bound position lies at the parameters' values; `starts` are the entities' lanes so far.
+
+        None for one that is drawn when a run begins, and for one relative to it.
+        """
         if isinstance(position, LanePosition):
             lane = FoundLane(
                 position.road,
@@ -225,23 +307,64 @@ class Binder:
                 self.value(position.s, position),
                 self.value(position.offset, position),
             )
+        elif isinstance(position, RandomPosition | AnyOfPosition):
+            return None
         else:
-            ahead = self._ahead(position, starts)
-            if ahead is None:
+            found = (
+                self._beside(position, starts)
+                if isinstance(position, BesidePosition)
+                else self._ahead(position, starts)
+            )
+            if found is None:
                 return None
-            lane = ahead
+            lane = found
         pose = self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset)
         turn = self.value(position.turn, position)
         return lane, _start_pose(pose, self.travel_heading(lane) + turn)
+
+    def _beside(self, position: BesidePosition, starts: Mapping[str, FoundLane]) -> FoundLane | None:
+        base = starts.get(position.entity)
+        if base is None:
+            return None
+        left = base.offset * travel_direction(self.network, base.road, base.lane)
+        ahead = self._along(FoundLane(base.road, base.lane, base.s, 0.0), position, "ahead", position.ahead)
+        if ahead is None:
+            return None
+        left += self.value(position.distance, position)
+        offset = left * travel_direction(self.network, ahead.road, ahead.lane)
+        return FoundLane(ahead.road, ahead.lane, ahead.s, offset)
+
+    def _along(
+        self,
+        start: FoundLane,
+        position: RelativeLanePosition | BesidePosition,
+        attribute: str,
+        number: Number,
+        same: int = 1,
+    ) -> FoundLane | None:
+        """Return the place a distance ahead in the lane, behind for a negative one; report a lane that ends before.
+
+        With `same` -1 the lane's travel goes the other way than the entity's, whose ahead it is.
+        """
+        distance = same * self.value(number, position)
+        ahead = self.network.next(start, distance) if distance >= 0 else self.network.previous(start, -distance)
+        if ahead is None:
+            self.sink.add(
+                LANE_ENDS_EARLY,
+                f"the lane of '{position.entity}' ends before {abs(distance):g} m",
+                position.place_of(attribute),
+            )
+        return ahead
 
     def _ahead(self, position: RelativeLanePosition, starts: Mapping[str, FoundLane]) -> FoundLane | None:
         base = starts.get(position.entity)
         if base is None:
             return None
-        distance = self.value(position.distance, position)
-        centred = FoundLane(base.road, base.lane, base.s, 0.0)
+        facing = travel_direction(self.network, base.road, base.lane)
+        centred, same = FoundLane(base.road, base.lane, base.s, 0.0), 1
         for _ in range(abs(position.lanes)):
-            beside = self.network.left(centred) if position.lanes > 0 else self.network.right(centred)
+            towards_left = position.lanes * same > 0
+            beside = self.network.left(centred) if towards_left else self.network.right(centred)
             if beside is None:
                 self.sink.add(
                     UNKNOWN_LANE,
@@ -249,17 +372,12 @@ class Binder:
                     position.place_of("lanes"),
                 )
                 return None
-            centred = beside
-        ahead = self.network.next(centred, distance) if distance >= 0 else self.network.previous(centred, -distance)
+            centred, same = beside, facing * travel_direction(self.network, beside.road, beside.lane)
+        ahead = self._along(centred, position, "distance", position.distance, same)
         if ahead is None:
-            self.sink.add(
-                LANE_ENDS_EARLY,
-                f"the lane of '{position.entity}' ends before {abs(distance):g} m",
-                position.place_of("distance"),
-            )
             return None
-        offset = self.value(position.offset, position) * travel_direction(self.network, ahead.road, ahead.lane)
-        return FoundLane(ahead.road, ahead.lane, ahead.s, offset)
+        direction = same * travel_direction(self.network, ahead.road, ahead.lane)
+        return FoundLane(ahead.road, ahead.lane, ahead.s, self.value(position.offset, position) * direction)
 
 
 def travel_direction(network: Network, road: str, lane: int) -> int:

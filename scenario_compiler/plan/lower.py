@@ -12,18 +12,25 @@ from typing import Literal
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.expressions import Expression, Value
-from scenario_compiler.plan.binding import Binder
+from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
 from scenario_compiler.plan.defaults import complete_takeover
 from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg, StartPose
+from scenario_compiler.plan.places import spans_of
 from scenario_compiler.plan.store import digest_of
+from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
 from scenario_compiler.vocabulary.positions import (
+    AnyOfPosition,
+    BesidePosition,
     BoundPosition,
     LanePosition,
+    NumberedSpawnPoint,
     Position,
+    RandomPosition,
+    RandomSpawnPoint,
     RelativeLanePosition,
     RoadPosition,
     SpawnPoint,
@@ -39,19 +46,24 @@ POSITION_CYCLE = Code(
     "SC230",
     "position-cycle",
     "The starts of entities depend on each other in a circle: each is `ahead_of` the next. One of them needs a "
-    "position of its own.",
+    "position of its own."
+    '\n\n    <static id="a"><at><ahead_of entity="b" distance="5"/></at></static>'
+    '\n    <static id="b"><at><ahead_of entity="a" distance="5"/></at></static>',
 )
 NO_ROUTE = Code(
     "SC379",
     "no-route",
     "No way over the map's lanes leads from the start to the destination: the run would never end there. Check the "
-    "direction of travel of both lanes.",
+    "direction of travel of both lanes."
+    '\n\n    <start><lane road="3" lane="-1" s="20"/></start>'
+    '\n    <destination><lane road="3" lane="1" s="90"/></destination>     the lane of those who come towards',
 )
 NO_DURATION = Code(
     "SC601",
     "no-duration",
     "The scenario says neither how long it lasts nor what stops it, so it ends after 60 s. Give the scenario a "
-    "`duration`, or pass --duration.",
+    "`duration`, or pass --duration."
+    '\n\n    <scenario name="paint_fades" map="highway_loop" duration="30">',
     Severity.WARNING,
 )
 
@@ -99,7 +111,8 @@ def lower(
         values: Values of the scenario's open parameters, for the checks.
         perception: What the lane confidence comes from.
     """
-    draft = Draft(scenario, network, sink, Binder(network, values, sink))
+    named = {} if scenario.spawn_points is None else {p.name: p.position for p in scenario.spawn_points.points}
+    draft = Draft(scenario, network, sink, Binder(network, values, sink, named))
     for run_pass in PASSES:
         run_pass(draft)
     if sink.has_errors:
@@ -149,7 +162,7 @@ def bind_entities(draft: Draft) -> None:
             draft.entities.append(make_entity(entity, start, vehicles[entity.model]))
     resolve_starts(draft, starts)
     for entity in written:
-        if isinstance(starts.get(entity.id), RelativeLanePosition) and entity.id in draft.unresolved:
+        if entity.id in draft.unresolved:
             message = f"the start of '{entity.id}' depends on itself"
             draft.sink.add(POSITION_CYCLE, message, start_of(entity).origin)
 
@@ -161,7 +174,7 @@ def resolve_starts(draft: Draft, starts: Mapping[str, BoundPosition]) -> None:
         ready = {
             name: start
             for name, start in waiting.items()
-            if not isinstance(start, RelativeLanePosition) or start.entity not in waiting
+            if not isinstance(start, RelativeLanePosition | BesidePosition) or start.entity not in waiting
         }
         if not ready:
             draft.unresolved.update(waiting)
@@ -191,42 +204,96 @@ def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition, vehicle: V
             speed=entity.speed,
             desired_speed=entity.speed,
             follow=entity.follow,
+            path=entity.path,
         )
     desired = entity.speed if entity.desired_speed is None else entity.desired_speed
     return Entity(id=entity.id, kind="ego", vehicle=vehicle, start=start, speed=entity.speed, desired_speed=desired)
 
 
-def plan_route(draft: Draft) -> None:
-    """Bind the destination and find the way to it."""
-    written = draft.scenario.ego.destination
-    if written is None:
-        return
-    bound = draft.binder.bind(written, 0.0)
-    start = draft.lanes.get(draft.scenario.ego.id)
-    if bound is None or start is None:
-        return
-    found = draft.binder.resolve(bound, draft.lanes)
-    if found is None:
-        return
+def plan_routes(draft: Draft) -> None:
+    """Bind the destinations and find the ways to them."""
+    ego = draft.scenario.ego
+    if ego.destination is not None:
+        goal, draft.route = find_way(draft, ego.id, ego.destination)
+        if goal is not None:
+            draft.destination = LanePosition(road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset)
+    for actor in draft.scenario.actors:
+        if isinstance(actor, Dynamic) and actor.destination is not None:
+            _, legs = find_way(draft, actor.id, actor.destination)
+            draft.entities = [
+                one.model_copy(update={"route": legs}) if one.id == actor.id else one for one in draft.entities
+            ]
+
+
+def find_way(draft: Draft, entity: str, written: Position) -> tuple[FoundLane | None, tuple[RouteLeg, ...]]:
+    """Return where a destination lies and the way to it from where an entity starts; report what is not there."""
+    bound = bind_fixed(draft, written)
+    placed = next((one.start for one in draft.entities if one.id == entity), None)
+    if isinstance(placed, RandomPosition | AnyOfPosition):
+        message = f"'{entity}' starts at random, so its way to a destination would differ from run to run"
+        draft.sink.add(RANDOM_HERE, message, placed.origin)
+        return None, ()
+    start = draft.lanes.get(entity)
+    found = None if bound is None or start is None else draft.binder.resolve(bound, draft.lanes)
+    if found is None or start is None:
+        return None, ()
     goal = found[0]
-    draft.destination = LanePosition(road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset)
     route = draft.network.route(start, goal)
     if route is None:
         message = f"no route leads from road '{start.road}', lane {start.lane} to road '{goal.road}', lane {goal.lane}"
         draft.sink.add(NO_ROUTE, message, written.origin)
-        return
-    draft.route = tuple(RouteLeg(road=leg.road, lane=leg.lane, s_from=leg.s_from, s_to=leg.s_to) for leg in route.legs)
+        return goal, ()
+    return goal, tuple(RouteLeg(road=leg.road, lane=leg.lane, s_from=leg.s_from, s_to=leg.s_to) for leg in route.legs)
+
+
+def bind_fixed(draft: Draft, position: Position) -> BoundPosition | None:
+    """Bind a position that must be the same in every run."""
+    bound = draft.binder.bind(position, 0.0)
+    if isinstance(bound, RandomPosition | AnyOfPosition):
+        draft.sink.add(RANDOM_HERE, f"<{position.word}> is drawn anew in each run", position.origin)
+        return None
+    return bound
+
+
+POSITIONS = (
+    WorldPosition,
+    RoadPosition,
+    SpawnPoint,
+    NumberedSpawnPoint,
+    RandomSpawnPoint,
+    RandomPosition,
+    LanePosition,
+)
+"""Positions that are not bound to the map before `bind_fixed`."""
 
 
 def bind_storyboard(draft: Draft) -> None:
-    """Bind the positions of conditions and actions."""
+    """Bind the positions of conditions, actions and paths."""
 
     def bind(word: Word) -> Word:
-        if isinstance(word, WorldPosition | RoadPosition | SpawnPoint | LanePosition):
-            return draft.binder.bind(word, 0.0) or word
-        return word
+        return bind_fixed(draft, word) or word if isinstance(word, POSITIONS) else word
 
     draft.storyboard = replaced(draft.scenario.storyboard, bind)
+    draft.entities = [
+        one if one.path is None else one.model_copy(update={"path": replaced(one.path, bind)}) for one in draft.entities
+    ]
+
+
+def add_traffic(draft: Draft) -> None:
+    """Add the entities of background traffic."""
+    vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
+    for traffic in draft.scenario.traffic:
+        for road in traffic.roads:
+            draft.binder.on_road(traffic, road, 0.0, "roads")
+        if draft.sink.has_errors:
+            continue
+        entities = list(traffic_entities(traffic, vehicles, draft.network))
+        starts = {entity.start.on: entity.start for entity in entities if isinstance(entity.start, RandomPosition)}
+        for surface, start in starts.items():
+            if not spans_of(draft.network, start):
+                message = f"the map has no {surface} lane that '{traffic.id}' could start on"
+                draft.sink.add(NO_RANDOM_PLACE, message, traffic.origin)
+        draft.entities.extend(entities)
 
 
 def check_markings(draft: Draft) -> None:
@@ -252,7 +319,7 @@ def fill_duration(draft: Draft) -> None:
 def keep_open_parameters(draft: Draft) -> None:
     """Keep the parameters that numbers still depend on."""
     words: list[Word] = [draft.storyboard, draft.takeover, draft.scenario.ego.camera, *draft.scenario.markings]
-    words += [word for entity in draft.entities for word in (entity.start, entity.follow) if word is not None]
+    words += [word for e in draft.entities for word in (e.start, e.follow, e.path) if word is not None]
     open_names = {name for word in words for name in parameters_in(word)}
     for entity in draft.entities:
         for number in (entity.speed, entity.desired_speed):
@@ -274,8 +341,9 @@ def note_origins(draft: Draft) -> None:
 
 PASSES: tuple[Callable[[Draft], None], ...] = (
     bind_entities,
-    plan_route,
+    plan_routes,
     bind_storyboard,
+    add_traffic,
     check_markings,
     complete_policy,
     fill_duration,

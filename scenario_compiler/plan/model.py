@@ -11,6 +11,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import Markings
@@ -37,18 +38,6 @@ class MapReference(PlanPart):
     sha256: str = Field(description="Hash of the file's content.")
 
 
-class Entity(PlanPart):
-    """An entity; its index in `Plan.entities` is its number in the engine. The ego vehicle is number 0."""
-
-    id: str = Field(description="Id as the author wrote it, with the prefix of the use for templates.")
-    kind: Literal["ego", "static", "dynamic"] = Field(description="What moves it.")
-    vehicle: Vehicle = Field(description="Its dimensions and limits.")
-    start: BoundPosition = Field(description="Where it starts.")
-    speed: Number = Field(description="Speed at the start, m/s.")
-    desired_speed: Number = Field(description="Speed it aims for, m/s.")
-    follow: Follow | None = Field(default=None, description="Car following, for dynamic actors.")
-
-
 class RouteLeg(PlanPart):
     """A stretch of one lane on the way to the destination."""
 
@@ -56,6 +45,24 @@ class RouteLeg(PlanPart):
     lane: int = Field(description="Id of the lane.")
     s_from: float = Field(description="Where the stretch begins, m.")
     s_to: float = Field(description="Where it ends, m.")
+
+
+class Entity(PlanPart):
+    """An entity; its index in `Plan.entities` is its number in the engine. The ego vehicle is number 0."""
+
+    id: str = Field(description="Id as the author wrote it, with the prefix of the use for templates.")
+    kind: Literal["ego", "static", "dynamic", "traffic", "walker"] = Field(
+        description="What moves it: the takeover's automation and driver, nothing, the storyboard, or traffic's rules."
+    )
+    vehicle: Vehicle = Field(description="Its dimensions and limits.")
+    start: BoundPosition = Field(description="Where it starts.")
+    speed: Number = Field(description="Speed at the start, m/s.")
+    desired_speed: Number = Field(description="Speed it aims for, m/s.")
+    follow: Follow | None = Field(default=None, description="Car following, for dynamic actors and traffic.")
+    route: tuple[RouteLeg, ...] = Field(default=(), description="A dynamic actor's way to its destination.")
+    path: Path | None = Field(default=None, description="The path that a dynamic actor moves on from the start.")
+    share: float = Field(default=1.0, description="Share of the speed limit that a driver of traffic aims for.")
+    seed: int | None = Field(default=None, description="Seed of traffic's turns; the run's when there is none.")
 
 
 class StartPose(PlanPart):

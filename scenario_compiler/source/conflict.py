@@ -7,14 +7,14 @@ expanded, because an attribute's text has a meaning only once its parameters hav
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Diagnostics, Place
+from scenario_compiler.diagnostics import CODES, Diagnostics, Place, Severity
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
@@ -22,11 +22,14 @@ from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.reading import place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.criteria import Criterion
-from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static
+from scenario_compiler.vocabulary.entities import Dynamic, Ego, Row, Static, Traffic, WorkZone
 from scenario_compiler.vocabulary.markings import Markings
+from scenario_compiler.vocabulary.positions import SpawnPoints
 from scenario_compiler.vocabulary.scenario import Classification, Parameter, Scenario
-from scenario_compiler.vocabulary.storyboard import Do, When
+from scenario_compiler.vocabulary.storyboard import AnyOf, Do, When
 from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.variation import Vary
+from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import (
     ENTITY_ID,
     IDENTIFIER,
@@ -44,6 +47,14 @@ class Include(Word):
     word: Literal["include"] = "include"
 
     file: str = attribute("Path of the file, from this file's folder.")
+
+
+class Allow(Word):
+    """Keep quiet about warnings and notes of one kind that this file, or what it uses, gives rise to."""
+
+    word: Literal["allow"] = "allow"
+
+    code: str = attribute("Code of the warning, such as SC401.", pattern="SC[0-9]{3}")
 
 
 class Use(Word):
@@ -66,11 +77,72 @@ class EntityWhen(Word):
     word: Literal["when"] = "when"
 
     entity: str = attribute("Id of the entity that does it; the ego vehicle when left out.", default="", names="entity")
-    conditions: tuple[Condition, ...] = same_as(When, "conditions")
+    name: str = same_as(When, "name")
+    conditions: tuple[Condition | AnyOf, ...] = same_as(When, "conditions")
     do: Do = same_as(When, "do")
 
 
-Item = Static | Dynamic | Markings | EntityWhen | Use
+class Else(Word):
+    """What stands there when the test of the `<if>` is false."""
+
+    word: Literal["else"] = "else"
+
+    items: tuple[Item, ...] = child("What is put on the road, and what happens there.", default=())
+
+
+class If(Word):
+    """Put what it holds in this place when a test is true, else what its `<else>` holds."""
+
+    word: Literal["if"] = "if"
+
+    test: bool = attribute("What decides, such as ${$lanes > 2}; it is decided once, before the run.")
+    items: tuple[Item, ...] = child("What is put there when the test is true.", default=())
+    otherwise: Else | None = child("What is put there when it is false.", default=None)
+
+
+MOST_ROUNDS = 1000
+"""Greatest number of rounds of a <repeat> or <for>."""
+
+
+class Repeat(Word):
+    """Put what it holds in this place a number of times. Ids in round 2 of a repeat `queue` begin with `queue.2.`."""
+
+    word: Literal["repeat"] = "repeat"
+
+    count: int = attribute("Number of rounds.", minimum=0, maximum=MOST_ROUNDS)
+    variable: str = attribute(
+        "Name of a parameter that holds the number of the round, counted from 0.",
+        name="as",
+        default="index",
+        pattern=IDENTIFIER,
+    )
+    id: str = attribute(
+        "Name of this repeat: prefix of the ids of what it brings. `repeat` and a number when left out.",
+        default="",
+        pattern=f"({ENTITY_ID})?",
+    )
+    items: tuple[Item, ...] = child("What is put there in each round.", default=())
+
+
+class For(Word):
+    """Put what it holds in this place once for each of some values. Ids of the first begin with `for1.1.`."""
+
+    word: Literal["for"] = "for"
+
+    variable: str = attribute("Name of a parameter that holds the value.", name="each", pattern=IDENTIFIER)
+    values: tuple[str, ...] = attribute("The values: numbers or names with spaces between.", name="in", separated=True)
+    id: str = attribute(
+        "Name of this loop: prefix of the ids of what it brings. `for` and a number when left out.",
+        default="",
+        pattern=f"({ENTITY_ID})?",
+    )
+    items: tuple[Item, ...] = child("What is put there for each value.", default=())
+
+
+Item = Static | Dynamic | Row | WorkZone | Traffic | Markings | EntityWhen | Use | If | Repeat | For
+
+for _word in (Else, If, Repeat, For):
+    _word.model_rebuild()
 
 
 class TemplateElement(Word):
@@ -103,7 +175,12 @@ class ScenarioElement(Word):
     step: float = same_as(Scenario, "step")
     control_every: int = same_as(Scenario, "control_every")
     parameters: tuple[Parameter, ...] = same_as(Scenario, "parameters")
+    vary: Vary | None = same_as(Scenario, "vary")
     classification: Classification | None = same_as(Scenario, "classification")
+    weather_numbers: Weather | None = child(
+        "The weather by its numbers; it goes before the attribute `weather`.", default=None
+    )
+    spawn_points: SpawnPoints | None = same_as(Scenario, "spawn_points")
     ego: Ego = same_as(Scenario, "ego")
     items: tuple[Item, ...] = child("What is on the road, and what happens there.", default=())
     takeover: Takeover = same_as(Scenario, "takeover")
@@ -116,6 +193,7 @@ class LibraryElement(Word):
     word: Literal["scenarios"] = "scenarios"
 
     version: Literal["1"] = attribute("Version of the language.")
+    allowed: tuple[Allow, ...] = child("Warnings that are not reported.", default=())
     includes: tuple[Include, ...] = child("Other files whose templates or catalogs are used.", default=())
     templates: tuple[TemplateElement, ...] = child("Templates.", default=())
     scenarios: tuple[ScenarioElement, ...] = child("Scenarios.", default=())
@@ -155,6 +233,7 @@ class Library:
         templates: Its templates and those of its includes by name.
         own_templates: Names of the templates that stand in the file itself.
         catalogs: Entries of the catalogs that it includes.
+        allowed: Codes of the warnings that it wants unsaid.
         complete: Every include and every template's name could be read.
     """
 
@@ -164,6 +243,7 @@ class Library:
     own_templates: tuple[str, ...] = ()
     catalogs: Catalogs = field(default_factory=Catalogs)
     complete: bool = True
+    allowed: frozenset[str] = frozenset()
 
 
 def read_library(document: Document, sink: Diagnostics) -> Library:
@@ -171,11 +251,14 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
     reading = Reading(document, sink, Environment())
     read_attributes(document.root, LibraryElement, reading)
     includes: list[etree._Element] = []
+    allowed: set[str] = set()
     parts: dict[str, dict[str, Part]] = {"template": {}, "scenario": {}}
     for rule, elements in place_children(document.root, LibraryElement, reading):
         for element in elements:
             if rule.field == "includes":
                 includes.append(element)
+            elif rule.field == "allowed":
+                allowed.update(_allowed(element, reading))
             else:
                 _add_part(parts[str(element.tag)], Part(document, element), reading)
     own = tuple(parts["template"])
@@ -184,7 +267,21 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
     for element in includes:
         catalogs = _bring_in(element, reading, parts["template"], catalogs, seen)
     named = all(re.fullmatch(IDENTIFIER, name) for name in own)
-    return Library(document, parts["scenario"], parts["template"], own, catalogs, named and catalogs.complete)
+    complete = named and catalogs.complete
+    return Library(document, parts["scenario"], parts["template"], own, catalogs, complete, frozenset(allowed))
+
+
+def _allowed(element: etree._Element, reading: Reading) -> Iterator[str]:
+    """Yield the code of an `<allow>`; report one that is an error, which cannot be allowed."""
+    allow = read_word(element, Allow, reading)
+    if allow is None:
+        return
+    code = CODES.get(allow.code)
+    if code is not None and code.severity is Severity.ERROR:
+        message = f"{code.id} ({code.name}) is an error: it must be mended"
+        reading.sink.add(names.NOT_ALLOWABLE, message, allow.place_of("code"))
+    else:
+        yield allow.code
 
 
 def _add_part(parts: dict[str, Part], part: Part, reading: Reading) -> None:

@@ -25,13 +25,20 @@ from scenario_compiler.source.parameters import (
 )
 from scenario_compiler.source.reading import place_children, read_attributes, read_word
 from scenario_compiler.source.templates import Expander, Scope, template_parameters
-from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
+from scenario_compiler.source.variation import check_variation
+from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.takeover import Driver, DriverModel, Takeover
-from scenario_compiler.vocabulary.traversal import parameters_in, walk
-from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
+from scenario_compiler.vocabulary.traversal import AnyWord, parameters_in, replaced, walk
+from scenario_compiler.vocabulary.weather import (
+    WEATHER_PRESETS,
+    AnyWeather,
+    Weather,
+    complete_weather,
+    weather_preset,
+)
 from scenario_compiler.vocabulary.word import Word
 
 
@@ -72,6 +79,8 @@ def expand_scenario(
         scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(declared.known, values)
         if environment.structural <= settled:
             sink.found.extend(attempt.found)
+            if scenario is not None and scenario.vary is not None:
+                check_variation(scenario.vary, declared, sink)
             return scenario
         settled |= environment.structural
 
@@ -113,8 +122,9 @@ class _Attempt:
         """Return the scenario, or None when its head or its ego vehicle cannot be read, or it has no known vehicle."""
         element = self.part.element
         fields = read_attributes(element, ScenarioElement, self.reading)
-        weather = self._weather((fields or {}).pop("weather", "ClearNoon"))
+        preset = (fields or {}).pop("weather", "ClearNoon")
         self._read_children(element)
+        weather = self._weather(preset)
         takeover = self._takeover()
         ego = self.words.get("ego")
         if fields is None or not isinstance(ego, Ego):
@@ -122,15 +132,19 @@ class _Attempt:
         ego = self.scope.resolved(ego, self.sink)
         actors, happenings = self._contents(ego)
         vehicles = catalog_vehicles([ego, *actors], self.around.catalogs, self.sink)
+        traffic = [traffic_models(one, self.around.catalogs, self.sink) for one in self.expander.contents.traffic]
         if not vehicles:
             return None
         scenario = Scenario(
             **fields,
             weather=weather,
+            vary=self.words.get("vary"),
             classification=self.words.get("classification"),
             ego=ego.model_copy(update={"whens": ()}),
             actors=tuple(actors),
-            vehicles=vehicles,
+            spawn_points=self.words.get("spawn_points"),
+            traffic=tuple(one for one, _ in traffic),
+            vehicles=tuple({one.name: one for one in (*vehicles, *(v for _, some in traffic for v in some))}.values()),
             markings=tuple(self.expander.contents.markings),
             storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], happenings),
             takeover=takeover,
@@ -158,6 +172,9 @@ class _Attempt:
             if rule.field == "ego":
                 ego = self.words.get("ego")
                 self.scope.declare(ego.id if ego else "ego")
+                if isinstance(ego, Ego):
+                    whens = tuple(self.scope.name_event(when, self.sink) for when in ego.whens)
+                    self.words["ego"] = ego.model_copy(update={"whens": whens}).written_at(ego.origin)
 
     def _contents(self, ego: Ego) -> tuple[list[Static | Dynamic], list[tuple[str, When | EntityWhen]]]:
         """Return the actors and what happens to whom, references in full.
@@ -169,9 +186,11 @@ class _Attempt:
         while any(_names(actor) & lost for actor in actors):
             lost.update(actor.id for actor in actors if _names(actor) & lost)
             actors = [actor for actor in actors if not _names(actor) & lost]
-        happenings: list[tuple[str, When | EntityWhen]] = [(ego.id, when) for when in ego.whens]
+        happenings: list[tuple[str, When | EntityWhen]] = [
+            (ego.id, with_weather(when, self.sink)) for when in ego.whens
+        ]
         for entity, when, scope in contents.happenings:
-            in_full = scope.resolved(when, self.sink)
+            in_full = with_weather(scope.resolved(when, self.sink), self.sink)
             full = (scope.resolve(entity) if entity else ego.id) or entity
             if full in self.scope.ids and not ({full} | _names(in_full)) & lost:
                 happenings.append((full, in_full))
@@ -186,6 +205,9 @@ class _Attempt:
                 self.reading.origin(self.part.element, "weather"),
                 hint=did_you_mean(text, WEATHER_PRESETS) or f"presets by index: 0 to {len(WEATHER_PRESETS) - 1}",
             )
+        written = self.words.get("weather_numbers")
+        if isinstance(written, Weather):
+            return settled_weather(written, self.sink)
         return weather or Weather()
 
     def _takeover(self) -> Takeover:
@@ -198,6 +220,24 @@ class _Attempt:
             if isinstance(driver, DriverModel)
             else takeover.model_copy(update={"driver": catalog_driver(driver, self.around.catalogs, self.sink)})
         )
+
+
+def with_weather(when: AnyWord, sink: Diagnostics) -> AnyWord:
+    """Return an event whose changes of the weather have the numbers of their presets."""
+    return replaced(when, lambda word: settled_weather(word, sink) if isinstance(word, Weather) else word)
+
+
+def settled_weather(weather: AnyWeather, sink: Diagnostics) -> AnyWeather:
+    """Return a weather with the numbers of its preset; report a preset that there is not."""
+    complete = complete_weather(weather)
+    if complete is None:
+        sink.add(
+            names.UNKNOWN_WEATHER,
+            f"there is no weather '{weather.preset}'",
+            weather.place_of("preset"),
+            hint=did_you_mean(weather.preset, WEATHER_PRESETS) or f"presets by index: 0 to {len(WEATHER_PRESETS) - 1}",
+        )
+    return complete or weather
 
 
 def catalog_driver(driver: Driver, catalogs: Catalogs, sink: Diagnostics) -> Driver | DriverModel:
@@ -237,6 +277,24 @@ def catalog_vehicles(
         if vehicle is not None:
             found.setdefault(entity.model, vehicle.model_copy(update={"name": entity.model}))
     return tuple(found.values())
+
+
+def traffic_models(traffic: Traffic, catalogs: Catalogs, sink: Diagnostics) -> tuple[Traffic, list[Vehicle]]:
+    """Return the traffic with its types as the catalog's models, and these; report types that are neither."""
+    found: dict[str, Vehicle] = {}
+    fields: dict[str, tuple[str, ...]] = {}
+    for name in ("types", "pedestrian_types"):
+        models: dict[str, Vehicle] = {}
+        for wanted in getattr(traffic, name):
+            some = [one for one in catalogs.vehicles.values() if wanted in (one.name, one.category)]
+            if not some and catalogs.complete:
+                known = {*catalogs.vehicles, *(one.category for one in catalogs.vehicles.values())}
+                message = f"there is no vehicle or category '{wanted}'"
+                sink.add(names.UNKNOWN_VEHICLE, message, traffic.place_of(name), hint=did_you_mean(wanted, known))
+            models.update((one.name, one) for one in some)
+        fields[name] = tuple(models)
+        found.update(models)
+    return traffic.model_copy(update=fields).written_at(traffic.origin), list(found.values())
 
 
 def _without_whens(actor: Static | Dynamic) -> Static | Dynamic:

@@ -4,30 +4,37 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Diagnostic, Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
 from scenario_compiler.document import read_document
+from scenario_compiler.expressions import Value
 from scenario_compiler.source import names
 from scenario_compiler.source.conflict import (
+    MOST_ROUNDS,
+    Else,
     EntityWhen,
+    For,
+    If,
     LibraryElement,
     Part,
+    Repeat,
     TemplateElement,
     Use,
     read_library,
 )
 from scenario_compiler.source.environment import Environment, Reading
+from scenario_compiler.source.groups import members
 from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
 from scenario_compiler.source.reading import place_children, read_attributes, read_word
-from scenario_compiler.vocabulary.entities import Dynamic, Static
-from scenario_compiler.vocabulary.grammar import ChildRule, grammar_of
+from scenario_compiler.vocabulary.entities import Dynamic, Row, Static, Traffic, WorkZone
+from scenario_compiler.vocabulary.grammar import NUMBER, ChildRule, grammar_of
 from scenario_compiler.vocabulary.markings import Markings
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.traversal import AnyWord, replaced
@@ -44,6 +51,7 @@ class Scope:
         ids: Id as this scope knows it, to the id in the whole scenario.
         all_read: Every id here could be read; else one that is not known may well be there.
         uses: Names of the uses that stand here.
+        events: Name of an event as this scope knows it, to its name in the whole scenario.
     """
 
     name: str = ""
@@ -51,6 +59,7 @@ class Scope:
     ids: dict[str, str] = field(default_factory=dict)
     all_read: bool = True
     uses: set[str] = field(default_factory=set)
+    events: dict[str, str] = field(default_factory=dict)
 
     def declare(self, local: str) -> str:
         """Make an id known here and, behind the names of the uses, in the scopes around; return it in full."""
@@ -63,12 +72,30 @@ class Scope:
             where.ids[as_known] = name
         return name
 
+    def in_full(self, local: str) -> str:
+        """Return the name in the whole scenario of something that stands here."""
+        name, scope = local, self
+        while scope.parent is not None:
+            name, scope = f"{scope.name}.{name}", scope.parent
+        return name
+
     def name_use(self, use: Use, sink: Diagnostics) -> str:
         """Return the name of a use: its id, else the template's name and the first number that is free."""
-        if use.id in self.uses:
-            sink.add(names.DUPLICATE_NAME, f"a use '{use.id}' is there already", use.place_of("id"))
-        numbered = (f"{use.template}{number}" for number in count(1))
-        name = use.id or next(name for name in numbered if name not in self.uses)
+        return self.name_part(use.id, use.template, use.place_of("id"), sink)
+
+    def name_part(self, wanted: str, stem: str, place: Place, sink: Diagnostics) -> str:
+        """Return the name of a use or a loop: the one that is wanted, else the stem and the first number that is free.
+
+        Args:
+            wanted: Its id, or empty.
+            stem: What its name begins with when it has no id.
+            place: Where the id is written.
+            sink: Where an id that is taken goes.
+        """
+        if wanted in self.uses:
+            sink.add(names.DUPLICATE_NAME, f"a part '{wanted}' is there already", place)
+        numbered = (f"{stem}{number}" for number in count(1))
+        name = wanted or next(name for name in numbered if name not in self.uses)
         self.uses.add(name)
         return name
 
@@ -93,6 +120,9 @@ class Scope:
             for name, rule in grammar_of(type(one)).attributes.items():
                 if rule.spelling.names == "entity" and (named := getattr(one, rule.field)):
                     changes[rule.field] = self.resolve(named) or self._unknown(named, one, name, sink)
+                elif rule.spelling.names == "event":
+                    named = getattr(one, rule.field)
+                    changes[rule.field] = self._event(named) or self._unknown_event(named, one, name, sink)
             return one.model_copy(update=changes) if changes else one
 
         return replaced(cast(AnyWord, in_full(word)), in_full)
@@ -108,6 +138,44 @@ class Scope:
         )
         return named
 
+    def name_event(self, when: When | EntityWhen, sink: Diagnostics) -> When | EntityWhen:
+        """Make an event's name known here and, behind the names of the uses, around; return it with its name in full.
+
+        An event without a name is returned as it is.
+        """
+        if not when.name:
+            return when
+        if when.name in self.events:
+            message = f"an event '{when.name}' is there already"
+            sink.add(names.DUPLICATE_NAME, message, when.place_of("name"))
+        name, scope, full = when.name, self, self.in_full(when.name)
+        scope.events[name] = full
+        while scope.parent is not None:
+            name, scope = f"{scope.name}.{name}", scope.parent
+            scope.events[name] = full
+        return when.model_copy(update={"name": full}).written_at(when.origin)
+
+    def _event(self, name: str) -> str | None:
+        """Return the name in the whole scenario that the name of an event means here."""
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.events:
+                return scope.events[name]
+            scope = scope.parent
+        return None
+
+    def _unknown_event(self, named: str, word: Word, attribute: str, sink: Diagnostics) -> str:
+        something_unread = any(one.code.id.startswith("SC1") for one in sink)
+        if self._complete() and not something_unread:
+            known: set[str] = set()
+            scope: Scope | None = self
+            while scope is not None:
+                known.update(scope.events)
+                scope = scope.parent
+            hint = did_you_mean(named, known) or 'give the <when> that is meant a name: <when name="brakes">'
+            sink.add(names.UNKNOWN_EVENT, f"there is no event '{named}'", word.place_of(attribute), hint=hint)
+        return named
+
     def _complete(self) -> bool:
         return self.all_read and (self.parent is None or self.parent._complete())
 
@@ -117,8 +185,17 @@ class Contents:
     """What the items of a scenario come to, in document order, each with the scope that its references mean."""
 
     actors: list[tuple[Static | Dynamic, Scope]] = field(default_factory=list)
+    traffic: list[Traffic] = field(default_factory=list)
     markings: list[Markings] = field(default_factory=list)
     happenings: list[tuple[str, EntityWhen | When, Scope]] = field(default_factory=list)
+    count: int = 0
+
+
+MOST_ITEMS = 20_000
+"""Greatest number of items of a scenario, those of uses and loops counted each time."""
+
+LOOPS = ((Repeat.tag(), "as"), (For.tag(), "each"))
+"""The loops' tags, and the attribute of each that names its variable."""
 
 
 @dataclass(frozen=True)
@@ -149,17 +226,103 @@ class Expander:
     ) -> None:
         """Read and add the items of a scenario or template; `chain` names the templates around them."""
         for element in elements:
-            item = read_word(element, rule.words[str(element.tag)], reading)
+            if not self._counted(element, reading):
+                return
+            word = rule.words[str(element.tag)]
+            if word is If:
+                self._add_branch(element, reading, scope, chain)
+                continue
+            if word in (Repeat, For):
+                self._add_rounds(element, word, reading, scope, chain)
+                continue
+            item = read_word(element, word, reading)
             if isinstance(item, Static | Dynamic):
                 self._add_actor(item, scope, reading.sink)
+            elif isinstance(item, Row | WorkZone):
+                for one in members(item):
+                    self._add_actor(one, scope, reading.sink)
+            elif isinstance(item, Traffic):
+                self._add_traffic(item, scope, reading.sink)
             elif isinstance(item, Markings):
                 self.contents.markings.append(item)
             elif isinstance(item, EntityWhen):
-                self.contents.happenings.append((item.entity, item, scope))
+                self.contents.happenings.append((item.entity, scope.name_event(item, reading.sink), scope))
             elif isinstance(item, Use):
                 self._add_use(item, reading, scope, chain)
             else:
                 self._lose(element, scope)
+
+    def _counted(self, element: etree._Element, reading: Reading) -> bool:
+        """Count an item; return whether it may be added, and report the first that is too many."""
+        self.contents.count += 1
+        if self.contents.count == MOST_ITEMS + 1:
+            message = f"more than {MOST_ITEMS} items come together here"
+            reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
+        return self.contents.count <= MOST_ITEMS
+
+    def _add_branch(self, element: etree._Element, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
+        """Add the items of an `<if>` that its test asks for; look through the others for what is wrong in any case."""
+        test = (read_attributes(element, If, reading) or {}).get("test")
+        for rule, elements in place_children(element, If, reading):
+            if rule.field == "items":
+                self._add_if(test is True, rule, elements, reading, scope, chain)
+                continue
+            for otherwise in elements:
+                read_attributes(otherwise, Else, reading)
+                for inner, found in place_children(otherwise, Else, reading):
+                    self._add_if(test is False, inner, found, reading, scope, chain)
+        if test is None:
+            scope.all_read = False
+
+    def _add_if(
+        self,
+        wanted: bool,
+        rule: ChildRule,
+        elements: Sequence[etree._Element],
+        reading: Reading,
+        scope: Scope,
+        chain: tuple[str, ...],
+    ) -> None:
+        if wanted:
+            self.add_items(rule, elements, reading, scope, chain)
+            return
+        variables = {loop.get(name) for one in elements for tag, name in LOOPS for loop in one.iter(tag)}
+        open_everywhere = reading.environment.undecided(map(str, variables))
+        open_everywhere.lenient |= None in variables
+        skimming = replace(reading, environment=open_everywhere)
+        for element in elements:
+            read_word(element, rule.words[str(element.tag)], skimming)
+
+    def _add_rounds(
+        self,
+        element: etree._Element,
+        word: type[Word],
+        reading: Reading,
+        scope: Scope,
+        chain: tuple[str, ...],
+    ) -> None:
+        """Add the items of a `<repeat>` or `<for>` as often as it says, each round with ids of its own."""
+        before = len(reading.sink.found)
+        fields = read_attributes(element, word, reading)
+        faultless = len(reading.sink.found) == before
+        ((rule, elements),) = place_children(element, word, reading)
+        values = _round_values(fields) if fields is not None and faultless else None
+        if not values:
+            known = reading.environment.undecided([str(element.get(dict(LOOPS)[word.tag()], "index"))])
+            known.lenient |= not faultless
+            self._add_if(False, rule, elements, replace(reading, environment=known), scope, chain)
+        if fields is None or values is None:
+            scope.all_read = False
+            return
+        if len(values) > MOST_ROUNDS:
+            message = f"{len(values)} rounds are too many; at most {MOST_ROUNDS} are made"
+            reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
+            return
+        name = scope.name_part(fields.get("id", ""), word.tag(), reading.origin(element, "id"), reading.sink)
+        variable = fields.get("variable", "index")
+        for number, value in enumerate(values, start=1):
+            inside = replace(reading, environment=reading.environment.with_value(variable, value))
+            self.add_items(rule, elements, inside, Scope(f"{name}.{number}", scope), chain)
 
     def _lose(self, element: etree._Element, scope: Scope) -> None:
         """Remember what an item that cannot be read would have brought."""
@@ -176,7 +339,14 @@ class Expander:
         full = scope.declare(actor.id)
         self.contents.actors.append((actor.model_copy(update={"id": full}), scope))
         if isinstance(actor, Dynamic):
-            self.contents.happenings.extend((actor.id, when, scope) for when in actor.whens)
+            self.contents.happenings.extend((actor.id, scope.name_event(when, sink), scope) for when in actor.whens)
+
+    def _add_traffic(self, traffic: Traffic, scope: Scope, sink: Diagnostics) -> None:
+        full = scope.in_full(traffic.id)
+        if any(one.id == full for one in self.contents.traffic):
+            sink.add(names.DUPLICATE_NAME, f"traffic '{traffic.id}' is there already", traffic.place_of("id"))
+            return
+        self.contents.traffic.append(traffic.model_copy(update={"id": full}).written_at(traffic.origin))
 
     def _add_use(self, use: Use, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
         template = self.find(use, reading.sink)
@@ -214,6 +384,19 @@ class Expander:
                 hint=did_you_mean(use.template, {*self.own, *library}),
             )
         return library.get(use.template)
+
+
+def _round_values(fields: Mapping[str, Any]) -> Sequence[Value]:
+    """Return what the variable of a loop is in each round."""
+    if "count" in fields:
+        return [float(number) for number in range(fields["count"])]
+    return [_meant(text) for text in fields["values"]]
+
+
+def _meant(text: str) -> Value:
+    if re.fullmatch(NUMBER, text):
+        return float(text)
+    return text == "true" if text in ("true", "false") else text
 
 
 def template_parameters(part: Part, sink: Diagnostics) -> Declared:

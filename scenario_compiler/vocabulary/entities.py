@@ -1,9 +1,10 @@
-"""Entities: the ego vehicle, static and dynamic actors, and the vehicles they are."""
+"""Entities: the ego vehicle, static and dynamic actors, groups of them, traffic, and the vehicles they are."""
 
 from __future__ import annotations
 
 from typing import Literal
 
+from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.positions import Position
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import When
@@ -110,7 +111,7 @@ class Follow(Word):
 
 
 class Dynamic(Word):
-    """An actor that moves along its lane."""
+    """An actor that moves: along its lane, at junctions on the way to its destination, or on a path of its own."""
 
     word: Literal["dynamic"] = "dynamic"
 
@@ -118,8 +119,125 @@ class Dynamic(Word):
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.tesla.model3", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     start: Position = child("Where it starts.", wrapper="start")
+    destination: Position | None = child(
+        "Where it is going: at junctions it takes the way there, and drives on beyond.",
+        default=None,
+        wrapper="destination",
+    )
     follow: Follow | None = child("Follow the vehicle ahead in place of a constant speed.", default=None)
+    path: Path | None = child("The path that it moves on from the start.", default=None)
     whens: tuple[When, ...] = child("What it does, and when.", default=())
+
+
+class Row(Word):
+    """Things that stand in a row along a lane: cones, barriers, parked cars. Their ids are the row's and a number."""
+
+    word: Literal["row"] = "row"
+
+    id: str = attribute("Id of the row: its members are <id>.1, <id>.2 and so on.", pattern=ENTITY_ID)
+    model: str = attribute(
+        "What stands in it, of the catalog.", default="static.prop.constructioncone", names="vehicle"
+    )
+    count: int = attribute("Number of members.", minimum=1, maximum=200)
+    spacing: float = attribute("Distance between two members along the lane, m.", default=5.0, quantity="length")
+    across: float = attribute(
+        "How far the last member stands across from the first, m, positive to the left in the direction of travel.",
+        default=0.0,
+        quantity="length",
+    )
+    at: Position = child("Where the first member stands.", wrapper="at")
+
+
+class WorkZone(Word):
+    """Road works: a sign, a taper of cones across the lane, barriers where it closes, cones along the closed stretch.
+
+    The members' ids are <id>.sign, <id>.taper.1, ..., <id>.barrier.1, ..., <id>.cones.1, ...
+    """
+
+    word: Literal["work_zone"] = "work_zone"
+
+    id: str = attribute("Id of the work zone.", pattern=ENTITY_ID)
+    length: float = attribute(
+        "Length of the closed stretch behind the taper, m.", default=30.0, quantity="length", minimum=0, maximum=1000
+    )
+    taper: float = attribute("Length of the taper, m.", default=20.0, quantity="length", minimum=5, maximum=300)
+    across: float = attribute(
+        "How far the works reach across from the first cone, m, positive to the left in the direction of travel.",
+        default=3.2,
+        quantity="length",
+    )
+    spacing: float = attribute(
+        "Greatest distance between two cones, m.", default=5.0, quantity="length", minimum=1, maximum=50
+    )
+    sign_before: float = attribute(
+        "Distance of the sign before the first cone, m; 0 for no sign.",
+        default=30.0,
+        quantity="length",
+        minimum=0,
+        maximum=300,
+    )
+    at: Position = child("Where the first cone stands: at the lane's edge.", wrapper="at")
+
+
+class Traffic(Word):
+    """Background traffic: vehicles that follow, change lanes, turn at junctions and yield, and people on sidewalks.
+
+    They start at places drawn at random from the run's seed, so each run and each variant of a sweep has its own. A
+    vehicle that leaves the map comes back at another random place.
+    """
+
+    word: Literal["traffic"] = "traffic"
+
+    id: str = attribute("Id: the entities are <id>.1, <id>.2 and so on.", default="traffic", pattern=ENTITY_ID)
+    vehicles: int = attribute("Number of vehicles.", default=0, minimum=0, maximum=500)
+    pedestrians: int = attribute("Number of pedestrians on the sidewalks.", default=0, minimum=0, maximum=500)
+    density: float = attribute(
+        "Vehicles per kilometre of driving lane, more than those of `vehicles`.", default=0.0, minimum=0, maximum=100
+    )
+    types: tuple[str, ...] = attribute(
+        "What the vehicles are: categories (car, van, truck, bus, motorbike, bicycle) or models of the catalog, drawn "
+        "alike often.",
+        default=("car",),
+        separated=True,
+    )
+    pedestrian_types: tuple[str, ...] = attribute(
+        "What the pedestrians are: the category pedestrian, or models of the catalog.",
+        default=("pedestrian",),
+        separated=True,
+    )
+    roads: tuple[str, ...] = attribute(
+        "Ids of the roads that they start on; all roads outside of junctions when left out.",
+        default=(),
+        names="road",
+        separated=True,
+    )
+    clear: float = attribute(
+        "Least distance between two of them at the start, and to the other entities, m.",
+        default=20.0,
+        quantity="length",
+        minimum=8,
+        maximum=500,
+    )
+    slowest: float = attribute(
+        "Speed that the slowest driver aims for, as a share of the speed limit.",
+        default=0.85,
+        quantity="fraction",
+        minimum=0.1,
+        maximum=2,
+    )
+    fastest: float = attribute(
+        "Speed that the fastest driver aims for, as a share of the speed limit.",
+        default=1.1,
+        quantity="fraction",
+        minimum=0.1,
+        maximum=2,
+    )
+    seed: int | None = attribute(
+        "Seed of models, starts and turns: the same traffic always. Left out, each run and each variant of a sweep has "
+        "its own starts and turns.",
+        default=None,
+        minimum=0,
+    )
 
 
 Actor = Static | Dynamic

@@ -1,14 +1,18 @@
 """Positions: where an entity stands or a condition looks, as the author writes them and as the plan binds them.
 
-After lowering only `LanePosition` and `RelativeLanePosition` are left: world positions and spawn points are bound to a
-road, a lane, s and an offset.
+After lowering only `BoundPosition`s are left: world positions and spawn points are bound to a road, a lane, s and an
+offset. Positions relative to an entity and random ones stay what they are: the engine resolves them when a run is
+reset, so that a sweep varies them.
 """
 
 from __future__ import annotations
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.word import Number, Word, attribute
+from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
+
+Surface = Literal["driving", "biking", "shoulder", "sidewalk"]
+"""Kinds of lanes that things stand on; `driving` is every lane that motor traffic may use."""
 
 
 class LanePosition(Word):
@@ -62,11 +66,33 @@ class WorldPosition(Word):
 
 
 class SpawnPoint(Word):
-    """A spawn point that the map names."""
+    """A spawn point by its name: one of the scenario's own, else one that the map names."""
 
     word: Literal["spawn_point"] = "spawn_point"
 
-    name: str = attribute("Name of the spawn point in the map's map.toml.", names="spawn_point")
+    name: str = attribute(
+        "Name of the spawn point in the scenario's <spawn_points> or in the map's map.toml.", names="spawn_point"
+    )
+
+
+class NumberedSpawnPoint(Word):
+    """A spawn point by its place in the scenario's own list, or in the map's where the scenario has none."""
+
+    word: Literal["numbered_spawn_point"] = "numbered_spawn_point"
+
+    index: int = attribute("Its place in the list, counted from 0.", minimum=0)
+
+
+class RandomSpawnPoint(Word):
+    """One of the spawn points of the scenario, or of the map where the scenario has none, drawn at random."""
+
+    word: Literal["random_spawn_point"] = "random_spawn_point"
+
+    seed: int | None = attribute(
+        "Seed of the draw: the same one always. Left out, each run and each variant of a sweep has its own.",
+        default=None,
+        minimum=0,
+    )
 
 
 class RelativeLanePosition(Word):
@@ -92,5 +118,96 @@ class RelativeLanePosition(Word):
     )
 
 
-Position = LanePosition | RoadPosition | WorldPosition | SpawnPoint | RelativeLanePosition
-BoundPosition = LanePosition | RelativeLanePosition
+class BesidePosition(Word):
+    """A point beside (and ahead of) an entity, measured from where the entity itself stands in its lane."""
+
+    word: Literal["beside"] = "beside"
+
+    entity: str = attribute("Id of the entity that the position is relative to.", names="entity")
+    distance: Number = attribute(
+        "Distance across the lane, m, positive to the left in the lane's direction of travel.", quantity="length"
+    )
+    ahead: Number = attribute(
+        "Distance ahead along the entity's lane, m; negative is behind.", default=0.0, quantity="length"
+    )
+    turn: Number = attribute(
+        "Heading relative to the lane's direction of travel, degrees, positive counter-clockwise.",
+        default=0.0,
+        quantity="angle",
+    )
+
+
+class RandomPosition(Word):
+    """A place drawn at random, evenly over the lanes that are left to choose from, clear of entities placed before."""
+
+    word: Literal["random"] = "random"
+
+    on: Surface = attribute("Kind of the lanes.", default="driving")
+    roads: tuple[str, ...] = attribute(
+        "Ids of the roads; all roads outside of junctions when left out.", default=(), names="road", separated=True
+    )
+    lane: int | None = attribute("Id of the lane on these roads; any when left out.", default=None)
+    s_from: float = attribute("Least distance along the road, m.", default=0.0, quantity="length", minimum=0)
+    s_to: float | None = attribute(
+        "Greatest distance along the road, m; the road's end when left out.", default=None, quantity="length", minimum=0
+    )
+    clear: Number = attribute(
+        "Least distance to the reference point of any entity placed before, m.",
+        default=15.0,
+        quantity="length",
+        minimum=0,
+    )
+    offset: Number = attribute(
+        "Distance from the lane's centre, m, positive to the left in the direction of s.",
+        default=0.0,
+        quantity="length",
+    )
+    turn: Number = attribute(
+        "Heading relative to the lane's direction of travel, degrees, positive counter-clockwise.",
+        default=0.0,
+        quantity="angle",
+    )
+    seed: int | None = attribute(
+        "Seed of the draw: the same place always. Left out, each run and each variant of a sweep has its own.",
+        default=None,
+        minimum=0,
+    )
+
+
+class AnyOfPosition(Word):
+    """One of several places in lanes, drawn at random: what a random spawn point is bound to."""
+
+    word: Literal["any_of"] = "any_of"
+
+    places: tuple[LanePosition, ...] = child("The places.")
+
+
+Position = (
+    LanePosition
+    | RoadPosition
+    | WorldPosition
+    | SpawnPoint
+    | NumberedSpawnPoint
+    | RandomSpawnPoint
+    | RelativeLanePosition
+    | BesidePosition
+    | RandomPosition
+)
+BoundPosition = LanePosition | RelativeLanePosition | BesidePosition | RandomPosition | AnyOfPosition
+
+
+class NamedPosition(Word):
+    """A spawn point of the scenario."""
+
+    word: Literal["point"] = "point"
+
+    name: str = attribute("Its name.", pattern=ENTITY_ID)
+    position: Position = child("Where it is.")
+
+
+class SpawnPoints(Word):
+    """The scenario's own list of spawn points."""
+
+    word: Literal["spawn_points"] = "spawn_points"
+
+    points: tuple[NamedPosition, ...] = child("The spawn points, numbered from 0.")

@@ -7,10 +7,12 @@ from typing import Literal
 
 from scenario_compiler.expressions import Value
 from scenario_compiler.vocabulary.criteria import Criterion
-from scenario_compiler.vocabulary.entities import Actor, Ego, Vehicle
+from scenario_compiler.vocabulary.entities import Actor, Ego, Traffic, Vehicle
 from scenario_compiler.vocabulary.markings import Markings
+from scenario_compiler.vocabulary.positions import SpawnPoints
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import IDENTIFIER, Number, Word, attribute, child
 
@@ -82,9 +84,12 @@ class Scenario(Word):
     control_every: int = attribute("Number of time steps between two control steps.", default=1, minimum=1)
     weather: Weather = child("The weather.")
     parameters: tuple[Parameter, ...] = child("Parameters that numbers of the scenario use.", default=())
+    vary: Vary | None = child("How a sweep varies it.", default=None)
     classification: Classification | None = child("Its place in a taxonomy.", default=None)
+    spawn_points: SpawnPoints | None = child("Spawn points of the scenario's own.", default=None)
     ego: Ego = child("The automated vehicle.")
     actors: tuple[Actor, ...] = child("The other actors, in document order.", default=())
+    traffic: tuple[Traffic, ...] = child("Background traffic.", default=())
     vehicles: tuple[Vehicle, ...] = child("The vehicles that the entities are.", default=())
     markings: tuple[Markings, ...] = child("Where the paint differs from the map's.", default=())
     storyboard: Storyboard = child("What happens.", default_factory=Storyboard)

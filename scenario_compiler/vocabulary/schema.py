@@ -129,7 +129,7 @@ def _attribute(rule: AttributeRule) -> Iterator[str]:
     yield f'    <xs:attribute name="{rule.name}"{use}>'
     yield from _documentation(_described(rule), 6)
     yield "      <xs:simpleType>"
-    if rule.kind == "text" and not rule.spelling.pattern:
+    if rule.kind == "text" and not rule.spelling.pattern and not rule.spelling.separated:
         base = "something" if rule.required else "xs:string"
         yield f'        <xs:restriction base="{base}"/>'
     else:

@@ -152,6 +152,9 @@ class Draft:
         p.position_lane.append(lane)
         p.position_entity.append(entity)
         p.position_const.append(self.block(s, offset, turn))
+        p.position_seed.append(op.NONE)
+        p.position_first.append(0)
+        p.position_last.append(0)
         p.position_count[0] += 1
         return p.position_count[0] - 1
 
@@ -173,6 +176,9 @@ class Draft:
         p.entity_position.append(position)
         p.entity_follows.append(1 if follows else 0)
         p.entity_order.append(at)
+        p.entity_leg_first.append(0)
+        p.entity_leg_last.append(0)
+        p.entity_seed.append(op.NONE)
         p.entity_const.append(self.block(*car, speed, speed if desired is None else desired, *FOLLOW))
         if motion in (op.MOTION_BICYCLE, op.MOTION_POSED):
             p.ego[0] = at
@@ -296,9 +302,35 @@ class Draft:
         p.action_shape.append(shape)
         p.action_dimension.append(dimension)
         p.action_lanes.append(lanes)
+        p.action_other.append(op.NONE)
         p.action_const.append(self.block(target, value))
+        p.action_point.append(0)
+        p.action_points.append(0)
+        p.action_drives_on.append(0)
         p.action_count[0] += 1
         return p.action_count[0] - 1
+
+    def failure(self, kind: int, onset: float, duration: float, ramp: float, amount: float, waits: bool = False) -> int:
+        """Append a failure of the camera; return its row."""
+        p = self.program
+        p.failure_kind.append(kind)
+        p.failure_waits.append(1 if waits else 0)
+        p.failure_const.append(self.block(onset, duration, ramp, amount))
+        p.failure_count[0] += 1
+        return p.failure_count[0] - 1
+
+    def weather(self, *numbers: float) -> int:
+        """Append a weather; return its row."""
+        p = self.program
+        p.weather_const.append(self.block(*numbers))
+        p.weather_count[0] += 1
+        return p.weather_count[0] - 1
+
+    def run_action(self, kind: int, other: int = op.NONE, value: float = 0.0) -> int:
+        """Append an action that concerns the run as a whole."""
+        k = self.action(kind, 0, value=value)
+        self.program.action_other[k] = other
+        return k
 
     def speed(self, entity: int, target: float, value: float, **details: int) -> int:
         """Append a change of speed."""

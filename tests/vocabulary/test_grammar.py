@@ -21,8 +21,8 @@ WORDS = words_below((LibraryElement, CatalogElement))
 FOLDER = Path(__file__).resolve().parent.parent / "source"
 
 WITHOUT_ELEMENT = {
+    "AnyOfPosition": "what <random_spawn_point> is bound to",
     "Scenario": "what <scenario> is expanded to",
-    "Weather": "presets are named by an attribute",
     "Waypoint": "AISA's own",
 }
 """Words with a tag that the conflict language's files do not hold, and why."""

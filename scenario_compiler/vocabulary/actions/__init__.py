@@ -1,9 +1,40 @@
 """Actions: what an event does. One module a family of the standard; `Action` is their union."""
 
-from scenario_compiler.vocabulary.actions.lateral import LaneChangeAction
+from scenario_compiler.vocabulary.actions.environment import WeatherAction
+from scenario_compiler.vocabulary.actions.lateral import LaneChangeAction, LaneOffsetAction
 from scenario_compiler.vocabulary.actions.longitudinal import SpeedAction
-from scenario_compiler.vocabulary.actions.sensor import SensorNoiseAction
+from scenario_compiler.vocabulary.actions.path import FollowPathAction
+from scenario_compiler.vocabulary.actions.run import MessageAction, StopAction
+from scenario_compiler.vocabulary.actions.sensor import EndFailureAction, SensorNoiseAction
+from scenario_compiler.vocabulary.sensors import Failure
 
-Action = SpeedAction | LaneChangeAction | SensorNoiseAction
+Action = (
+    SpeedAction
+    | LaneChangeAction
+    | LaneOffsetAction
+    | FollowPathAction
+    | SensorNoiseAction
+    | Failure
+    | EndFailureAction
+    | WeatherAction
+    | MessageAction
+    | StopAction
+)
 
-__all__ = ["Action", "LaneChangeAction", "SensorNoiseAction", "SpeedAction"]
+RUN_ACTIONS = (SensorNoiseAction, Failure, EndFailureAction, WeatherAction, MessageAction, StopAction)
+"""Actions that concern the run as a whole, not the entity that does them."""
+
+__all__ = [
+    "RUN_ACTIONS",
+    "Action",
+    "EndFailureAction",
+    "Failure",
+    "FollowPathAction",
+    "LaneChangeAction",
+    "LaneOffsetAction",
+    "MessageAction",
+    "SensorNoiseAction",
+    "SpeedAction",
+    "StopAction",
+    "WeatherAction",
+]

@@ -1,0 +1,203 @@
+"""Where entities start and what the plan's positions mean, evaluated when a run is reset.
+
+A position relative to an entity is counted from where that entity starts. A random one is drawn with the counter hash,
+so that it depends on the run's seed (or its own), its row and the attempt alone.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.faults import fault
+from scenario_compiler.engine.motion import place_scripted
+from scenario_compiler.engine.numbers import clip, is_number, length_of
+from scenario_compiler.engine.opcodes import (
+    DRAWS_PER_RUN,
+    FAR,
+    FAULT_NO_ROOM,
+    FAULT_NOT_FINITE,
+    FAULT_OFF_ROAD_START,
+    MOTION_BICYCLE,
+    MOTION_POSED,
+    PLACE_ATTEMPTS,
+    POSITION_BESIDE,
+    POSITION_RANDOM,
+    POSITION_RELATIVE,
+    STREAM_PLACE,
+)
+from scenario_compiler.engine.path import locate_ego, set_path
+from scenario_compiler.engine.slots import L_FROM, L_TO, P_OFFSET, P_S, P_TURN
+from scenario_compiler.engine.starts import neighbour_lane
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.randomness import random_unit
+from scenario_compiler.roads.lanes import lane_direction, lane_exists, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
+
+
+@compiled
+def run_seed(st: State, own: int) -> int:
+    """Return a seed of the counter hash: one of its own, else the run's."""
+    if own >= 0:
+        return own
+    return int(clip(st.draw[DRAWS_PER_RUN - 1], 0.0, 4294967295.0))
+
+
+@compiled
+def draw_place(n: RoadTables, p: Program, st: State, k: int, attempt: int) -> tuple[int, int, float, float, int]:
+    """Return the place of an attempt to draw a random position, as `resolve_position` does.
+
+    Draws are even over the length of the stretches; points are drawn alike often.
+    """
+    total = 0.0
+    for q in range(p.position_first[k], p.position_last[k]):
+        total = total + p.const[p.span_const[q] + L_TO] - p.const[p.span_const[q] + L_FROM]
+    count = p.position_last[k] - p.position_first[k]
+    if count <= 0:
+        return -1, 0, 0.0, 0.0, 1
+    unit = random_unit(run_seed(st, p.position_seed[k]), STREAM_PLACE, k, attempt)
+    chosen = p.position_first[k] + min(int(clip(unit * count, 0.0, 1.0e6)), count - 1)
+    rest = 0.0
+    if total > 0.0:
+        rest = unit * total
+        chosen = p.position_first[k]
+        for q in range(p.position_first[k], p.position_last[k] - 1):
+            size = p.const[p.span_const[q] + L_TO] - p.const[p.span_const[q] + L_FROM]
+            if q == chosen and rest > size:
+                rest = rest - size
+                chosen = q + 1
+    road = p.span_road[chosen]
+    lane = p.span_lane[chosen]
+    s = clip(p.const[p.span_const[chosen] + L_FROM] + rest, 0.0, n.road_length[road])
+    if lane_exists(n, road, lane, s) == 0:
+        return -1, 0, 0.0, 0.0, 1
+    return road, lane, s, p.const[p.position_const[k] + P_OFFSET], lane_direction(n, road, lane)
+
+
+@compiled
+def place_beside(n: RoadTables, st: State, other: int, ahead: float, left: float) -> tuple[int, int, float, float, int]:
+    """Return the place ahead of an entity and to the left of where it stands, as `resolve_position` does."""
+    road = st.road[other]
+    if road < 0:
+        return -1, 0, 0.0, 0.0, 1
+    aside = st.off[other] * lane_direction(n, road, st.lane[other]) + left
+    road, lane, s, rest = advance(n, road, st.lane[other], st.s[other], ahead, -1)
+    if rest > 0.0:
+        return -1, 0, 0.0, 0.0, 1
+    direction = lane_direction(n, road, lane)
+    return road, lane, s, aside * direction, direction
+
+
+@compiled
+def nearest_placed(p: Program, st: State, order: int, x: float, y: float) -> float:
+    """Return the distance from a point to the nearest entity before `order`, m, FAR for none."""
+    nearest = FAR
+    for q in range(order):
+        j = p.entity_order[q]
+        nearest = min(nearest, length_of(st.x[j] - x, st.y[j] - y))
+    return nearest
+
+
+@compiled
+def clear_place(
+    n: RoadTables, p: Program, st: State, k: int, order: int, first: int, attempts: int
+) -> tuple[int, int, float, float, int]:
+    """Return a random place that is clear of the entities placed before, road -1 when no attempt finds one."""
+    clear = p.const[p.position_const[k] + P_S]
+    for attempt in range(first, first + attempts):
+        road, lane, s, offset, direction = draw_place(n, p, st, k, attempt)
+        if road >= 0:
+            x, y, _, _, _, _ = lane_pose(n, road, lane, s, offset)
+            if nearest_placed(p, st, order, x, y) >= clear:
+                return road, lane, s, offset, direction
+    return -1, 0, 0.0, 0.0, 1
+
+
+@compiled
+def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int, int, float, float, int]:
+    """Return (road, lane, s, offset to the left along s, direction of travel) of a position; road -1 for none.
+
+    A relative position is counted from where the entity starts: to the side, then along that lane as the entity faces.
+    """
+    base = p.position_const[k]
+    s = p.const[base + P_S]
+    offset = p.const[base + P_OFFSET]
+    road = p.position_road[k]
+    lane = p.position_lane[k]
+    if is_number(s) == 0 or is_number(offset) == 0:
+        return -1, 0, 0.0, 0.0, 1
+    if p.position_op[k] == POSITION_RANDOM:
+        return draw_place(n, p, st, k, 0)
+    if p.position_op[k] == POSITION_BESIDE:
+        return place_beside(n, st, p.position_entity[k], s, offset)
+    if p.position_op[k] == POSITION_RELATIVE:
+        other = p.position_entity[k]
+        if st.road[other] < 0:
+            return -1, 0, 0.0, 0.0, 1
+        road = st.road[other]
+        facing = lane_direction(n, road, st.lane[other])
+        lane = neighbour_lane(n, road, st.lane[other], st.s[other], p.position_lane[k], facing)
+        if lane == 0:
+            return -1, 0, 0.0, 0.0, 1
+        same = facing * lane_direction(n, road, lane)
+        road, lane, s, rest = advance(n, road, lane, st.s[other], same * s, -1)
+        if rest > 0.0:
+            return -1, 0, 0.0, 0.0, 1
+        direction = lane_direction(n, road, lane)
+        return road, lane, s, offset * same * direction, direction
+    s = clip(s, 0.0, n.road_length[road])
+    if lane_exists(n, road, lane, s) == 0:
+        return -1, 0, 0.0, 0.0, 1
+    return road, lane, s, offset, lane_direction(n, road, lane)
+
+
+@compiled
+def start_entity(n: RoadTables, p: Program, st: State, order: int) -> None:
+    """Put the entity at a place of the order where it starts; the ego's path starts in its lane."""
+    i = p.entity_order[order]
+    k = p.entity_position[i]
+    road, lane, s, offset, direction = resolve_position(n, p, st, k)
+    if p.position_op[k] == POSITION_RANDOM:
+        road, lane, s, offset, direction = clear_place(n, p, st, k, order, 0, PLACE_ATTEMPTS)
+    if road < 0 and p.position_op[k] == POSITION_RANDOM:
+        st.road[i] = 0
+        st.lane[i] = 0
+        st.s[i] = 0.0
+        fault(st, FAULT_NO_ROOM, i)
+        return
+    if road < 0:
+        st.road[i] = 0
+        st.lane[i] = 0
+        st.s[i] = 0.0
+        fault(st, FAULT_OFF_ROAD_START, i)
+        return
+    turn = p.const[p.position_const[k] + P_TURN]
+    if is_number(turn + st.v[i]) == 0:
+        fault(st, FAULT_NOT_FINITE, i)
+        return
+    st.road[i] = road
+    st.s[i] = s
+    st.kept_lane[i] = lane
+    st.kept_off[i] = offset
+    st.facing[i] = direction
+    st.turn[i] = turn
+    place_scripted(n, p, st, i)
+    st.last_x[i] = st.x[i]
+    st.last_y[i] = st.y[i]
+    if i == p.ego[0]:
+        set_path(st, road, lane, s)
+        if p.entity_motion[i] == MOTION_BICYCLE or p.entity_motion[i] == MOTION_POSED:
+            locate_ego(n, p, st, i)
+
+
+@compiled
+def reset_positions(n: RoadTables, p: Program, st: State) -> None:
+    """Evaluate the plan's positions; those relative to an entity hold for where it starts."""
+    for k in range(p.position_count[0]):
+        road, lane, s, offset, _ = resolve_position(n, p, st, k)
+        st.position_x[k] = FAR
+        st.position_y[k] = FAR
+        if road >= 0:
+            x, y, _, _, _, _ = lane_pose(n, road, lane, s, offset)
+            st.position_x[k] = x
+            st.position_y[k] = y

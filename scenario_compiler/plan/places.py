@@ -1,0 +1,60 @@
+"""Where something can be put at random: stretches of lanes of one kind."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from scenario_compiler.roads import Network
+from scenario_compiler.roads.lane_types import BIKING, LAST_DRIVABLE, SHOULDER, SIDEWALK, WALKING
+from scenario_compiler.roads.lanes import lane_direction, row_width
+from scenario_compiler.vocabulary.positions import RandomPosition, Surface
+
+SURFACES: dict[Surface, frozenset[int]] = {
+    "driving": frozenset(range(LAST_DRIVABLE + 1)),
+    "biking": frozenset({BIKING}),
+    "shoulder": frozenset({SHOULDER}),
+    "sidewalk": frozenset({SIDEWALK, WALKING}),
+}
+"""Lane types of each kind of surface."""
+
+NARROWEST = 0.5
+"""Width that a lane has at both ends of a stretch, m."""
+
+
+class Span(NamedTuple):
+    """A stretch of a lane: the road's index, the lane's id, and the range of s in m."""
+
+    road: int
+    lane: int
+    s_from: float
+    s_to: float
+
+
+def spans_of(network: Network, place: RandomPosition, *, behind: float = 0.0, before: float = 0.0) -> list[Span]:
+    """Return the stretches of lanes that a random position is drawn from, in the order of the map.
+
+    Args:
+        network: The map.
+        place: What is asked for.
+        behind: Distance to keep from where traffic enters a road, m.
+        before: Distance to keep from where traffic leaves it, m.
+    """
+    n = network.tables
+    types = SURFACES[place.on]
+    spans = []
+    for road, name in enumerate(network.road_ids):
+        if (place.roads and name not in place.roads) or (not place.roads and n.road_junction[road] >= 0):
+            continue
+        for section in range(n.road_section[road], n.road_section[road + 1]):
+            for row in range(n.section_lane[section], n.section_lane[section + 1]):
+                lane = n.lane_id[row]
+                if lane == 0 or n.lane_type[row] not in types or place.lane not in (None, lane):
+                    continue
+                low, high = behind, n.road_length[road] - before
+                if lane_direction(n, road, lane) < 0:
+                    low, high = before, n.road_length[road] - behind
+                low = max(low, place.s_from, n.section_s[section])
+                high = min(high, n.section_end[section], high if place.s_to is None else place.s_to)
+                if high > low and min(row_width(n, row, low), row_width(n, row, high)) >= NARROWEST:
+                    spans.append(Span(road, lane, low, high))
+    return spans

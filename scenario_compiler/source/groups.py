@@ -1,0 +1,62 @@
+"""Groups of static things, taken apart into the things that stand there."""
+
+from __future__ import annotations
+
+import math
+
+from scenario_compiler.vocabulary.entities import Row, Static, WorkZone
+from scenario_compiler.vocabulary.positions import BesidePosition
+from scenario_compiler.vocabulary.word import Number
+
+CONE = "static.prop.constructioncone"
+BARRIER = "static.prop.streetbarrier"
+SIGN = "static.prop.warningconstruction"
+
+BARRIER_SPACING = 1.4
+"""Distance between barriers that close a lane, m: each is 1.2 m long."""
+
+ACROSS = math.pi / 2
+"""Heading of barriers that close a lane, relative to the lane, rad."""
+
+
+def members(group: Row | WorkZone) -> list[Static]:
+    """Return what a group consists of; all but the first are placed relative to the first."""
+    return _row(group) if isinstance(group, Row) else _work_zone(group)
+
+
+def _row(row: Row) -> list[Static]:
+    first = Static(id=f"{row.id}.1", model=row.model, at=row.at).written_at(row.origin)
+    turn = getattr(row.at, "turn", 0.0)
+    rest = [
+        _beside(row, f"{row.id}.{k + 1}", row.model, first, k * row.spacing, row.across * k / (row.count - 1), turn)
+        for k in range(1, row.count)
+    ]
+    return [first, *rest]
+
+
+def _work_zone(zone: WorkZone) -> list[Static]:
+    first = Static(id=f"{zone.id}.taper.1", model=CONE, at=zone.at).written_at(zone.origin)
+    parts = [first]
+    tapered = math.ceil(zone.taper / zone.spacing)
+    for k in range(1, tapered + 1):
+        share = k / tapered
+        parts.append(_beside(zone, f"{zone.id}.taper.{k + 1}", CONE, first, share * zone.taper, share * zone.across))
+    barriers = max(1, math.floor(abs(zone.across) / BARRIER_SPACING))
+    for k in range(barriers):
+        share = (k + 0.5) / barriers
+        name = f"{zone.id}.barrier.{k + 1}"
+        parts.append(_beside(zone, name, BARRIER, first, zone.taper + 2.0, share * zone.across, ACROSS))
+    along = math.ceil(zone.length / zone.spacing)
+    for k in range(1, along + 1):
+        ahead = zone.taper + zone.length * k / along
+        parts.append(_beside(zone, f"{zone.id}.cones.{k}", CONE, first, ahead, zone.across))
+    if zone.sign_before > 0.0:
+        parts.append(_beside(zone, f"{zone.id}.sign", SIGN, first, -zone.sign_before, 0.0))
+    return parts
+
+
+def _beside(
+    group: Row | WorkZone, name: str, model: str, first: Static, ahead: float, across: float, turn: Number = 0.0
+) -> Static:
+    place = BesidePosition(entity=first.id, distance=across, ahead=ahead, turn=turn).written_at(group.origin)
+    return Static(id=name, model=model, at=place).written_at(group.origin)
