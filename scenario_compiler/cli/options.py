@@ -7,10 +7,13 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
-from scenario_compiler.diagnostics import Diagnostic, Severity
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity
+
+if TYPE_CHECKING:
+    from scenario_compiler.compiler import Compilation
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED = 0, 1, 2, 3
 """Exit codes."""
@@ -88,3 +91,21 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
             raise WrongUse(f"--set wants NAME=VALUE, not '{text}'")
         settings[name.strip()] = value.strip()
     return settings
+
+
+def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
+    """Compile what a command names, with the changes that its options make."""
+    from scenario_compiler.compiler import Overrides, compile_target
+    from scenario_compiler.source import ScenarioNameNeededError
+
+    overrides = Overrides(
+        perception=options.perception, controller=options.controller, step=options.dt, duration=options.duration
+    )
+    try:
+        return compile_target(
+            options.target, settings_of(options.settings), sink, maps=options.maps, overrides=overrides
+        )
+    except ScenarioNameNeededError as needed:
+        raise WrongUse(
+            f"{options.target} has several scenarios; name one as FILE#name: {', '.join(needed.names)}"
+        ) from None

@@ -16,13 +16,12 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
-    settings_of,
+    compiled,
     show,
 )
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, did_you_mean
 
 if TYPE_CHECKING:
-    from scenario_compiler.compiler import Compilation
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.recording import Recording
     from scenario_compiler.report.run import Run
@@ -33,7 +32,8 @@ BAD_RECORDING = Code(
     "SC131",
     "unreadable-recording",
     "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan "
-    "again.",
+    "again."
+    "\n\n    scenario-compiler run plan.json -o out     writes out/recording.parquet",
 )
 
 
@@ -61,6 +61,7 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument("--world", default="kinematic", metavar="NAME")
+    parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
     parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
@@ -82,33 +83,16 @@ def compile_command(options: argparse.Namespace) -> int:
     from scenario_compiler.plan.store import write_plan
 
     sink = Diagnostics()
-    compilation = _compiled(options, sink)
+    compilation = compiled(options, sink)
     if show(sink, options) or compilation is None:
         return AT_FAULT
     write_plan(compilation.plan, options.output)
     return FINE
 
 
-def _compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
-    from scenario_compiler.compiler import Overrides, compile_target
-    from scenario_compiler.source import ScenarioNameNeededError
-
-    overrides = Overrides(
-        perception=options.perception, controller=options.controller, step=options.dt, duration=options.duration
-    )
-    try:
-        return compile_target(
-            options.target, settings_of(options.settings), sink, maps=options.maps, overrides=overrides
-        )
-    except ScenarioNameNeededError as needed:
-        raise WrongUse(
-            f"{options.target} has several scenarios; name one as FILE#name: {', '.join(needed.names)}"
-        ) from None
-
-
 def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
     if not options.target.endswith(".json"):
-        compilation = _compiled(options, sink)
+        compilation = compiled(options, sink)
         return None if compilation is None else (compilation.plan, compilation.network)
     from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
@@ -130,6 +114,8 @@ def run_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"there is no world '{options.world}' ({did_you_mean(options.world, WORLDS)})")
     if options.output is not None and not options.force and _is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+    if options.show is not None and options.output is None:
+        raise WrongUse("--show draws into the folder of the run: give one with -o")
     sink = Diagnostics()
     planned = _planned(options, sink)
     if show(sink, options) or planned is None:
@@ -153,6 +139,10 @@ def run_command(options: argparse.Namespace) -> int:
         from scenario_compiler.report.folder import write_run_folder
 
         write_run_folder(finished, options.output)
+    if options.show == "route":
+        from scenario_compiler.report.preview import draw_route
+
+        draw_route(plan, network, options.output / "route.png")
     print_run(finished, options.output)
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
 

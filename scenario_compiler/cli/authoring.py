@@ -1,0 +1,161 @@
+"""`list`, `new`, `preview` and `convert`: from a library to a conflict of one's own."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    add_scenario,
+    compiled,
+    show,
+)
+from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+
+if TYPE_CHECKING:
+    from scenario_compiler.report.gallery import Card
+    from scenario_compiler.source.listing import Listed
+
+
+def add(commands: Commands) -> None:
+    """Declare the commands."""
+    listing = commands.add_parser("list", help="show the conflicts and templates of a library")
+    listing.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder; our library by default")
+    listing.add_argument("--html", type=Path, metavar="FILE.html", help="write a gallery with pictures instead")
+    listing.set_defaults(command=list_command)
+    new = commands.add_parser("new", help="begin a conflict")
+    new.add_argument("name", metavar="NAME", help="name of the scenario; NAME.xml is written")
+    new.add_argument("--from", dest="template", required=True, metavar="TEMPLATE")
+    new.add_argument("--force", action="store_true", help="write over a file that is there")
+    new.set_defaults(command=new_command)
+    preview = commands.add_parser("preview", help="draw a plan without running it")
+    preview.add_argument("target", metavar="FILE[#name]")
+    preview.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg")
+    add_scenario(preview)
+    preview.set_defaults(command=preview_command)
+    convert = commands.add_parser("convert", help="write a file of the AISA toolkit in our language")
+    convert.add_argument("file", type=Path, metavar="FILE")
+    convert.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xml")
+    convert.set_defaults(command=convert_command)
+    for parser in (listing, preview):
+        add_maps(parser)
+    for parser in (listing, new, preview, convert):
+        add_diagnostics(parser)
+
+
+def list_command(options: argparse.Namespace) -> int:
+    """Show what a library holds."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    sink = Diagnostics()
+    listed = list(_listed(options, sink))
+    if options.html is not None:
+        return _write_gallery(options, listed, sink)
+    for kind in ("conflict", "template"):
+        table = Table(kind, "Gold", "map", "what happens", box=box.SIMPLE_HEAD, pad_edge=False)
+        for one in listed:
+            if one.kind == kind:
+                table.add_row(one.name, one.gold, one.map, one.summary)
+        Console().print(table)
+    return AT_FAULT if show(sink, options) else FINE
+
+
+def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
+    from scenario_compiler.resources import library_folder
+    from scenario_compiler.source.listing import list_library
+
+    for path in options.paths or [library_folder()]:
+        if not path.exists():
+            raise WrongUse(f"there is no file or folder '{path}'")
+        yield from list_library(path, sink)
+
+
+def _write_gallery(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics) -> int:
+    from scenario_compiler.report.gallery import write_gallery
+
+    write_gallery(_cards(options, listed, sink), options.html)
+    failed = show(sink, options)
+    print(f"gallery: {options.html}")
+    return AT_FAULT if failed else FINE
+
+
+def _cards(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics) -> Iterator[Card]:
+    from scenario_compiler.compiler import compile_target
+    from scenario_compiler.report.gallery import Card, start_picture
+
+    for one in listed:
+        if one.kind != "conflict":
+            continue
+        found = compile_target(one.target, {}, sink, maps=options.maps)
+        if found is not None:
+            group = Path(one.target.rpartition("#")[0]).stem.replace("_", " ")
+            picture = start_picture(found.plan, found.network)
+            yield Card(group, one.name, one.summary, one.source, one.target, picture)
+
+
+def new_command(options: argparse.Namespace) -> int:
+    """Write a commented conflict that uses a template."""
+    from scenario_compiler.resources import library_folder
+    from scenario_compiler.source.authoring import new_conflict
+    from scenario_compiler.source.listing import list_library
+    from scenario_compiler.vocabulary.word import IDENTIFIER
+
+    if not re.fullmatch(IDENTIFIER, options.name):
+        raise WrongUse(f"'{options.name}' is no name: letters, digits and _ only, and no digit first")
+    file = Path(f"{options.name}.xml")
+    if file.exists() and not options.force:
+        raise WrongUse(f"{file} is there already; --force writes over it")
+    sink = Diagnostics()
+    listed = list_library(library_folder() / "templates", sink)
+    templates = {one.name: one for one in listed if one.kind == "template"}
+    chosen = templates.get(options.template)
+    if chosen is None:
+        raise WrongUse(f"there is no template '{options.template}' ({did_you_mean(options.template, templates)})")
+    file.write_text(new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters), encoding="utf-8")
+    print(file)
+    return AT_FAULT if show(sink, options) else FINE
+
+
+def preview_command(options: argparse.Namespace) -> int:
+    """Draw the plan: the part of the map, the entities, the way, what happens when."""
+    if options.output.suffix not in (".png", ".svg"):
+        raise WrongUse(f"{options.output}: a plan is drawn as .png or .svg")
+    sink = Diagnostics()
+    compilation = compiled(options, sink)
+    if show(sink, options) or compilation is None:
+        return AT_FAULT
+    from scenario_compiler.report.preview import draw_preview
+
+    draw_preview(compilation.plan, compilation.network, options.output)
+    return FINE
+
+
+def convert_command(options: argparse.Namespace) -> int:
+    """Write a file of the AISA toolkit in our language."""
+    from scenario_compiler.compiler import read_source
+    from scenario_compiler.source.aisa import AisaConfig
+    from scenario_compiler.source.aisa_conversion import convert_aisa
+
+    sink = Diagnostics()
+    read = read_source(options.file, sink)
+    if read is None:
+        show(sink, options)
+        return AT_FAULT
+    if not isinstance(read[1], AisaConfig):
+        raise WrongUse(f"{options.file} is no file of the AISA toolkit")
+    text = convert_aisa(read[1], sink)
+    if show(sink, options):
+        return AT_FAULT
+    options.output.write_text(text, encoding="utf-8")
+    return FINE
