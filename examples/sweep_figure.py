@@ -1,8 +1,7 @@
 """Draws one figure of a sweep's report from its table: how often runs collide along a parameter, with intervals.
 
-    scenario-compiler sweep library/conflicts/obstacle_ahead.xml --vary "distance=uniform(60,350)" \
-        --samples 1000 --perception ideal -o sweep
-    python examples/sweep_figure.py sweep distance
+scenario-compiler sweep library/conflicts/obstacle_ahead.xml --vary "distance=uniform(60,350)" --samples 1000 \\
+--perception ideal -o sweep && python examples/sweep_figure.py sweep distance
 """
 
 from __future__ import annotations
@@ -10,13 +9,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import matplotlib as mpl
+import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from scenario_compiler.report.statistics import wilson_interval
-
-mpl.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402  after the choice of Agg
 
 
 def main() -> None:
@@ -26,7 +23,8 @@ def main() -> None:
     table = pd.read_parquet(folder / "results.parquet")
     table = table[table["result"] != "error"]
     cells = pd.cut(table[f"parameter.{name}"], 12)
-    figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
+    figure = Figure(figsize=(6, 3), layout="constrained")
+    axes = figure.subplots()
     for label, happened in (
         ("collision", table["collision_time"].notna()),
         ("takeover request", table["resolution"] != "no_request"),
@@ -34,8 +32,8 @@ def main() -> None:
         counted = happened.groupby(cells, observed=True).agg(["sum", "count"])
         middle = [cell.mid for cell in counted.index]
         rate = counted["sum"] / counted["count"]
-        ends = [wilson_interval(int(row["sum"]), int(row["count"])) for _, row in counted.iterrows()]
-        errors = [[r - low for r, (low, _) in zip(rate, ends, strict=True)], [high - r for r, (_, high) in zip(rate, ends, strict=True)]]
+        ends = np.array([wilson_interval(int(row["sum"]), int(row["count"])) for _, row in counted.iterrows()])
+        errors = np.abs(ends.T - rate.to_numpy())
         axes.errorbar(middle, rate, yerr=errors, marker="o", markersize=3, capsize=2, label=label)
     axes.set_xlabel(name)
     axes.set_ylabel("rate")

@@ -25,6 +25,9 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 BREAK_EVEN = 80
 """Number of variants from which loading the compiled engine pays: 0.8 s against about 10 ms a variant."""
 
+PRESENTED = 1_000_000
+"""Greatest number of variants whose rows are held in memory, for the report and the choice of traces."""
+
 WORTH_A_WORKER = 2000
 """Variants of the compiled engine that are worth the start of another process."""
 
@@ -293,7 +296,7 @@ def run_sweep(
         scheduler: Address of a Dask scheduler that runs the variants.
         workers: Number of processes; as many as pay when None.
         maps: Folders that maps are looked for in first.
-        report: Write report.html too.
+        report: Write report.html too. It and the traces are left out where there are more than `PRESENTED` variants.
         say: Told what runs the variants, and that the engine is compiled.
 
     Raises:
@@ -318,8 +321,10 @@ def run_sweep(
             say(describe(sweep, count, scheduler))
         execute(sweep, store, executor, progress)
         store.merge(sweep.parts)
-    if report or spec.traces:
+    if (report or spec.traces) and sweep.sampler.total <= PRESENTED:
         present(sweep, folder, report=report)
+    elif say is not None and (report or spec.traces):
+        say(f"more than {PRESENTED} variants: no traces and no report, only the table")
     failed = store.failures()
     return SweepResult(folder, store.table, sweep.sampler.total, failed, sweep.form, count)
 

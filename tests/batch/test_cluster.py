@@ -85,3 +85,31 @@ def test_a_missing_cluster_is_said() -> None:
 
     with pytest.raises(SweepError, match="no Dask cluster answers at tcp://127"):
         Cluster("interpreted", 1, "tcp://127.0.0.1:9", patience=1.0)
+
+
+@pytest.mark.slow
+def test_the_documented_slurm_settings_make_a_job_script(repository: Path, tmp_path: Path) -> None:
+    script = tmp_path / "job_script.py"
+    script.write_text(JOB_SCRIPT, encoding="utf-8")
+    command = [sys.executable, str(script), str(repository / "docs" / "slurm.yaml")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True, cwd=tmp_path)
+    assert "#SBATCH -t 02:00:00" in done.stdout
+    assert "#SBATCH --cpus-per-task=16" in done.stdout
+    assert "export SCENARIO_COMPILER_CACHE=$HOME/.cache/scenario-compiler" in done.stdout
+    assert "--nworkers 16" in done.stdout
+
+
+JOB_SCRIPT = """
+import sys
+from pathlib import Path
+
+import dask
+import yaml
+
+if __name__ == "__main__":
+    dask.config.update(dask.config.config, yaml.safe_load(Path(sys.argv[1]).read_text()))
+    from dask_jobqueue import SLURMCluster
+
+    with SLURMCluster(scheduler_options={"dashboard_address": None}) as cluster:
+        print(cluster.job_script())
+"""
