@@ -1,7 +1,6 @@
 """Draws one figure of a sweep's report from its table: how often runs collide along a parameter, with intervals.
 
-scenario-compiler sweep library/conflicts/obstacle_ahead.xml --vary "distance=uniform(60,350)" --samples 1000 \\
---perception ideal -o sweep && python examples/sweep_figure.py sweep distance
+python examples/sweep_figure.py [FOLDER [PARAMETER]]          (the folder of a finished sweep; `sweep`, `distance`)
 """
 
 from __future__ import annotations
