@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import CompileError, Diagnostics
-from scenario_compiler.document import Document, read_document
+from scenario_compiler.diagnostics import Code, CompileError, Diagnostic, Diagnostics, FilePlace
+from scenario_compiler.document import UNREADABLE, Document, read_document
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.structure import check_structure
-from scenario_compiler.source import Source, check_source, expand, parse
+from scenario_compiler.source import Source, check_source, expand, parse, without_allowed
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
+from scenario_compiler.vocabulary.variation import Vary
+
+UNCHECKED = Code(
+    "SC117",
+    "unchecked-file",
+    "Checking the file failed for a reason that lies in this program or the machine, not in the file: a fault of the "
+    "the program, or no memory left. The other files were checked.\n\n"
+    "    the file could not be checked: MemoryError\n\n"
+    "Check the file alone; if that fails too, please report it with the file.",
+)
 
 
 @dataclass(frozen=True)
@@ -92,7 +102,21 @@ def compile_target(
         return None
     document, source = read
     scenario = expand(source, name, arguments, sink)
-    return None if scenario is None else compile_expanded(scenario, document, sink, maps, overrides or Overrides())
+    done = None if scenario is None else compile_expanded(scenario, document, sink, maps, overrides or Overrides())
+    sink.found[:] = without_allowed(sink.found, source)
+    return done
+
+
+def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnostics) -> Vary | None:
+    """Return how FILE or FILE#name says that a sweep varies it; None when it says nothing, or is at fault.
+
+    Raises:
+        ScenarioNameNeededError: The file has several scenarios and no name is given.
+    """
+    path, name = split_target(target)
+    read = read_source(path, sink)
+    scenario = None if read is None else expand(read[1], name, arguments, sink)
+    return None if scenario is None or sink.has_errors else scenario.vary
 
 
 def compile_expanded(
@@ -141,6 +165,13 @@ def files_below(path: Path) -> list[Path]:
     return sorted(file for file in path.rglob("*") if file.suffix in SUFFIXES and file.is_file())
 
 
+MOST_SCENARIO_BYTES = 16 * 1024 * 1024
+"""Largest scenario file that `validate` looks into, bytes; the library's largest has 10 kB."""
+
+FILES_A_TASK = 8
+"""Files that a process checks before it hands its findings over."""
+
+
 def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = ()) -> None:
     """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds."""
     if path.suffix == ".xodr":
@@ -148,12 +179,60 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = ()) -> N
         if document is not None:
             check_structure(document, sink)
         return
+    if path.is_file() and path.stat().st_size > MOST_SCENARIO_BYTES:
+        message = f"the file has {path.stat().st_size} bytes; scenario files have at most {MOST_SCENARIO_BYTES}"
+        sink.add(UNREADABLE, message, FilePlace(str(path)))
+        return
     read = read_source(path, sink)
     if read is None:
         return
     document, source = read
     for scenario in check_source(source, sink):
         compile_expanded(scenario, document, sink, maps, Overrides())
+    sink.found[:] = without_allowed(sink.found, source)
+
+
+def validate_files(files: Sequence[Path], maps: Sequence[Path] = (), processes: int = 1) -> Iterator[list[Diagnostic]]:
+    """Yield the findings of each file, in the order of the files.
+
+    Args:
+        files: The files.
+        maps: Folders that maps are looked for in first.
+        processes: Number of processes to spread the files over; few files are checked in this one.
+    """
+    tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
+    if processes < 2 or len(tasks) < 2 * processes:
+        for file in files:
+            yield _findings([file], maps)[0]
+        return
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing import get_context
+
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        for task, found in [(task, pool.submit(_findings, task, maps)) for task in tasks]:
+            try:
+                yield from found.result()
+            except BrokenProcessPool:
+                message = "a process that checked this file, or one beside it, was ended by the system"
+                yield from ([_unchecked(file, message)] for file in task)
+
+
+def _findings(files: Sequence[Path], maps: Sequence[Path]) -> list[list[Diagnostic]]:
+    """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
+    found = []
+    for file in files:
+        sink = Diagnostics()
+        try:
+            validate_file(file, sink, maps)
+        except Exception as fault:
+            sink.found.append(_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]))
+        found.append(list(sink))
+    return found
+
+
+def _unchecked(file: Path, message: str) -> Diagnostic:
+    return Diagnostic(UNCHECKED, f"the file could not be checked: {message}", FilePlace(str(file)))
 
 
 def _as_text(value: object) -> str:

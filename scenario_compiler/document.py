@@ -20,20 +20,23 @@ UNREADABLE = Code(
     "SC101",
     "unreadable-file",
     "The file does not exist, is a folder, is too large, or cannot be opened. Check the path and the permissions; "
-    "paths in a file are relative to that file's folder.",
+    "paths in a file are relative to that file's folder."
+    "\n\n    scenario-compiler validate conflicts/my_conflict.xml     the folder is called `conflict`",
 )
 MALFORMED = Code(
     "SC102",
     "malformed-xml",
     "The file is not well-formed XML, so nothing in it can be read: a tag is not closed, a quote is missing, a "
     "character is not allowed, or the encoding is not the one that the first line declares. The place is where the "
-    "parser gave up; the fault often lies a little before it.",
+    "parser gave up; the fault often lies a little before it."
+    '\n\n    <ego speed="10><start>...</start></ego>     a quote is missing after 10',
 )
 FORBIDDEN = Code(
     "SC103",
     "forbidden-xml",
     "The file declares entities or a document type. Entities can read other files and expand without bound, no "
-    "scenario or road file needs them, and they are never resolved. Remove the <!DOCTYPE ...> declaration.",
+    "scenario or road file needs them, and they are never resolved. Remove the <!DOCTYPE ...> declaration."
+    '\n\n    <!DOCTYPE scenarios [<!ENTITY start SYSTEM "start.xml">]>     <include> brings in a file',
 )
 
 MAX_BYTES = 512 * 1024 * 1024

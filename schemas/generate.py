@@ -1,4 +1,4 @@
-"""Write the files of this folder from the models that they describe; with `--check`, say which are stale.
+"""Write the files of this folder and the language's reference from the models; with `--check`, say which are stale.
 
 Run `python schemas/generate.py`, or `make generate`.
 """
@@ -15,7 +15,7 @@ from pydantic import BaseModel
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
-from scenario_compiler.source.form import conflict_xsd
+from scenario_compiler.source.form import conflict_xsd, language_reference
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -34,16 +34,21 @@ GENERATED: dict[str, Callable[[], str]] = {
 """File name to what writes its text."""
 
 
+LANGUAGE_PAGE = FOLDER.parent / "docs" / "language.md"
+"""The language's reference, which is made in the same way."""
+
+
 def main() -> int:
     """Write the files, or with `--check` compare them; return 1 when one is stale."""
-    stale = [name for name, text in GENERATED.items() if not _is_fresh(FOLDER / name, text())]
+    files = {LANGUAGE_PAGE: language_reference, **{FOLDER / name: text for name, text in GENERATED.items()}}
+    stale = [path for path, text in files.items() if not _is_fresh(path, text())]
     if "--check" in sys.argv[1:]:
-        for name in stale:
-            print(f"{name} is stale: `make generate` rewrites it")
+        for path in stale:
+            print(f"{path.name} is stale: `make generate` rewrites it")
         return 1 if stale else 0
-    for name in stale:
-        (FOLDER / name).write_text(GENERATED[name](), encoding="utf-8")
-        print(f"wrote {name}")
+    for path in stale:
+        path.write_text(files[path](), encoding="utf-8")
+        print(f"wrote {path.name}")
     return 0
 
 

@@ -25,6 +25,7 @@ RUN = re.compile(r"<!-- run: #(\S+)((?: \S+=\S+)*) -->")
 WITHOUT_CASE = {
     "SC101": "the file is not there: tests/test_document.py",
     "SC115": "the reader and the schema agree on every file known: tests/source/test_form.py makes them differ",
+    "SC117": "speaks of faults of this program: tests/test_validate.py",
     "SC130": "speaks of plan files",
     "SC131": "speaks of recordings",
     "SC231": "speaks of plan files",
@@ -85,5 +86,9 @@ def test_every_code_has_a_case() -> None:
 
 @pytest.mark.parametrize("code", sorted(CODES))
 def test_every_code_has_a_page(code: str) -> None:
-    assert len(CODES[code].explanation) > 60
+    """A page says what the code means, shows an example (a block of lines that begin with four spaces), and advises."""
+    page = CODES[code].explanation
+    assert len(page) > 60
     assert re.fullmatch(r"[a-z]+(-[a-z]+)*", CODES[code].name)
+    if not ROAD_FILES.fullmatch(code):
+        assert "\n\n    " in page

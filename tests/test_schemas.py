@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -23,7 +24,8 @@ def _generator() -> ModuleType:
     return module
 
 
-GENERATED: dict[str, Callable[[], str]] = _generator().GENERATED
+GENERATOR = _generator()
+GENERATED: dict[str, Callable[[], str]] = GENERATOR.GENERATED
 
 
 @pytest.mark.parametrize("name", sorted(GENERATED))
@@ -42,3 +44,16 @@ def test_schema_is_well_formed(name: str) -> None:
         etree.XMLSchema(etree.fromstring(text.encode()))
     else:
         assert "properties" in json.loads(text)
+
+
+def test_language_page_is_fresh(assert_fresh: Callable[[Path, str], None]) -> None:
+    assert_fresh(GENERATOR.LANGUAGE_PAGE, GENERATOR.language_reference())
+
+
+def test_language_page_explains_every_element_of_the_schema() -> None:
+    page = GENERATOR.language_reference()
+    schema = etree.fromstring(GENERATED["conflict.xsd"]().encode())
+    names = [str(one.get("name")) for one in schema.iter("{*}element")]
+    assert [name for name in names if f"`<{name}>`" not in page] == []
+    links = set(re.findall(r"\]\(#(\w+)\)", page))
+    assert links <= set(re.findall(r'<a id="(\w+)">', page))

@@ -28,5 +28,6 @@ def explain_command(options: argparse.Namespace) -> int:
     if code is None:
         raise WrongUse(f"there is no code '{options.code}' ({did_you_mean(options.code.upper(), CODES)})")
     print(f"{code.id} {code.name} ({code.severity.value})\n")
-    print("\n\n".join(textwrap.fill(part, 100) for part in code.explanation.split("\n\n")))
+    parts = code.explanation.split("\n\n")
+    print("\n\n".join(part if part.startswith("    ") else textwrap.fill(part, 100) for part in parts))
     return FINE

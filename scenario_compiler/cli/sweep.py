@@ -62,12 +62,13 @@ def sweep_command(options: argparse.Namespace) -> int:
     from scenario_compiler.source import ScenarioNameNeededError
 
     try:
+        written, constraints = _written(options)
         spec = SweepSpec(
-            vary=tuple(options.vary),
+            vary=(*written, *options.vary),
             method=options.method,
             samples=options.samples,
             seed=options.seed,
-            where=tuple(options.where),
+            where=(*constraints, *options.where),
             settings=settings_of(options.settings),
             perception=options.perception,
             controller=options.controller,
@@ -106,6 +107,22 @@ def sweep_command(options: argparse.Namespace) -> int:
     print(f"{result.total} variants, {result.failed} failed: {result.table}")
     print(f"report: {result.folder / 'report.html'}")
     return FINE
+
+
+def _written(options: argparse.Namespace) -> tuple[list[str], list[str]]:
+    """Return what the scenario's own <vary> varies, but for what the command line gives, and its constraints."""
+    from scenario_compiler.compiler import variation_of
+    from scenario_compiler.diagnostics import Diagnostics
+
+    if options.target.endswith(".json"):
+        return [], []
+    settings = settings_of(options.settings)
+    vary = variation_of(options.target, settings, Diagnostics())
+    if vary is None:
+        return [], []
+    given = {*settings, *(text.partition("=")[0].strip() for text in options.vary)}
+    axes = [axis.spelling() for axis in vary.axes if axis.parameter not in given]
+    return axes, [constraint.holds for constraint in vary.constraints]
 
 
 @contextmanager

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_diagnostics, add_maps, judged, show
-from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.diagnostics import Diagnostic, Severity
+
+
+def available_cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def add(commands: Commands) -> None:
@@ -16,21 +23,34 @@ def add(commands: Commands) -> None:
     add_maps(parser)
     add_diagnostics(parser)
     parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="warnings are errors")
+    parser.add_argument(
+        "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
+    )
     parser.set_defaults(command=validate_command)
 
 
 def validate_command(options: argparse.Namespace) -> int:
     """Check files, or all files of folders."""
-    from scenario_compiler.compiler import files_below, validate_file
+    from scenario_compiler.compiler import files_below, validate_files
 
-    sink = Diagnostics()
-    files = [file for path in options.paths for file in files_below(path)]
+    files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
-    for file in files:
-        validate_file(file, sink, options.maps)
-    failed = show(sink, options)
+    found = [one for some in validate_files(files, options.maps, options.jobs) for one in some]
+    failed = show(found, options)
     if options.format == "text":
-        errors = sum(d.severity is Severity.ERROR for d in judged(sink, options))
-        print(f"{len(files)} file{'s' * (len(files) != 1)} checked, {errors} error{'s' * (errors != 1)}")
+        print(summary(len(files), judged(found, options)))
     return AT_FAULT if failed else FINE
+
+
+def summary(files: int, found: Sequence[Diagnostic]) -> str:
+    """Return one line on a number of files and what was found in them."""
+    errors = sum(one.severity is Severity.ERROR for one in found)
+    warnings = sum(one.severity is Severity.WARNING for one in found)
+    parts = [f"{files} file{'s' * (files != 1)} checked", f"{errors} error{'s' * (errors != 1)}"]
+    if warnings:
+        parts.append(f"{warnings} warning{'s' * (warnings != 1)}")
+    faulty = len({one.place.file for one in found if one.severity is Severity.ERROR})
+    if faulty and files > 1:
+        parts.append(f"{faulty} file{'s' * (faulty != 1)} at fault")
+    return ", ".join(parts)

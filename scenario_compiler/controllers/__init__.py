@@ -33,13 +33,15 @@ UNKNOWN_CONTROLLER = Code(
     "unknown-controller",
     "The scenario names a controller that is neither one of ours nor a class that can be imported as "
     "`package.module:Class` and derives from ControllerModel. A class of your own must be importable where the command "
-    "runs (set PYTHONPATH).",
+    "runs (set PYTHONPATH)."
+    '\n\n    <controller model="lane_detecton"/>     lane_detection, or package.module:Class',
 )
 BAD_PROPERTY = Code(
     "SC504",
     "bad-controller-property",
     "A <property> of the controller is not one of its parameters, or its value is not one the parameter takes. The "
-    "controller's `Params` model says which there are.",
+    "controller's `Params` model says which there are."
+    '\n\n    <controller model="lane_detection"><property name="look_ahed" value="9"/></controller>',
 )
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace, Place, did_you_mean
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
 from scenario_compiler.roads import Network, load_network
@@ -16,13 +17,15 @@ UNKNOWN_MAP = Code(
     "There is no OpenDRIVE file of that name on the map search path: the folder of the scenario's file, the folders of "
     "--maps, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, and the maps that come along. "
     "CARLA's towns are not among those: they are part of a CARLA installation (set CARLA_ROOT), and "
-    "`open(name, 'w').write(world.get_map().to_opendrive())` saves one from a running server.",
+    "`open(name, 'w').write(world.get_map().to_opendrive())` saves one from a running server."
+    '\n\n    <scenario map="highway_lop" ...>     the map that comes along is called highway_loop',
 )
 CHANGED_MAP = Code(
     "SC231",
     "changed-map",
     "The map has changed since the plan was compiled, so the plan's positions may no longer lie where they did. "
-    "Compile the scenario again.",
+    "Compile the scenario again."
+    "\n\n    scenario-compiler compile conflict.xml -o plan.json     binds the positions to the map as it is now",
 )
 
 
@@ -39,7 +42,18 @@ def open_map(
         hint = "; ".join(part for part in (hint, get, "looked in: " + ", ".join(folders)) if part)
         sink.add(UNKNOWN_MAP, f"there is no map '{name}'", place, hint=hint)
         return None
-    return load_network(path, sink=sink)
+    status = path.stat()
+    network, findings = _loaded(path, status.st_mtime_ns, status.st_size)
+    sink.found.extend(findings)
+    return network
+
+
+@lru_cache(maxsize=2)
+def _loaded(path: Path, modified: int, size: int) -> tuple[Network | None, tuple[Diagnostic, ...]]:
+    """Return a map and what is wrong with it; many scenarios in a row lie on one, which is read once as it stands."""
+    del modified, size
+    sink = Diagnostics()
+    return load_network(path, sink=sink), tuple(sink.found)
 
 
 def open_plan_map(plan: Plan, sink: Diagnostics, maps: Sequence[Path] = ()) -> Network | None:

@@ -15,7 +15,8 @@ BAD_PLAN = Code(
     "SC130",
     "unreadable-plan",
     "The file is not a plan of this version: it is not JSON, lacks a field or has one that plans do not have. Compile "
-    "the scenario again.",
+    "the scenario again."
+    "\n\n    scenario-compiler compile conflict.xml -o plan.json     writes one that can be read",
 )
 
 

@@ -18,7 +18,12 @@ else:
 BAD_DESCRIPTION = Code(
     "SC378",
     "bad-map-description",
-    "The map.toml beside the map cannot be read as TOML, or a [[spawn_point]] in it lacks name, road, lane or s.",
+    "The map.toml beside the map cannot be read as TOML, or a [[spawn_point]] in it lacks name, road, lane or s."
+    "\n\n    [[spawn_point]]"
+    '\n    name = "straight"'
+    '\n    road = "1"'
+    "\n    lane = -2"
+    "\n    s = 120.0",
 )
 
 

@@ -5,10 +5,10 @@ In: a document. Out: scenarios and diagnostics. Imports the vocabulary and the h
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TypeAlias
 
-from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did_you_mean
 from scenario_compiler.document import Document
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source import codes, names
@@ -18,6 +18,7 @@ from scenario_compiler.source.conflict import Library, LibraryElement, read_libr
 from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.expansion import around, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
+from scenario_compiler.source.unused import report_unused_templates
 from scenario_compiler.vocabulary.scenario import Scenario
 
 
@@ -94,6 +95,19 @@ def expand(
     return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, folder, catalogs))
 
 
+def without_allowed(found: Iterable[Diagnostic], source: Source) -> list[Diagnostic]:
+    """Return findings without the warnings and notes that a file allows for itself and what it uses."""
+    allowed = source.allowed if isinstance(source, Library) else frozenset()
+    path = source.document.path
+
+    def kept(one: Diagnostic) -> bool:
+        if one.code.id not in allowed or one.severity is Severity.ERROR:
+            return True
+        return path not in {one.place.file, *(use.file for use in one.chain())}
+
+    return [one for one in found if kept(one)]
+
+
 def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
     """Report every fault of every template and scenario of a file; return the scenarios at their defaults.
 
@@ -109,4 +123,5 @@ def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
     read_without_fault = all(one.place.file != source.document.path for one in sink.found)
     if isinstance(source, Library) and read_without_fault:
         judge_form(source.document, sink)
+        report_unused_templates(source, sink)
     return [scenario for scenario in expanded if scenario is not None]

@@ -97,13 +97,15 @@ OFF_MAP = Code(
     "The scenario's start, its destination and the obstacles that the toolkit's code adds lie far off every road of "
     "the custom map that the toolkit publishes. On that map the scenario cannot run as it is filed.\n\n"
     "Start it elsewhere, in CARLA's axes, metres and degrees: --set start=X,Y,YAW, with --set obstacles=false where "
-    "the toolkit's obstacles lie off the map too. Or name a map that reaches there: --set town=NAME.",
+    "the toolkit's obstacles lie off the map too. Or name a map that reaches there: --set town=NAME."
+    "\n\n    scenario-compiler run aisa_conflicts.xml#narrowingroad --set start=151.4,-91.5,90",
     Severity.NOTE,
 )
 BAD_POSE = Code(
     "SC244",
     "aisa-bad-pose",
-    "`start` and `dest` are set as X,Y or X,Y,YAW: CARLA's axes, m and degrees, such as --set start=151.4,-91.5,90.",
+    "`start` and `dest` are set as X,Y or X,Y,YAW: CARLA's axes, m and degrees, such as --set start=151.4,-91.5,90."
+    "\n\n    scenario-compiler run aisa_conflicts.xml#lanesdefault --set start=151.4,-91.5,90",
 )
 
 

@@ -94,5 +94,6 @@ AGAINST_SCHEMA = Code(
     "SC115",
     "against-schema",
     "The file reads well but does not follow schemas/conflict.xsd. The two are made from one declaration, so this is "
-    "most likely a fault of this program: please report it with the file.",
+    "most likely a fault of this program: please report it with the file."
+    "\n\n    against the schema: Element 'road': This element is not expected.",
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -50,6 +50,16 @@ class Environment:
     undetermined: frozenset[str] = frozenset()
     lenient: bool = False
     structural: set[str] = field(default_factory=set)
+
+    def with_value(self, name: str, value: Value) -> Environment:
+        """Return the environment in which one more name has a value; it hides another of the same name."""
+        return Environment(
+            {**self.bindings, name: value}, self.values, self.undetermined - {name}, self.lenient, self.structural
+        )
+
+    def undecided(self, more: Iterable[str] = ()) -> Environment:
+        """Return the environment in which the same names, and `more`, are known and none has a value."""
+        return Environment(undetermined=frozenset({*self.bindings, *self.undetermined, *more}), lenient=self.lenient)
 
     def symbolic(self, text: str) -> Expression | None:
         """Return what `$name` or `${expression}` stands for, over the scenario's open parameters; None for a literal.

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import chain, product
 
 from scenario_compiler.source.conflict import EntityWhen
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.storyboard import (
     Act,
+    All,
+    AnyOf,
     ConditionGroup,
     Event,
     Maneuver,
@@ -34,7 +37,8 @@ def storyboard_of(entities: Sequence[str], happenings: Iterable[tuple[str, When 
     """
     events: dict[str, list[Event]] = {entity: [] for entity in entities}
     for entity, when in happenings:
-        events[entity].append(_event(f"{entity}.when{len(events[entity]) + 1}", entity, when))
+        name = when.name or f"{entity}.when{len(events[entity]) + 1}"
+        events[entity].append(_event(name, entity, when))
     groups = tuple(
         ManeuverGroup(
             name=entity,
@@ -50,8 +54,11 @@ def storyboard_of(entities: Sequence[str], happenings: Iterable[tuple[str, When 
 
 
 def _event(name: str, entity: str, when: When | EntityWhen) -> Event:
-    conditions = tuple(_trigger_condition(one, entity) for one in when.conditions)
-    trigger = Trigger(groups=(ConditionGroup(conditions=conditions),)).written_at(when.origin)
+    groups = tuple(
+        ConditionGroup(conditions=tuple(_trigger_condition(one, entity) for one in conditions))
+        for conditions in alternatives(when.conditions)
+    )
+    trigger = Trigger(groups=groups).written_at(when.origin)
     counts: Counter[str] = Counter()
     actions = []
     for action in when.do.actions:
@@ -59,6 +66,17 @@ def _event(name: str, entity: str, when: When | EntityWhen) -> Event:
         label = f"{name}.{action.word}{counts[action.word]}"
         actions.append(StoryAction(name=label, action=action).written_at(action.origin))
     return Event(name=name, start=trigger, actions=tuple(actions)).written_at(when.origin)
+
+
+def alternatives(conditions: Sequence[Condition | AnyOf]) -> list[tuple[Condition, ...]]:
+    """Return the groups of conditions of which one must hold as a whole: one for each way to fulfil every `<any>`."""
+    ways: list[list[tuple[Condition, ...]]] = []
+    for one in conditions:
+        if isinstance(one, AnyOf):
+            ways.append([each.conditions if isinstance(each, All) else (each,) for each in one.conditions])
+        else:
+            ways.append([(one,)])
+    return [tuple(chain.from_iterable(way)) for way in product(*ways)]
 
 
 def _trigger_condition(condition: Condition, entity: str) -> TriggerCondition:

@@ -14,13 +14,15 @@ UNKNOWN_ARGUMENT = Code(
     "SC211",
     "unknown-argument",
     "`--set name=value` names a parameter that the scenario does not declare, so it would change nothing. The message "
-    "lists or guesses what can be set; `<parameter name=... type=... default=.../>` in the scenario declares more.",
+    "lists or guesses what can be set; `<parameter name=... type=... default=.../>` in the scenario declares more."
+    "\n\n    scenario-compiler run paint.xml --set sped=30     the scenario declares `speed`",
 )
 UNKNOWN_SCENARIO = Code(
     "SC212",
     "unknown-scenario",
     "FILE#name asks for a scenario that the file does not hold. Correct the name; without one, a file's only scenario "
-    "is taken.",
+    "is taken."
+    "\n\n    scenario-compiler run variants.xml#obstacle_crosing     the scenario is called obstacle_crossing",
 )
 UNKNOWN_TEMPLATE = Code(
     "SC213",
@@ -35,19 +37,25 @@ MISSING_PARAMETER = Code(
     "SC214",
     "missing-parameter",
     "A parameter without a default gets no value. In a <use>, write it as an attribute; for a scenario, give it on the "
-    "command line with --set name=value, or give its <parameter> a default.",
+    "command line with --set name=value, or give its <parameter> a default."
+    '\n\n    <template name="parked"><parameter name="distance" type="length"/>...</template>'
+    '\n    <use template="parked"/>     write distance="80"',
 )
 TEMPLATE_CYCLE = Code(
     "SC215",
     "template-cycle",
     "A template uses itself, directly or through others, so its expansion would never end. The chain of uses is shown. "
-    "Take one <use> out of the circle.",
+    "Take one <use> out of the circle."
+    '\n\n    <template name="jam"><use template="queue"/></template>'
+    '\n    <template name="queue"><use template="jam"/></template>',
 )
 DUPLICATE_NAME = Code(
     "SC216",
     "duplicate-name",
     "Two things of one kind have the same name, so a reference to it would be a guess: scenarios or templates of a "
-    "file, parameters of one scenario or template, uses, entries of a catalog. Rename one of them.",
+    "file, parameters of one scenario or template, uses, entries of a catalog. Rename one of them."
+    '\n\n    <static id="van">...</static>'
+    '\n    <static id="van">...</static>     which one would `ahead_of entity="van"` mean?',
 )
 UNKNOWN_VEHICLE = Code(
     "SC217",
@@ -62,24 +70,28 @@ UNKNOWN_DRIVER = Code(
     "SC218",
     "unknown-driver",
     "`preset` names a driver that no catalog holds. The library's drivers are in library/catalogs/drivers.xml; an "
-    "included <catalog> adds more, and <driver_model mu=... sigma=.../> in the <takeover> writes one in place.",
+    "included <catalog> adds more, and <driver_model mu=... sigma=.../> in the <takeover> writes one in place."
+    '\n\n    <driver preset="urgnt"/>     the catalog has `urgent`',
 )
 UNKNOWN_WEATHER = Code(
     "SC219",
     "unknown-weather",
     "`weather` is neither the name of one of CARLA's 23 presets, such as ClearNoon or HardRainSunset, nor its index in "
-    "their alphabetical order, 0 to 22 (the AISA toolkit's WeatherId).",
+    "their alphabetical order, 0 to 22 (the AISA toolkit's WeatherId)."
+    '\n\n    <scenario weather="HardRainSunst" ...>     HardRainSunset, or 10',
 )
 UNUSABLE_INCLUDE = Code(
     "SC220",
     "unusable-include",
     "An <include> names a file that cannot be read or that holds neither templates nor a catalog. A relative path is "
-    "tried from the folder of the file that includes, whole and then by its bare name.",
+    "tried from the folder of the file that includes, whole and then by its bare name."
+    '\n\n    <include file="templates/ours.xml"/>     from the folder of the file that says so',
 )
 RESERVED_NAME = Code(
     "SC221",
     "reserved-name",
-    "A template's parameter has a name that <use> needs for itself: `template` or `id`. Give it another name.",
+    "A template's parameter has a name that <use> needs for itself: `template` or `id`. Give it another name."
+    '\n\n    <template name="parked"><parameter name="id" type="text"/>...</template>',
 )
 UNKNOWN_ENTITY = Code(
     "SC222",
@@ -89,6 +101,40 @@ UNKNOWN_ENTITY = Code(
     "Entities are the ego vehicle (`ego` unless it has another id) and every <static> and <dynamic>. An entity of a "
     "template is known inside it by its own id, and outside by the name of the use, a point, and its own id: "
     'blocked_lane1.blocker, or jam.first for <use id="jam" ...>.',
+)
+UNKNOWN_EVENT = Code(
+    "SC228",
+    "unknown-event",
+    "An <event> condition names an event that the scenario does not have. Give the <when> that is meant a name:\n\n"
+    '    <when name="brakes"><time after="5"/><do><speed to="0" over_time="3"/></do></when>\n'
+    '    <when><event name="brakes" state="started"/><do><sensor_noise sigma="40"/></do></when>\n\n'
+    "An event of a template is known inside it by its own name, and outside by the name of the use, a point, and its "
+    "own name.",
+)
+TOO_MANY_ITEMS = Code(
+    "SC223",
+    "too-many-items",
+    "Uses and loops bring more into a scenario than can be meant; nothing more is added:\n\n"
+    '    <repeat count="1000"><repeat count="1000"><use template="jam"/></repeat></repeat>\n\n'
+    "A loop makes at most 1000 rounds, and a scenario holds at most 20000 items. Make the counts smaller, or use "
+    "<traffic> where many vehicles are wanted.",
+)
+UNUSED_TEMPLATE = Code(
+    "SC226",
+    "unused-template",
+    "A file that holds scenarios also holds a template that none of them uses, directly or through other templates, so "
+    "it has no effect:\n\n"
+    '    <template name="blocked_lane">...</template>\n'
+    '    <use template="blocked_lame"/>     was this one meant?\n\n'
+    "Use it, remove it, or move it to a file of templates that others include.",
+    Severity.WARNING,
+)
+NOT_ALLOWABLE = Code(
+    "SC225",
+    "not-allowable",
+    "An <allow> names an error. Only warnings and notes can be kept quiet: after an error there is nothing to run.\n\n"
+    '    <allow code="SC226"/>     an unused template is a warning\n\n'
+    "Remove the <allow> and mend what the error reports.",
 )
 NO_START = Code(
     "SC240",
@@ -102,7 +148,8 @@ NOT_EXECUTED = Code(
     "SC241",
     "aisa-not-executed",
     "The AISA toolkit reads <object> elements, npc_vehicles and npc_pedestrians and then never uses them. They are "
-    "left out here too, so that the scenario means what it means there.",
+    "left out here too, so that the scenario means what it means there."
+    '\n\n    <object type="vehicle" .../>     is read by the toolkit, and never placed',
     Severity.NOTE,
 )
 MAPS_OWN_WEATHER = Code(
@@ -110,12 +157,14 @@ MAPS_OWN_WEATHER = Code(
     "aisa-weather",
     "The WeatherId leaves the weather to the map, which is read as a clear noon. WeatherId counts CARLA's presets in "
     "alphabetical order, where 6 is Default and 10 is HardRainSunset; the paper on the toolkit names HardRainSunset "
-    "for vanishinglanes_weather, which ships with 6. `--set WeatherId=10` runs what the paper means.",
+    "for vanishinglanes_weather, which ships with 6. `--set WeatherId=10` runs what the paper means."
+    '\n\n    <WeatherId value="6"/>     leaves the weather to the map',
     Severity.NOTE,
 )
 OPENSCENARIO = Code(
     "SC901",
     "openscenario",
     "The file is an ASAM OpenSCENARIO file. They are not read yet; conflicts in the conflict language and the AISA "
-    "toolkit's files are.",
+    "toolkit's files are."
+    "\n\n    scenario-compiler validate conflict.xml     reads the conflict language",
 )

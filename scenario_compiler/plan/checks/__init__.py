@@ -5,8 +5,17 @@ from collections.abc import Callable
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.checks.causes import check_causes
 from scenario_compiler.plan.checks.overlap import check_overlap
+from scenario_compiler.plan.checks.reach import check_budget, check_reach
 from scenario_compiler.plan.checks.start import check_start
+from scenario_compiler.plan.checks.triggers import check_triggers
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 
-CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (check_start, check_overlap, check_causes)
+CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
+    check_start,
+    check_overlap,
+    check_causes,
+    check_budget,
+    check_reach,
+    check_triggers,
+)

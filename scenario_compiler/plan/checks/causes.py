@@ -13,12 +13,14 @@ FOREIGN_LIMIT = Code(
     "SC501",
     "foreign-limit",
     "A <cause> has an attribute that belongs to another kind of cause, and would do nothing. Thresholds belong to "
-    "lane_confidence and sensor_health, range, field_of_view and margin to path_blocked, the gaps to lane_ends.",
+    "lane_confidence and sensor_health, range, field_of_view and margin to path_blocked, the gaps to lane_ends."
+    '\n\n    <cause kind="lane_ends" request_below="0.3"/>     a lane that ends has gaps, no confidence',
 )
 IMPOSSIBLE_COUNT = Code(
     "SC502",
     "impossible-count",
-    "A <cause> wants more control steps (`count`) than it looks back on (`of`), so it can never ask.",
+    "A <cause> wants more control steps (`count`) than it looks back on (`of`), so it can never ask."
+    '\n\n    <cause kind="path_blocked" count="9" of="3"/>     of 3 control steps, 9 can never ask',
 )
 
 

@@ -14,7 +14,8 @@ from scenario_compiler.roads import Network
 OVERLAP = Code(
     "SC381",
     "entities-overlap",
-    "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them.",
+    "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them."
+    '\n\n    <static id="a"><at><ahead_of entity="ego" distance="3"/></at></static>     both cars are longer than 3 m',
 )
 
 

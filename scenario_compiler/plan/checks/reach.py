@@ -1,0 +1,65 @@
+"""The conflict lies within the run, and the budget leaves room for the minimum-risk manoeuvre."""
+
+from __future__ import annotations
+
+import math
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.word import number_value
+
+OUT_OF_REACH = Code(
+    "SC403",
+    "out-of-reach",
+    "Everything that stands in the ego vehicle's way is farther off than it drives before the run ends, and nothing "
+    "else happens in the scenario, so there is no conflict:\n\n"
+    '    <scenario ... duration="10"> <ego speed="10">...</ego>\n'
+    '      <static id="wreck"><at><ahead_of entity="ego" distance="400"/></at></static>     100 m are driven\n\n'
+    "Give the scenario a longer `duration`, or put the obstacle nearer.",
+    Severity.WARNING,
+)
+SHORT_BUDGET = Code(
+    "SC505",
+    "short-budget",
+    "The time budget is shorter than the minimum-risk manoeuvre needs. A limit ahead makes the automation ask `budget` "
+    "seconds before it, which is budget x v away; braking with the deceleration d takes v^2 / (2 d). So the budget "
+    "must be at least v / (2 d), or the car cannot stop before the limit even when it begins at once:\n\n"
+    '    <ego speed="30" ...>  <takeover budget="3" minimum_risk_deceleration="4"/>     30 / (2 * 4) = 3.75 s\n\n'
+    "Give a longer `budget`, a greater `minimum_risk_deceleration`, or a lower speed.",
+    Severity.WARNING,
+)
+
+
+def check_budget(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Warn when the car cannot stop within the budget at the speed that it aims for."""
+    del network
+    values = parameter_values(plan.parameters)
+    takeover = plan.takeover
+    speed = number_value(plan.ego.desired_speed, values)
+    budget = number_value(takeover.budget, values)
+    needed = speed / (2.0 * number_value(takeover.minimum_risk_deceleration, values))
+    if budget < needed:
+        message = f"a budget of {budget:g} s leaves no room to stop from {speed:g} m/s, which needs {needed:.2f} s"
+        sink.add(SHORT_BUDGET, message, takeover.place_of("budget"))
+
+
+def check_reach(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Warn when a scenario's only conflict is what stands on the road, and all of it is out of reach."""
+    del network
+    others = plan.entities[1:]
+    something_else = any((plan.storyboard.stories, plan.markings, plan.camera.failures))
+    start = plan.derived.get(plan.ego.id)
+    if something_else or start is None or not others or any(one.kind != "static" for one in others):
+        return
+    values = parameter_values(plan.parameters)
+    speed = max(number_value(plan.ego.speed, values), number_value(plan.ego.desired_speed, values))
+    placed = [(one, plan.derived[one.id]) for one in others if one.id in plan.derived]
+    away = {one.id: math.hypot(pose.x - start.x, pose.y - start.y) - one.vehicle.length for one, pose in placed}
+    if len(away) < len(others) or min(away.values()) <= speed * plan.duration:
+        return
+    nearest = min(away, key=lambda name: away[name])
+    message = f"'{nearest}' is {away[nearest]:.0f} m away, but {speed * plan.duration:.0f} m are driven in the run"
+    sink.add(OUT_OF_REACH, message, place_of(plan, f"entities/{nearest}"))

@@ -1,0 +1,200 @@
+"""Every trigger can fire: at the parameters' defaults, and before the run ends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
+from scenario_compiler.expressions import Value
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.conditions import (
+    Condition,
+    DistanceCondition,
+    EventCondition,
+    LaneConfidenceCondition,
+    ReachPositionCondition,
+    SensorHealthCondition,
+    SimulationTimeCondition,
+    SpeedCondition,
+    StandstillCondition,
+    TimeHeadwayCondition,
+    TimeToCollisionCondition,
+    TraveledDistanceCondition,
+)
+from scenario_compiler.vocabulary.positions import LanePosition
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
+from scenario_compiler.vocabulary.word import number_value
+
+NEVER_FIRES = Code(
+    "SC401",
+    "never-fires",
+    "A condition can never be true at the parameters' values, so what it should start never happens: a distance or a "
+    "time gap below 0, a speed that the vehicle cannot drive, a place farther away than the ego vehicle comes, an "
+    "entity and itself, events that wait for each other:\n\n"
+    '    <when><distance to="ego" below="0"/> <do>...</do></when>     a distance is never below 0\n\n'
+    "Correct the number. Where other values of a parameter make it possible, say that it is meant: "
+    '<allow code="SC401"/> at the head of the file.',
+    Severity.WARNING,
+)
+AFTER_THE_END = Code(
+    "SC402",
+    "after-the-end",
+    "Something begins when the run has ended already, so it never happens: an event whose time, or a sensor's failure "
+    "whose onset, is not before the scenario's duration:\n\n"
+    '    <scenario ... duration="30"> ... <when><time after="40"/> <do>...</do></when>\n\n'
+    "Give the scenario a longer `duration`, or let it begin earlier.",
+    Severity.WARNING,
+)
+
+
+@dataclass(frozen=True)
+class Never:
+    """Why a condition is never true: the code and the words, and the attribute that says so."""
+
+    code: Code
+    reason: str
+    attribute: str = ""
+
+
+def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report events, failures and a stop that never come about."""
+    values = parameter_values(plan.parameters)
+    events = list(events_of(plan))
+    faults = {
+        (id(event), at): fault
+        for event in events
+        for at, condition in enumerate(conditions_of(event.start))
+        if (fault := never(condition, plan, network, values))
+    }
+    possible: set[str] = {event.name for event in events}
+    while True:
+        still = {event.name for event in events if _can_fire(event, possible, faults)}
+        if still == possible:
+            break
+        possible = still
+    for event in events:
+        if event.name not in possible:
+            _report(event, possible, faults, sink)
+    for failure in plan.camera.failures:
+        onset = number_value(failure.onset, values)
+        if onset >= plan.duration:
+            message = f"the failure begins at {onset:g} s, but the run ends at {plan.duration:g} s"
+            sink.add(AFTER_THE_END, message, failure.place_of("onset"))
+
+
+def events_of(plan: Plan) -> Iterator[Event]:
+    """Yield the storyboard's events in document order."""
+    for story in plan.storyboard.stories:
+        for act in story.acts:
+            for group in act.groups:
+                for maneuver in group.maneuvers:
+                    yield from maneuver.events
+
+
+def conditions_of(trigger: Trigger | None) -> list[TriggerCondition]:
+    """Return the conditions of all groups of a trigger."""
+    return [] if trigger is None else [one for group in trigger.groups for one in group.conditions]
+
+
+def _can_fire(event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never]) -> bool:
+    """Return whether a group of the event's trigger has no condition that is never true."""
+    if event.start is None:
+        return True
+    at = 0
+    for group in event.start.groups:
+        numbered = list(enumerate(group.conditions, start=at))
+        at += len(numbered)
+        if all((id(event), k) not in faults and _waits_well(one.condition, event, possible) for k, one in numbered):
+            return True
+    return False
+
+
+def _waits_well(condition: Condition, event: Event, possible: set[str]) -> bool:
+    if not isinstance(condition, EventCondition):
+        return True
+    return condition.name in possible and condition.name != event.name
+
+
+def _report(event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never], sink: Diagnostics) -> None:
+    """Report each place that keeps an event from happening, once."""
+    for at, one in enumerate(conditions_of(event.start)):
+        fault = faults.get((id(event), at))
+        condition = one.condition
+        if fault is None and not _waits_well(condition, event, possible):
+            fault = Never(NEVER_FIRES, "the event that it waits for never happens", "name")
+        if fault is not None:
+            place: Place = condition.place_of(fault.attribute) if fault.attribute else condition.origin
+            sink.add(fault.code, f"'{event.name}' never happens: {fault.reason}", place)
+
+
+def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[str, Value]) -> Never | None:
+    """Return why a condition is never true before the run ends; None when it may be.
+
+    A speed is held against the vehicle's top speed, a way against what that speed covers in the run, a place against
+    the straight distance from the start.
+    """
+    condition = one.condition
+    if isinstance(condition, SimulationTimeCondition):
+        begin = number_value(condition.after, values) + number_value(one.delay, values)
+        late = f"the run ends at {plan.duration:g} s, before {begin:g} s"
+        return Never(AFTER_THE_END, late, "after") if begin >= plan.duration else None
+    if isinstance(condition, TimeHeadwayCondition | DistanceCondition | TimeToCollisionCondition):
+        if condition.to == condition.entity:
+            return Never(NEVER_FIRES, f"'{condition.to}' is not ahead of itself", "to")
+        zero = number_value(condition.below, values) <= 0.0
+        return Never(NEVER_FIRES, "it is never below 0", "below") if zero else None
+    if isinstance(condition, LaneConfidenceCondition | SensorHealthCondition):
+        zero = number_value(condition.below, values) <= 0.0
+        return Never(NEVER_FIRES, "it is never below 0", "below") if zero else None
+    if isinstance(condition, SpeedCondition):
+        return _never_so_fast(condition, plan, values)
+    if isinstance(condition, StandstillCondition):
+        begin = number_value(condition.duration, values)
+        late = f"the run lasts {plan.duration:g} s, not {begin:g} s"
+        return Never(AFTER_THE_END, late, "duration") if begin >= plan.duration else None
+    if isinstance(condition, TraveledDistanceCondition):
+        way, reach = number_value(condition.distance, values), _top_speed(plan, condition.entity) * plan.duration
+        far = f"no more than {reach:.0f} m are driven until the run ends"
+        return Never(NEVER_FIRES, far, "distance") if way > reach else None
+    return _never_so_far(condition, plan, network, values) if isinstance(condition, ReachPositionCondition) else None
+
+
+def _top_speed(plan: Plan, entity: str) -> float:
+    return next((one.vehicle.max_speed for one in plan.entities if one.id == entity), math.inf)
+
+
+def _never_so_fast(condition: SpeedCondition, plan: Plan, values: Mapping[str, Value]) -> Never | None:
+    value = number_value(condition.value, values)
+    top = _top_speed(plan, condition.entity)
+    least = 0.0
+    impossible = {
+        "lessThan": value <= least,
+        "lessOrEqual": value < least,
+        "greaterThan": value >= top,
+        "greaterOrEqual": value > top,
+        "equalTo": not least <= value <= top,
+        "notEqualTo": False,
+    }
+    reason = f"the speed of '{condition.entity}' lies between 0 and {top:g} m/s"
+    moving = next((one for one in plan.entities if one.id == condition.entity), None)
+    if moving is None or moving.kind != "ego":
+        return None
+    return Never(NEVER_FIRES, reason, "value") if impossible[condition.rule] else None
+
+
+def _never_so_far(
+    condition: ReachPositionCondition, plan: Plan, network: Network, values: Mapping[str, Value]
+) -> Never | None:
+    """Return why the ego vehicle, which starts at a known place, does not come near a position on a lane."""
+    start, goal = plan.derived.get(condition.entity), condition.position
+    if condition.entity != plan.ego.id or start is None or not isinstance(goal, LanePosition):
+        return None
+    pose = network.lane_pose(goal.road, goal.lane, number_value(goal.s, values), number_value(goal.offset, values))
+    away = math.hypot(pose.x - start.x, pose.y - start.y) - number_value(condition.tolerance, values)
+    reach = plan.ego.vehicle.max_speed * plan.duration
+    reason = f"it is {away:.0f} m away, but no more than {reach:.0f} m are driven until the run ends"
+    return Never(NEVER_FIRES, reason) if away > reach else None

@@ -1,0 +1,31 @@
+"""Templates that stand beside scenarios and are used by none of them."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.source import names
+from scenario_compiler.source.conflict import Library, Part, Use
+
+
+def report_unused_templates(library: Library, sink: Diagnostics) -> None:
+    """Warn of a file's own templates that no scenario of it reaches; nothing is known where a name is computed."""
+    if not library.scenarios:
+        return
+    reached: set[str] = set()
+    waiting = [name for part in library.scenarios.values() for name in _used_by(part)]
+    while waiting:
+        name = waiting.pop()
+        if "$" in name:
+            return
+        if name not in reached:
+            reached.add(name)
+            waiting += _used_by(library.templates[name]) if name in library.templates else []
+    for name in library.own_templates:
+        if name and name not in reached:
+            part = library.templates[name]
+            place = part.document.origin(part.element, "name", part.within)
+            sink.add(names.UNUSED_TEMPLATE, f"no scenario of this file uses the template '{name}'", place)
+
+
+def _used_by(part: Part) -> list[str]:
+    return [str(use.get("template", "")) for use in part.element.iter(Use.tag())]

@@ -1,0 +1,223 @@
+"""Variation: which parameters of a scenario a sweep varies, how each is distributed, and what every variant fulfils."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Literal
+
+from scenario_compiler.expressions import format_value
+from scenario_compiler.vocabulary.word import IDENTIFIER, Word, attribute, child
+
+
+class Axis(Word):
+    """A parameter that varies. Numbers are in the unit in which XML writes the parameter."""
+
+    parameter: str = attribute("Name of the parameter.", pattern=IDENTIFIER, names="parameter")
+
+    def spelling(self) -> str:
+        """Return NAME=DISTRIBUTION, as `sweep --vary` takes it."""
+        return f"{self.parameter}={self.model_dump().get('word')}({', '.join(self.arguments())})"
+
+    def arguments(self) -> Sequence[str]:
+        """Return the distribution's arguments in order."""
+        raise NotImplementedError
+
+    def extent(self) -> Sequence[float]:
+        """Return values that are tried or are limits of those that are; none where nothing limits them."""
+        return ()
+
+    def fault(self) -> tuple[str, str]:
+        """Return the attribute that does not fit the others, and why; two empty texts where all fit."""
+        return "", ""
+
+
+class Between(Axis):
+    """An axis with limits that may be left out, but only together."""
+
+    least: float | None = attribute("Least value: what is drawn below is drawn again.", default=None)
+    greatest: float | None = attribute("Greatest value.", default=None)
+
+    def _limits(self) -> tuple[float, ...]:
+        return () if self.least is None or self.greatest is None else (self.least, self.greatest)
+
+    def extent(self) -> Sequence[float]:
+        """Return the limits."""
+        return self._limits()
+
+    def fault(self) -> tuple[str, str]:
+        """Return what is wrong with the limits."""
+        if (self.least is None) != (self.greatest is None):
+            return ("least" if self.greatest is None else "greatest"), "least and greatest are given together or not"
+        limits = self._limits()
+        return ("greatest", "greatest must be above least") if limits and limits[0] >= limits[1] else ("", "")
+
+
+class Uniform(Axis):
+    """Every value between two is as likely as another."""
+
+    word: Literal["uniform"] = "uniform"
+
+    least: float = attribute("Least value.")
+    greatest: float = attribute("Greatest value.")
+
+    def arguments(self) -> Sequence[str]:
+        """Return least, greatest."""
+        return _texts(self.least, self.greatest)
+
+    def extent(self) -> Sequence[float]:
+        """Return the limits."""
+        return (self.least, self.greatest)
+
+    def fault(self) -> tuple[str, str]:
+        """Return whether the limits stand the wrong way round."""
+        return ("greatest", "greatest must not be below least") if self.greatest < self.least else ("", "")
+
+
+class Normal(Between):
+    """A normal distribution, cut off at limits if there are any."""
+
+    word: Literal["normal"] = "normal"
+
+    mean: float = attribute("Mean before it is cut off.")
+    deviation: float = attribute("Standard deviation before it is cut off.", minimum=0, exclusive=True)
+
+    def arguments(self) -> Sequence[str]:
+        """Return mean, deviation and the limits."""
+        return _texts(self.mean, self.deviation, *self._limits())
+
+
+class Lognormal(Between):
+    """A distribution whose logarithm is normal, cut off at limits if there are any."""
+
+    word: Literal["lognormal"] = "lognormal"
+
+    mu: float = attribute("Mean of the logarithm.")
+    sigma: float = attribute("Standard deviation of the logarithm.", minimum=0, exclusive=True)
+
+    def arguments(self) -> Sequence[str]:
+        """Return mu, sigma and the limits."""
+        return _texts(self.mu, self.sigma, *self._limits())
+
+    def fault(self) -> tuple[str, str]:
+        """Return what is wrong with the limits, which lie above 0."""
+        limits = self._limits()
+        return ("least", "least must be above 0") if limits and limits[0] <= 0.0 else super().fault()
+
+
+class Triangular(Axis):
+    """Likelier the nearer to a value, and never beyond two limits."""
+
+    word: Literal["triangular"] = "triangular"
+
+    least: float = attribute("Least value.")
+    likeliest: float = attribute("Likeliest value.")
+    greatest: float = attribute("Greatest value.")
+
+    def arguments(self) -> Sequence[str]:
+        """Return least, likeliest, greatest."""
+        return _texts(self.least, self.likeliest, self.greatest)
+
+    def extent(self) -> Sequence[float]:
+        """Return the limits."""
+        return (self.least, self.greatest)
+
+    def fault(self) -> tuple[str, str]:
+        """Return whether the three stand in the wrong order."""
+        ordered = self.least <= self.likeliest <= self.greatest and self.least < self.greatest
+        return ("", "") if ordered else ("likeliest", "likeliest must lie between least and a greater greatest")
+
+
+class Poisson(Axis):
+    """Counts of what happens at a mean rate."""
+
+    word: Literal["poisson"] = "poisson"
+
+    mean: float = attribute("Mean count.", minimum=0, exclusive=True, maximum=500)
+
+    def arguments(self) -> Sequence[str]:
+        """Return the mean."""
+        return _texts(self.mean)
+
+
+class Histogram(Axis):
+    """Uniform between neighbouring edges, with a weight for each pair."""
+
+    word: Literal["histogram"] = "histogram"
+
+    edges: tuple[float, ...] = attribute("Edges, rising, one more than weights.", separated=True)
+    weights: tuple[float, ...] = attribute("Weight between each edge and the next.", separated=True, minimum=0)
+
+    def arguments(self) -> Sequence[str]:
+        """Return edge, weight, edge, ..., edge."""
+        pairs = zip(self.edges, self.weights, strict=False)
+        return _texts(*(number for pair in pairs for number in pair), self.edges[-1])
+
+    def extent(self) -> Sequence[float]:
+        """Return the first and the last edge."""
+        return (self.edges[0], self.edges[-1])
+
+    def fault(self) -> tuple[str, str]:
+        """Return what is wrong with the edges or weights."""
+        if any(one >= other for one, other in pairwise(self.edges)):
+            return "edges", "the edges must rise"
+        if len(self.edges) != len(self.weights) + 1:
+            return "weights", f"{len(self.edges)} edges need {len(self.edges) - 1} weights, not {len(self.weights)}"
+        return ("", "") if sum(self.weights) > 0.0 else ("weights", "one of the weights must be above 0")
+
+
+class Choice(Axis):
+    """One of some values, each as likely as another."""
+
+    word: Literal["choice"] = "choice"
+
+    of: tuple[str, ...] = attribute("The values: numbers or names with spaces between.", separated=True)
+
+    def arguments(self) -> Sequence[str]:
+        """Return the values."""
+        return self.of
+
+    def fault(self) -> tuple[str, str]:
+        """Return whether a value has a comma, which stands between values where they are listed elsewhere."""
+        return ("of", "values stand with spaces between, without commas") if "," in "".join(self.of) else ("", "")
+
+
+class Grid(Axis):
+    """Each of some values, evenly spaced, with every value of the other axes."""
+
+    word: Literal["grid"] = "grid"
+
+    first: float = attribute("First value.")
+    last: float = attribute("Last value.")
+    count: int = attribute("Number of values.", minimum=1)
+
+    def arguments(self) -> Sequence[str]:
+        """Return first, last, count."""
+        return _texts(self.first, self.last, self.count)
+
+    def extent(self) -> Sequence[float]:
+        """Return the first and the last value."""
+        return (self.first, self.last)
+
+
+class Constraint(Word):
+    """What every variant fulfils: draws that do not are drawn again."""
+
+    word: Literal["constraint"] = "constraint"
+
+    holds: str = attribute("Expression over the parameters, such as `$gap > 2 * $speed`.")
+
+
+class Vary(Word):
+    """How a sweep varies the scenario. A run takes the defaults."""
+
+    word: Literal["vary"] = "vary"
+
+    axes: tuple[Uniform | Normal | Lognormal | Triangular | Poisson | Histogram | Choice | Grid, ...] = child(
+        "The parameters that vary."
+    )
+    constraints: tuple[Constraint, ...] = child("What every variant fulfils.", default=())
+
+
+def _texts(*numbers: float) -> tuple[str, ...]:
+    return tuple(format_value(float(number)) for number in numbers)

@@ -1,0 +1,111 @@
+"""Validating many files: each gives its findings in order, whatever the others are, and nothing heavy is loaded."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.cli.validate import summary
+from scenario_compiler.compiler import MOST_SCENARIO_BYTES, files_below, validate_file, validate_files
+from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.resources import library_folder
+
+HEAVY = ("numpy", "cv2", "numba", "scipy", "matplotlib", "pyarrow", "jinja2", "rich", "concurrent.futures.process")
+OBSTACLE = library_folder() / "conflicts" / "obstacle_ahead.xml"
+
+
+def _run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_nothing_heavy_is_loaded() -> None:
+    program = (
+        "import sys\nfrom scenario_compiler.cli import main\n"
+        f"sys.argv = ['scenario-compiler', 'validate', {str(OBSTACLE)!r}]\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code\n"
+        f"print([name for name in {HEAVY!r} if name in sys.modules])"
+    )
+    done = _run("-c", program)
+    assert done.stdout.splitlines()[-1] == "[]", done.stdout + done.stderr
+
+
+def test_one_file_takes_little_time() -> None:
+    def spent() -> float:
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return used.ru_utime + used.ru_stime
+
+    times = []
+    for _ in range(3):
+        before = spent()
+        assert _run("-m", "scenario_compiler", "validate", str(OBSTACLE)).returncode == 0
+        times.append(spent() - before)
+    assert min(times) < 0.7, "0.35 s on an idle machine; twice that is allowed here"
+
+
+def _hostile(folder: Path) -> list[Path]:
+    """Write files that are damaged, huge or hostile; return them with a good one after each."""
+    good = OBSTACLE.read_text(encoding="utf-8")
+    contents = {
+        "cut.xml": good[: len(good) // 2].encode(),
+        "binary.xml": bytes(range(256)) * 40,
+        "empty.xml": b"",
+        "bomb.xml": b'<!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;">]><scenarios>&c;</scenarios>',
+        "deep.xml": b'<scenarios version="1">' + b"<template>" * 5000,
+        "huge.xml": b'<scenarios version="1">' + b" " * MOST_SCENARIO_BYTES + b"</scenarios>",
+        "road.xodr": b"<OpenDRIVE><header/>",
+    }
+    for name, content in contents.items():
+        (folder / name).write_bytes(content)
+        (folder / f"{name}.good.xml").write_text(good, encoding="utf-8")
+    return files_below(folder)
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_a_hostile_file_is_one_finding_and_the_rest_goes_on(tmp_path: Path, processes: int) -> None:
+    files = _hostile(tmp_path) * 3
+    found = list(validate_files(files, processes=processes))
+    assert [len(some) for some in found] == [0 if file.name.endswith("good.xml") else 1 for file in files]
+    assert all(one.place.file == str(file) for file, some in zip(files, found, strict=True) for one in some)
+
+
+def test_a_fault_of_the_program_is_a_finding_too(tmp_path: Path) -> None:
+    strange = tmp_path / ("x" * 300)
+    (found,) = validate_files([strange, OBSTACLE][:1])
+    assert {one.code.id for one in found} <= {"SC101", "SC117"}
+    assert len(found) == 1
+
+
+def test_a_road_file_fails_for_its_structure_alone(tmp_path: Path) -> None:
+    road = tmp_path / "road.xodr"
+    header = '<header revMajor="1" revMinor="4"/>'
+    road.write_text(f"<OpenDRIVE>{header}</OpenDRIVE>", encoding="utf-8")
+    sink = Diagnostics()
+    validate_file(road, sink)
+    structural = [one for one in sink if one.severity is Severity.ERROR]
+    road.write_text(f"<OpenDRIVE>{header}<raod/></OpenDRIVE>", encoding="utf-8")
+    worse = Diagnostics()
+    validate_file(road, worse)
+    assert len([one for one in worse if one.severity is Severity.ERROR]) > len(structural)
+
+
+def test_warnings_are_allowed_in_the_file(tmp_path: Path) -> None:
+    case = Path(__file__).parent / "cases" / "SC401_never_fires.xml"
+    text = case.read_text(encoding="utf-8")
+    file = tmp_path / "quiet.xml"
+    file.write_text(text.replace('version="1">', 'version="1"><allow code="SC401"/>', 1), encoding="utf-8")
+    sink = Diagnostics()
+    validate_file(file, sink)
+    assert list(sink) == []
+    done = _run("-m", "scenario_compiler", "validate", "--error", "SC401", str(case))
+    assert done.returncode == 1
+
+
+def test_the_summary_counts() -> None:
+    assert summary(1, []) == "1 file checked, 0 errors"
+    sink = Diagnostics()
+    validate_file(Path("missing.xml"), sink)
+    assert summary(3, list(sink)) == "3 files checked, 1 error, 1 file at fault"
