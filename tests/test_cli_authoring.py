@@ -1,0 +1,111 @@
+"""The commands of an author and of a sweep, as a user meets them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.cli import main
+
+LIBRARY = Path(__file__).parent.parent / "library"
+
+
+def call(*arguments: object) -> int:
+    """Return the exit code of a command."""
+    with pytest.raises(SystemExit) as left:
+        main([str(argument) for argument in arguments])
+    assert isinstance(left.value.code, int)
+    return left.value.code
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Work in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_library_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("list") == 0
+    out = capsys.readouterr().out
+    assert "markings_missing" in out
+    assert "blocked_lane" in out
+
+
+def test_a_file_is_listed_as_a_gallery_with_a_picture_each() -> None:
+    assert call("list", LIBRARY / "conflicts" / "obstacle_ahead.xml", "--html", "gallery.html") == 0
+    page = Path("gallery.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == 1
+    assert "obstacle_ahead" in page
+
+
+def test_a_folder_that_is_not_there_is_wrong_use() -> None:
+    assert call("list", "nowhere") == 2
+
+
+def test_a_new_conflict_is_valid_and_runs() -> None:
+    assert call("new", "mine", "--from", "blocked_lane") == 0
+    assert call("validate", "mine.xml") == 0
+    assert call("run", "mine.xml", "--perception", "ideal", "--duration", "1") == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "template", "said"),
+    [("mine", "blocked_lan", "did you mean 'blocked_lane'"), ("my case", "blocked_lane", "is no name")],
+)
+def test_what_cannot_begin_a_conflict_is_said_so(
+    capsys: pytest.CaptureFixture[str], name: str, template: str, said: str
+) -> None:
+    assert call("new", name, "--from", template) == 2
+    assert said in capsys.readouterr().err
+    assert list(Path().iterdir()) == []
+
+
+def test_a_new_conflict_does_not_overwrite() -> None:
+    Path("mine.xml").write_text("keep me")
+    assert call("new", "mine", "--from", "blocked_lane") == 2
+    assert Path("mine.xml").read_text() == "keep me"
+
+
+@pytest.mark.parametrize(("file", "head"), [("plan.png", b"\x89PNG"), ("plan.svg", b"<?xml")])
+def test_a_plan_is_drawn(file: str, head: bytes) -> None:
+    assert call("preview", LIBRARY / "conflicts" / "obstacle_ahead.xml", "-o", file) == 0
+    assert Path(file).read_bytes().startswith(head)
+
+
+def test_a_plan_is_drawn_as_a_picture_only() -> None:
+    assert call("preview", LIBRARY / "conflicts" / "obstacle_ahead.xml", "-o", "plan.txt") == 2
+
+
+def test_a_run_shows_its_route() -> None:
+    target = LIBRARY / "conflicts" / "obstacle_ahead.xml"
+    ideal = ("--perception", "ideal", "--duration", "1")
+    assert call("run", target, *ideal, "--show", "route") == 2
+    assert call("run", target, *ideal, "--show", "route", "-o", "out") == 0
+    assert Path("out/route.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_file_of_the_toolkit_is_converted(corpus: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = corpus / "aisa-toolkit/simulation/scenarios/aisa_conflicts.xml"
+    assert call("convert", file, "-o", "aisa.xml") == 0
+    towns = corpus / "Scenic/assets/maps/CARLA"
+    monkeypatch.setenv("SCENARIO_COMPILER_MAPS", f"{towns}:{corpus / 'opendrive-test-files/OpenDrive'}")
+    assert call("run", "aisa.xml#sensornoise", "--perception", "ideal", "--duration", "1") == 0
+    assert call("convert", LIBRARY / "conflicts" / "obstacle_ahead.xml", "-o", "no.xml") == 2
+
+
+def test_a_sweep_leaves_a_table_and_a_report(capsys: pytest.CaptureFixture[str]) -> None:
+    target = LIBRARY / "conflicts" / "obstacle_ahead.xml"
+    command = ("sweep", target, "--perception", "ideal", "--duration", "6", "--vary", "distance=uniform(60,120)")
+    assert call(*command, "--samples", "4", "-o", "sweep") == 0
+    assert "4 variants, 0 failed" in capsys.readouterr().out
+    assert {"results.parquet", "report.html"} <= {path.name for path in Path("sweep").iterdir()}
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--vary", "distance"], ["--vary", "nothing=uniform(1,2)"], ["--vary", "distance=uniform(2)"]]
+)
+def test_a_sweep_that_cannot_be_is_wrong_use_or_at_fault(arguments: list[str]) -> None:
+    target = LIBRARY / "conflicts" / "obstacle_ahead.xml"
+    assert call("sweep", target, "--perception", "ideal", *arguments, "-o", "sweep") in (1, 2)
