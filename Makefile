@@ -3,7 +3,8 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 CODE := $(wildcard scenario_compiler tests maps examples)
-FRESH := $(wildcard tests/test_layers.py tests/test_engine_lint.py tests/test_schemas.py tests/test_public_names.py)
+FRESH := $(wildcard tests/test_layers.py tests/test_engine_lint.py tests/test_schemas.py tests/test_public_names.py \
+	tests/roads/test_unread.py)
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
 # The first Python that starts, is new enough and can make environments.
@@ -40,7 +41,7 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy $(CODE)
-	$(BIN)/pytest -q $(FRESH)
+	$(BIN)/pytest -q -m "not slow" $(FRESH)
 
 format: setup
 	$(BIN)/ruff check --fix .
@@ -49,7 +50,7 @@ format: setup
 # Rewrites what is made from the code: the maps from their descriptions, the schemas from the models.
 generate: setup
 	for build in $(wildcard maps/*/build.py); do $(BIN)/python $$build || exit 1; done
-	$(BIN)/pytest -q --update $(wildcard tests/test_schemas.py)
+	$(BIN)/pytest -q --update -m "not slow" $(wildcard tests/test_schemas.py tests/roads/test_unread.py)
 
 # Builds the source archive and from it the wheel, and runs the wheel from an empty environment and another folder.
 wheel-test: setup

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, parse_document, read_document
 from scenario_compiler.roads.check import unread
+from scenario_compiler.roads.check.coverage import KEPT_ATTRIBUTES, coverage_page
 from scenario_compiler.roads.check.unread import READ_ATTRIBUTES
 from scenario_compiler.roads.model import read_model
 from scenario_compiler.roads.parse import drop_namespace, read_network
@@ -45,6 +47,18 @@ def test_a_switched_declaration_may_be_unread() -> None:
     assert [(one.path, one.attribute) for one in unread(document)] == [("junction", "")]
 
 
+def test_an_element_that_is_read_elsewhere_is_listed_where_it_is_not() -> None:
+    junction = '<junction id="5"><objects><object id="1" s="0" t="0"/></objects></junction>'
+    tunnel = '<tunnel id="1" s="0" length="5" type="standard"><validity fromLane="1" toLane="1"/></tunnel>'
+    inside = f'</lanes><objects>{tunnel}</objects><userData code="a" value="b"/>'
+    document = made(road().replace("</lanes>", inside), junction, minor=8)
+    assert [one.path for one in unread(document)] == [
+        "road/objects/tunnel/validity",
+        "road/userData",
+        "junction/objects",
+    ]
+
+
 LARGEST = 20_000
 """Size of the largest file that is tried, bytes."""
 
@@ -68,8 +82,8 @@ WITHOUT_EFFECT = {
 """Attributes that are read and make no difference in the files tried."""
 
 
-def note_changes(root: etree._Element, changes: dict[tuple[str, str], bool]) -> None:
-    """Change one attribute after another and note whether that changed what is read."""
+def note_changes(root: etree._Element, changes: dict[tuple[str, str], str]) -> None:
+    """Change one attribute after another and note what that changed: "tables", only "model", or ""."""
     header = root.find("header")
     minor = int(header.get("revMinor", "0")) if header is not None else 0
     before = state(root)
@@ -84,9 +98,15 @@ def note_changes(root: etree._Element, changes: dict[tuple[str, str], bool]) -> 
             declaration = known[declaration.switch[1].get(element.get(declaration.switch[0], ""), declaration.name)]
         for name, value in list(element.attrib.items()):
             pair = (declaration.name, str(name))
-            if declaration.name in READ_ATTRIBUTES and pair not in tried and not changes.get(pair):
+            if declaration.name in READ_ATTRIBUTES and pair not in tried and changes.get(pair) != "tables":
                 tried.add(pair)
-                changes[pair] = any(state(root, element, str(name), other) != before for other in OTHER_VALUES)
+                after = [state(root, element, str(name), other) for other in OTHER_VALUES]
+                if any(one is None or one[0] != before[0] for one in after):
+                    changes[pair] = "tables"
+                elif any(one != before for one in after):
+                    changes[pair] = "model"
+                else:
+                    changes.setdefault(pair, "")
                 element.set(name, value)
         for child in element.iterchildren(etree.Element) if not declaration.anything else ():
             inner = declaration.content.declaration(str(child.tag))
@@ -94,8 +114,10 @@ def note_changes(root: etree._Element, changes: dict[tuple[str, str], bool]) -> 
                 pending.append((child, known[inner]))
 
 
-def state(root: etree._Element, element: etree._Element | None = None, name: str = "", value: str = "") -> str | None:
-    """Return all that is read of a file, after a change."""
+def state(
+    root: etree._Element, element: etree._Element | None = None, name: str = "", value: str = ""
+) -> tuple[str, str] | None:
+    """Return all that is read of a file, after a change: tables, and what is only kept."""
     if element is not None:
         element.set(name, value)
     sink = Diagnostics()
@@ -106,13 +128,13 @@ def state(root: etree._Element, element: etree._Element | None = None, name: str
     if parsed is None:
         return None
     tables = [getattr(parsed.tables, column) for column in parsed.tables.__slots__]
-    return repr((tables, parsed.road_ids, parsed.junction_ids, read_model(document, sink)))
+    return repr((tables, parsed.road_ids, parsed.junction_ids)), repr(read_model(document, sink))
 
 
 @pytest.mark.slow
 def test_what_counts_as_read_is_read(corpus: Path) -> None:
     """Changing the value of an attribute changes what is read of the file, if and only if it counts as read."""
-    changes: dict[tuple[str, str], bool] = {}
+    changes: dict[tuple[str, str], str] = {}
     for path in sorted(corpus.rglob("*.xodr")):
         document = read_document(path, Diagnostics())
         if path.stat().st_size < LARGEST and document is not None and road_version(document) is not None:
@@ -121,3 +143,18 @@ def test_what_counts_as_read_is_read(corpus: Path) -> None:
     assert len(changes) > 150
     assert {pair for pair, change in changes.items() if change} <= listed
     assert {pair for pair, change in changes.items() if not change} & listed <= set(WITHOUT_EFFECT)
+    kept = {(name, attribute) for name, attributes in KEPT_ATTRIBUTES.items() for attribute in attributes}
+    assert {pair for pair, change in changes.items() if change == "tables"} & kept == set()
+    assert {pair for pair, change in changes.items() if change == "model"} <= kept | set(WITHOUT_EFFECT)
+
+
+def test_the_page_of_what_is_read_is_fresh(repository: Path, assert_fresh: Callable[[Path, str], None]) -> None:
+    assert_fresh(repository / "docs" / "opendrive.md", coverage_page())
+
+
+def test_every_element_and_attribute_has_its_place_on_the_page() -> None:
+    page = coverage_page()
+    read = {tag for name in READ_ATTRIBUTES for tag in (name, *READ_ATTRIBUTES[name])}
+    assert {attribute for names in KEPT_ATTRIBUTES.values() for attribute in names} <= read | {"name"}
+    assert "| `access` | lane | " in page
+    assert page.count("\n") > 100

@@ -92,6 +92,26 @@ junction_controller id
 READ_ATTRIBUTES = {line.split()[0]: frozenset(line.split()[1:]) for line in READ.split("\n") if line}
 """The same by name."""
 
+_JUNCTION_PARTS = frozenset({"planView", "objects"})
+NOT_READ_IN = {
+    "junction": _JUNCTION_PARTS,
+    "virtual_junction": _JUNCTION_PARTS,
+    "direct_junction": _JUNCTION_PARTS,
+    "centre_lane": frozenset({"width", "border"}),
+    "tunnel": frozenset({"validity", "Validity", "laneValidity"}),
+    "bridge": frozenset({"validity", "Validity", "laneValidity"}),
+    "object": frozenset({"Validity", "laneValidity"}),
+    "signal": frozenset({"Validity", "laneValidity"}),
+    "signalReference": frozenset({"Validity", "laneValidity"}),
+}
+"""Tags of elements that are read elsewhere and not in these declarations."""
+
+USER_DATA_IN = frozenset(
+    {"header", "left_lane", "right_lane", "centre_lane", "roadMark", "object", "signal", "signalReference", "junction"}
+    | {"virtual_junction", "direct_junction"}
+)
+"""Declarations whose user data is read."""
+
 
 @dataclass(frozen=True, slots=True)
 class Unread:
@@ -111,10 +131,7 @@ class Unread:
 
 
 def unread(document: Document) -> tuple[Unread, ...]:
-    """Return what stands in a road file and is not read, in the order of the file, each kind once.
-
-    User data counts as read: it is kept as it is.
-    """
+    """Return what stands in a road file and is not read, in the order of the file, each kind once."""
     version = road_version(document)
     minor = version[1] if version is not None and FIRST_MINOR <= version[1] <= LAST_MINOR else LAST_MINOR
     known = declarations(minor)
@@ -136,7 +153,9 @@ def unread(document: Document) -> tuple[Unread, ...]:
             tag = etree.QName(child).localname
             below = f"{path}/{tag}".lstrip("/")
             target = declaration.content.declaration(tag)
-            if target is None or (target not in READ_ATTRIBUTES and known[target].switch is None):
+            elsewhere = tag in NOT_READ_IN.get(declaration.name, ())
+            elsewhere |= tag == "userData" and declaration.name not in USER_DATA_IN
+            if target is None or elsewhere or (target not in READ_ATTRIBUTES and known[target].switch is None):
                 _count(found, (below, ""), child)
             else:
                 inner.append((child, known[target], below))

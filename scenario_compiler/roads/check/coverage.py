@@ -1,0 +1,145 @@
+"""The page that tells, element by element, what of OpenDRIVE is used, kept and not read (docs/opendrive.md).
+
+It is made from the declarations of elements (`structure.grammar`) and from the list of what is read (`unread`).
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.roads.check.unread import NOT_READ_IN, READ_ATTRIBUTES
+from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, Declaration, declarations
+
+KEPT = """
+header revMajor revMinor name date vendor
+geoReference
+offset x y z hdg
+access sOffset rule restriction
+restriction type
+material sOffset friction roughness surface
+rule sOffset value
+visibility sOffset forward back left right
+left_lane advisory dynamicLaneDirection dynamicLaneType roadWorks
+right_lane advisory dynamicLaneDirection dynamicLaneType roadWorks
+objects
+object id name type subtype s t zOffset hdg pitch roll orientation length width height radius validLength dynamic
+repeat s length distance tStart tEnd zOffsetStart zOffsetEnd
+outlines
+outline closed outer
+cornerRoad s t dz height
+cornerLocal u v z height
+validity fromLane toLane
+tunnel id name type s length
+bridge id name type s length
+signals
+signal id name type subtype country value unit text s t zOffset hOffset orientation dynamic height width
+signalReference id s t orientation
+controller id name
+control signalId type
+junction name type mainRoad sStart sEnd orientation
+direct_junction name type
+virtual_junction name type mainRoad sStart sEnd orientation
+connection id
+direct_connection id
+virtual_connection id
+bypassing_connection id incomingRoad connectingRoad contactPoint type
+connection_end elementId elementS elementDir
+priority high low
+junction_controller id
+"""
+"""What is read and kept for those who ask (`Network.model`, `Network.lane_details`), of the elements in `unread.READ`;
+positions, routes and pictures do not depend on it."""
+
+KEPT_ATTRIBUTES = {line.split()[0]: frozenset(line.split()[1:]) for line in KEPT.split("\n") if line}
+"""The same by name."""
+
+_HEAD = """# What of OpenDRIVE is read
+
+Made from the reader's own tables by `make generate`; tests hold the list to what the reader does.
+
+*Used*: positions, routes, triggers or pictures depend on it. *Kept*: `Network.model()` and `Network.lane_details()`
+give it. *Not read*: `map check` lists it where it stands in a file. Additional data (`userData`, `include`,
+`dataQuality`) may stand in most elements; `userData` of the header, lanes, objects, signals and junctions is kept,
+`marking_quality` of a road mark is used. Versions are given where not all from 1.1 to 1.8 know something.
+"""
+
+_EVERY = list(range(FIRST_MINOR, LAST_MINOR + 1))
+_WITHOUT_ROW = frozenset({"include", "dataQuality", "error", "rawData"})
+
+
+def coverage_page() -> str:
+    """Return the page, in Markdown."""
+    lines = [_HEAD, "| element | in | used | kept | not read |", "|---|---|---|---|---|"]
+    for name, (tags, parents, minors) in _places().items():
+        given = _attributes(name)
+        read, kept = READ_ATTRIBUTES.get(name), KEPT_ATTRIBUTES.get(name, frozenset())
+        columns: dict[str, list[str]] = {"used": [], "kept": [], "not read": []}
+        for attribute, known in given.items():
+            state = "not read" if read is None or attribute not in read else "kept" if attribute in kept else "used"
+            columns[state].append(attribute + _span(known, minors))
+        if not given:
+            columns["not read" if read is None else "kept" if name in KEPT_ATTRIBUTES else "used"].append("yes")
+        element = ", ".join(f"`{tag}`" for tag in tags) + _span(minors, _EVERY)
+        cells = [element, ", ".join(parents), *(", ".join(names) for names in columns.values())]
+        lines.append("| " + " | ".join(cells) + " |")
+    for parent, apart in NOT_READ_IN.items():
+        for tag in sorted(apart):
+            minors = [minor for minor in _EVERY if declarations(minor)[parent].content.declaration(tag) is not None]
+            if minors:
+                lines.append(f"| `{tag}`{_span(minors, _EVERY)} | {parent.replace('_', ' ')} |  |  | yes |")
+    return "\n".join(lines) + "\n"
+
+
+def _places() -> dict[str, tuple[list[str], list[str], list[int]]]:
+    """Return each declaration's tags, the tags that it stands in, and the versions that know it."""
+    found: dict[str, tuple[list[str], list[str], list[int]]] = {"OpenDRIVE": (["OpenDRIVE"], [], [])}
+    for minor in range(LAST_MINOR, FIRST_MINOR - 1, -1):
+        known = declarations(minor)
+        pending, seen = ["OpenDRIVE"], {"OpenDRIVE"}
+        found["OpenDRIVE"][2].insert(0, minor)
+        while pending:
+            parent = pending.pop(0)
+            for tag, child in _children(known, parent):
+                tags, parents, minors = found.setdefault(child, ([], [], []))
+                above = found[parent][0][0]
+                for names, one in ((tags, tag), (parents, above)):
+                    if one not in names:
+                        names.append(one)
+                if minor not in minors:
+                    minors.insert(0, minor)
+                if child not in seen:
+                    seen.add(child)
+                    pending.append(child)
+    return {name: found[name] for name in declarations(LAST_MINOR) if name in found and name != "userData"}
+
+
+def _children(known: dict[str, Declaration], parent: str) -> list[tuple[str, str]]:
+    """Return (tag, declaration) of the children, the declarations that take over by an attribute's value included."""
+    found = []
+    for one in known[parent].content.names[1:]:
+        switch = known[one.declaration].switch
+        found.append((one.tag, one.declaration))
+        if switch is not None:
+            found.extend((f'{one.tag} {switch[0]}="{value}"', case) for value, case in switch[1].items())
+    apart = NOT_READ_IN.get(parent, frozenset())
+    return [(tag, name) for tag, name in found if name not in _WITHOUT_ROW and tag not in apart]
+
+
+def _attributes(name: str) -> dict[str, list[int]]:
+    """Return the attributes of a declaration with the versions that know them."""
+    found: dict[str, list[int]] = {}
+    for minor in range(FIRST_MINOR, LAST_MINOR + 1):
+        for attribute in declarations(minor)[name].attributes:
+            found.setdefault(attribute, []).append(minor)
+    return found
+
+
+def _span(minors: list[int], all_of: list[int]) -> str:
+    """Return " (1.4 to 1.7)" where the versions are not those of the whole."""
+    known = [minor for minor in minors if minor in all_of]
+    if known == all_of or not known:
+        return ""
+    first, last = f"1.{known[0]}", f"1.{known[-1]}"
+    if known[-1] == all_of[-1]:
+        return f" (from {first})"
+    if known[0] == all_of[0]:
+        return f" (until {last})"
+    return f" ({first})" if first == last else f" ({first} to {last})"
