@@ -9,6 +9,7 @@ sees ahead in its way is followed at a time gap.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, ClassVar
 
@@ -35,6 +36,12 @@ TRUSTED = 0.3
 
 PATH_LENGTH = 25
 """Length of the path ahead of the camera that is kept, m: the detector's reach."""
+
+NEAREST = 5.0
+"""Distance ahead of the camera from which the detector sees the ground, m."""
+
+NEW_SHARE, UNSEEN_SHARE = 0.4, 0.1
+"""How far a trusted image moves the remembered path, where it sees the ground and where it extrapolates."""
 
 USUAL_WIDTH = 3.5
 """Width of a lane of which only one side is seen before both were, m."""
@@ -64,18 +71,19 @@ class LaneDetectionController(ControllerModel):
         del seed
         self._detector: LaneDetector | None = None
         self._prior: LaneState | None = None
+        self._place: Point | None = None
         self._path: list[Point] = []
         self._lanes: LaneResult | None = None
 
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
         """Detect the lane, follow its middle and hold the desired speed."""
-        lanes = self._detect(sensor_data)
+        lanes = self._detect(sensor_data, self._travelled(vehicle))
         ahead = vehicle.center + sensor_data.camera.x
         path = _to_vehicle(self._path, vehicle)
         middle = self._middle(lanes)
         if middle is not None:
             seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
-            path = _blend(path, seen, max(lanes.left.p_geom, lanes.right.p_geom))
+            path = _blend(path, seen, ahead + NEAREST, max(lanes.left.p_geom, lanes.right.p_geom))
             self._path = _to_world(path, vehicle)
         reach = min(max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max)
         x, y = _target(path, reach)
@@ -144,14 +152,25 @@ class LaneDetectionController(ControllerModel):
 
         return draw_lanes(image, self._lanes, self._camera)
 
-    def _detect(self, sensor_data: SensorData) -> LaneResult:
+    def _travelled(self, vehicle: VehicleState) -> float:
+        """Return the way since the last control step, m."""
+        before, self._place = self._place, (vehicle.x, vehicle.y)
+        return 0.0 if before is None else math.dist(before, self._place)
+
+    def _detect(self, sensor_data: SensorData, travelled: float) -> LaneResult:
         from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
+        from scenario_compiler.perception.sensor_health import SensorMonitor
 
         if self._detector is None:
             self._camera = sensor_data.camera.camera()
             self._detector = ClassicalLaneDetector(self._camera)
+            self._monitor = SensorMonitor()
             self._prior = LaneState()
-        self._lanes = self._detector.detect(sensor_data.image, self._prior)
+        lanes = self._detector.detect(sensor_data.image, self._prior)
+        health = self._monitor.observe(sensor_data.image, travelled).health
+        self._lanes = replace(
+            lanes, sensor_health=health, p_left=lanes.left.p_geom * health, p_right=lanes.right.p_geom * health
+        )
         assert self._prior is not None
         self._prior = self._prior.after(self._lanes)
         return self._lanes
@@ -193,12 +212,16 @@ def _to_vehicle(path: list[Point], vehicle: VehicleState) -> list[Point]:
     return [(c * x + s * y, -s * x + c * y) for x, y in moved]
 
 
-def _blend(old: list[Point], seen: list[Point], trust: float) -> list[Point]:
-    """Return the seen path, drawn towards the remembered one by what it lacks in trust."""
+def _blend(old: list[Point], seen: list[Point], nearest: float, trust: float) -> list[Point]:
+    """Return the remembered path, drawn towards the seen one by its trust; where nothing is remembered, the seen one.
+
+    Nearer than `nearest` the camera sees no ground, and the boundaries are extrapolated: there the memory weighs more.
+    """
     blended = []
     for x, y in seen:
         before = _y_at(old, x)
-        blended.append((x, y if before is None else trust * y + (1.0 - trust) * before))
+        share = trust * (NEW_SHARE if x >= nearest else UNSEEN_SHARE)
+        blended.append((x, y if before is None else before + share * (y - before)))
     return blended
 
 

@@ -13,13 +13,14 @@ from scenario_compiler.engine.ahead import longitudinal_distance
 from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.numbers import length_of
 from scenario_compiler.engine.opcodes import (
-    COMPLETE,
     CONDITION_DISTANCE,
     CONDITION_ELEMENT_STATE,
     CONDITION_LANE_CONFIDENCE,
     CONDITION_LONGITUDINAL_DISTANCE,
     CONDITION_REACH_POSITION,
+    CONDITION_SENSOR_HEALTH,
     CONDITION_SPEED,
+    CONDITION_STANDSTILL,
     CONDITION_TAKEOVER_STATE,
     CONDITION_TIME,
     CONDITION_TIME_HEADWAY,
@@ -41,6 +42,10 @@ from scenario_compiler.engine.opcodes import (
     RULE_LESS,
     RULE_LESS_OR_EQUAL,
     RULE_NOT_EQUAL,
+    SIDE_EITHER,
+    SIDE_LEFT,
+    SIDE_RIGHT,
+    STANDING,
     TOLERANCE,
 )
 from scenario_compiler.engine.slots import C_DELAY, C_VALUE
@@ -110,8 +115,22 @@ def time_to_collision(st: State, i: int, j: int) -> float:
 
 @compiled
 def element_state_holds(p: Program, st: State, c: int) -> int:
-    """Return 1 where the element that a condition watches is complete."""
-    return 1 if st.element_state[p.condition_other[c]] == COMPLETE else 0
+    """Return 1 where the state of the element that a condition watches compares as it says: 1 runs, 2 is complete."""
+    state = 1.0 * st.element_state[p.condition_other[c]]
+    return compare(st, p.condition_rule[c], state, p.const[p.condition_const[c] + C_VALUE])
+
+
+@compiled
+def side_confidence(p: Program, st: State, c: int) -> float:
+    """Return the lane confidence that a condition speaks of: a side's, the weaker side's, else the stronger side's."""
+    side = p.condition_other[c]
+    if side == SIDE_LEFT:
+        return st.conf_left[0]
+    if side == SIDE_RIGHT:
+        return st.conf_right[0]
+    if side == SIDE_EITHER:
+        return min(st.conf_left[0], st.conf_right[0])
+    return max(st.conf_left[0], st.conf_right[0])
 
 
 @compiled
@@ -140,6 +159,10 @@ def holds_for(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
         value = length_of(st.x[i] - st.position_x[other], st.y[i] - st.position_y[other])
     elif op == CONDITION_TRAVELED_DISTANCE:
         value = st.odometer[i]
+    elif op == CONDITION_STANDSTILL:
+        if abs(st.v[i]) >= STANDING:
+            return 0
+        value = st.still[i]
     else:
         fault(st, FAULT_UNKNOWN_CONDITION, c)
         return 0
@@ -154,7 +177,9 @@ def holds_now(n: RoadTables, p: Program, st: State, c: int) -> int:
     if op == CONDITION_TIME:
         return compare(st, p.condition_rule[c], st.clock[0], limit)
     if op == CONDITION_LANE_CONFIDENCE:
-        return compare(st, p.condition_rule[c], max(st.conf_left[0], st.conf_right[0]), limit)
+        return compare(st, p.condition_rule[c], side_confidence(p, st, c), limit)
+    if op == CONDITION_SENSOR_HEALTH:
+        return compare(st, p.condition_rule[c], st.health[0], limit)
     if op == CONDITION_TAKEOVER_STATE:
         return 1 if st.takeover_state[0] == p.condition_other[c] else 0
     if op == CONDITION_ELEMENT_STATE:

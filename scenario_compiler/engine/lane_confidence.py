@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp
-
+from scenario_compiler.engine.failures import health_of_camera
 from scenario_compiler.engine.numbers import clip
 from scenario_compiler.engine.path import advance_routed
 from scenario_compiler.engine.slots import M_FROM, M_QUALITY, M_QUALITY_TO, M_TO
@@ -18,16 +17,6 @@ LOOK_FROM = 6.0
 LOOK_STEP = 3.0
 LOOK_COUNT = 5
 """The marks are looked at from 6 m to 18 m ahead of the rear axle, every 3 m."""
-
-HEALTH_MIDDLE = 30.0
-HEALTH_WIDTH = 4.0
-"""Noise, grey levels, at which the health is one half, and how sharply it falls: the camera detector's curve."""
-
-
-@compiled
-def health_of(sigma: float) -> float:
-    """Return the sensor's health, 0 to 1, at a camera noise in grey levels."""
-    return 1.0 / (1.0 + exp(clip((sigma - HEALTH_MIDDLE) / HEALTH_WIDTH, -50.0, 50.0)))
 
 
 @compiled
@@ -49,7 +38,7 @@ def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -
 @compiled
 def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
     """Write the confidence of both sides of the path's lane and the sensor's health."""
-    health = health_of(st.sigma[0])
+    health = health_of_camera(p, st)
     st.health[0] = health
     left = 0.0
     right = 0.0

@@ -239,7 +239,7 @@ def step_requested(p: Program, st: State, i: int) -> None:
             log_event(st, EVENT_STANDSTILL, 0.0)
     elif minimum_risk_due(p, st, i) == 1:
         st.takeover_state[0] = TAKEOVER_MINIMUM_RISK
-        st.hazard_lights[0] = 1
+        st.hazard_lights[0] = p.hazard_lights[0]
         if st.time_minimum_risk[0] < 0.0:
             st.time_minimum_risk[0] = now
         log_event(st, EVENT_MINIMUM_RISK, 0.0)

@@ -16,8 +16,8 @@ observed frequency by 0.05 at most (accuracy 0.93, area under the curve 0.98, Br
 both sides are below 0.3 in 86 % of single frames; kerbs and rims of the asphalt make the rest. Trained, calibrated and
 tested with one renderer, the figures say nothing about photographs.
 
-`health` falls with the noise that is measured in the image: 1 / (1 + exp((sigma_hat - 30) / 4)). The 30 and 4 grey
-levels are policy, not measurement: the geometry stays right under far more noise, but a sensor like that is broken.
+The health falls with the noise that is measured in the image, as `engine.camera_health` says: policy, not measurement,
+for the geometry stays right under far more noise. What else can be wrong with a camera is seen by `sensor_health`.
 sigma_hat is Immerkaer's estimate (Computer Vision and Image Understanding 64, 1996) with a median in place of the
 mean, so that edges, paint and rain do not count.
 """
@@ -36,9 +36,6 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_STEP, Ridges
 from scenario_compiler.perception.lane_fit import Fit
-
-HEALTH_MIDDLE, HEALTH_SPREAD = 30.0, 4.0
-"""Noise at which health is one half, and how gently it falls, grey levels."""
 
 FEATURES = (
     "one",
@@ -145,11 +142,6 @@ def noise_of(image: NDArray[np.uint8]) -> float:
     """Return sigma_hat, the noise of a BGR image in grey levels (see the module's docstring)."""
     response = cv2.filter2D(np.ascontiguousarray(image[:, :, 1]), cv2.CV_32F, _LAPLACIANS)
     return float(np.median(np.abs(response[1:-1:2, 1:-1:2]))) / (6.0 * 0.67448975)
-
-
-def health_of(sigma_hat: float) -> float:
-    """Return the health of a sensor with noise `sigma_hat`, grey levels: 1 well, 0 broken."""
-    return 1.0 / (1.0 + math.exp(min((sigma_hat - HEALTH_MIDDLE) / HEALTH_SPREAD, 60.0)))
 
 
 def _longest_run(flags: NDArray[np.bool_]) -> int:

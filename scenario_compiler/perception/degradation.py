@@ -1,12 +1,16 @@
-"""What goes wrong in the sensor, added to a clean image at the sensor's own resolution.
+"""What goes wrong in the camera, done to a clean image at the sensor's own resolution.
 
-Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel,
+In the order of the light's way: dirt on the lens, blur, darkness, noise; then, at the readout, images that are missing
+or repeated. Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel,
 clipped to 0-255. It is drawn with Philox, a counter-based generator keyed by (seed, frame index), so a
 frame's noise depends on these two numbers alone and frames can be made in any order. Sigma has a meaning
-only at one resolution: halving an image by area averaging halves it.
+only at one resolution: halving an image by area averaging halves it. Dirt is drawn from the seed alone: it sticks.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -15,8 +19,93 @@ from numpy.typing import NDArray
 Image = NDArray[np.uint8]
 
 
-SENSOR_NOISE, RAIN = 0, 1
-"""Streams of random numbers within one frame."""
+SENSOR_NOISE, RAIN, DIRT = 0, 1, 2
+"""Streams of random numbers within one frame; dirt is the same in all."""
+
+DIRT_SIZE = 0.03
+"""Size of the blotches of dirt, as a share of the image's width."""
+
+DIRT_COLOUR = (20, 27, 32)
+"""Colour of dirt on the lens, BGR: dark, because it is lit from behind."""
+
+DIRT_RIM = 0.12
+"""Width of the soft rim of the blotches, in standard deviations of the field that they are cut from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Degradation:
+    """What is wrong with the camera in one image.
+
+    Attributes:
+        sigma: Standard deviation of the noise, grey levels.
+        dark: Share of the light that is lost, 0-1.
+        blur: Radius of the blur, 1/512 of the image's width.
+        dirt: Share of the image that dirt covers, 0-1.
+        missing: The image does not arrive: it is black.
+        frozen: The image before is delivered again.
+    """
+
+    sigma: float = 0.0
+    dark: float = 0.0
+    blur: float = 0.0
+    dirt: float = 0.0
+    missing: bool = False
+    frozen: bool = False
+
+
+class Sensor:
+    """One camera's sensor: degrades images one after the other, and remembers the last for when it freezes."""
+
+    def __init__(self, seed: int) -> None:
+        """Begin with no image; `seed` is the run's."""
+        self.seed = seed
+        self._last: Image | None = None
+
+    def deliver(self, image: Image, state: Degradation, frame_index: int) -> Image:
+        """Return what arrives of an image.
+
+        Args:
+            image: (height, width, 3) uint8, BGR, as the optics of a clean camera would see it.
+            state: What is wrong.
+            frame_index: Number of the frame within the run.
+        """
+        if state.missing:
+            return np.zeros_like(image)
+        if state.frozen and self._last is not None:
+            return self._last
+        self._last = degraded(image, state, self.seed, frame_index)
+        return self._last
+
+
+def degraded(image: Image, state: Degradation, seed: int, frame_index: int) -> Image:
+    """Return the image through dirt, blur, darkness and noise."""
+    if state.dirt > 0.0:
+        image = add_dirt(image, state.dirt, seed)
+    if state.blur > 0.0:
+        image = np.asarray(cv2.GaussianBlur(image, (0, 0), state.blur * image.shape[1] / 512.0), np.uint8)
+    if state.dark > 0.0:
+        image = cv2.convertScaleAbs(image, alpha=max(1.0 - state.dark, 0.0))  # type: ignore[assignment]
+    return add_noise(image, state.sigma, seed, frame_index)
+
+
+def add_dirt(image: Image, share: float, seed: int) -> Image:
+    """Return the image behind dirt that covers `share` of it; more dirt grows from where there was some."""
+    field, ordered = _dirt_field(image.shape[1], image.shape[0], seed)
+    if share >= 1.0:
+        return np.full_like(image, DIRT_COLOUR)
+    level = float(ordered[min(int((1.0 - share) * len(ordered)), len(ordered) - 1)])
+    cover = np.clip((field - level) / DIRT_RIM + 0.5, 0.0, 1.0).astype(np.float32)[:, :, None]
+    mixed = image + cover * (np.array(DIRT_COLOUR, np.float32) - image)
+    return np.asarray(np.clip(mixed, 0, 255), np.uint8)
+
+
+@lru_cache(maxsize=4)
+def _dirt_field(width: int, height: int, seed: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return a smooth field (height, width) of mean 0 and deviation 1, and its values in ascending order."""
+    field = generator(seed, 0, DIRT).standard_normal((height, width), dtype=np.float32)
+    field = np.asarray(cv2.GaussianBlur(field, (0, 0), DIRT_SIZE * width), np.float32)
+    field = (field - field.mean()) / field.std()
+    return field, np.sort(field, axis=None)
 
 
 def generator(seed: int, frame_index: int, stream: int) -> np.random.Generator:

@@ -17,11 +17,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from scenario_compiler.engine.camera_health import noise_health
 from scenario_compiler.perception.birds_eye import X_FROM, BirdsEye, Ridges
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
     features,
-    health_of,
     load_calibration,
     noise_of,
     probability,
@@ -146,7 +146,7 @@ class ClassicalLaneDetector:
         """Return the lane that the camera is in (see `LaneDetector.detect`)."""
         fits, rows = self.examine(image, prior, pitch)
         sigma_hat = noise_of(image)
-        health = health_of(sigma_hat)
+        health = noise_health(sigma_hat)
         left, right = (_boundary(fit, probability(row, self.weights)) for fit, row in zip(fits, rows, strict=True))
         return LaneResult(
             left=left,

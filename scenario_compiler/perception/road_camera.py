@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import Camera, View
-from scenario_compiler.perception.degradation import add_noise
+from scenario_compiler.perception.degradation import Degradation, Sensor
 from scenario_compiler.perception.render import Renderer
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.perception.solids import Box
@@ -27,7 +27,10 @@ def scene_of(network: Network) -> RoadScene:
 
 
 class RoadCamera:
-    """A camera on a vehicle in a scene. Every frame is a function of its arguments and the seed."""
+    """A camera on a vehicle in a scene.
+
+    Every frame is a function of its arguments and the seed, but that a frozen one repeats the frame before.
+    """
 
     def __init__(
         self,
@@ -49,6 +52,7 @@ class RoadCamera:
         self.camera = camera if camera is not None else Camera()
         self.seed = seed
         self.box_offset = box_offset
+        self._sensor = Sensor(seed)
         self._renderer = Renderer(self.scene, self.camera)
 
     def view(self, pose: Pose) -> View:
@@ -56,7 +60,7 @@ class RoadCamera:
         return self.camera.view(pose, self.box_offset)
 
     def frame(
-        self, pose: Pose, objects: Sequence[Box], weather: WeatherNumbers, sigma: float, frame_index: int
+        self, pose: Pose, objects: Sequence[Box], weather: WeatherNumbers, state: Degradation | float, frame_index: int
     ) -> NDArray[np.uint8]:
         """Return the image (height, width, 3) uint8, BGR.
 
@@ -64,8 +68,13 @@ class RoadCamera:
             pose: Pose of the vehicle's reference point.
             objects: Everybody else.
             weather: CARLA's weather numbers.
-            sigma: Standard deviation of the sensor noise, grey levels.
+            state: What is wrong with the camera; a number is the standard deviation of its noise, grey levels.
             frame_index: Number of the frame.
         """
         image = self._renderer.render(self.view(pose), objects, look_of(weather), self.seed, frame_index)
-        return add_noise(image, sigma, self.seed, frame_index)
+        wrong = state if isinstance(state, Degradation) else Degradation(sigma=state)
+        return self._sensor.deliver(image, wrong, frame_index)
+
+    def forget(self) -> None:
+        """Forget the images before, which a frozen camera repeats."""
+        self._sensor = Sensor(self.seed)

@@ -9,15 +9,20 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.expressions import Value
-from scenario_compiler.recording.measures import time_to_collision
+from scenario_compiler.recording.measures import cause_of_request, time_to_collision
+from scenario_compiler.recording.names import CAUSES
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
-from scenario_compiler.recording.traces import Traces
+from scenario_compiler.recording.traces import SAME_TIME, Traces
 from scenario_compiler.vocabulary.criteria import (
     Criterion,
+    MaximumLateralOffset,
     MinimumTimeToCollision,
     NoCollision,
+    NoMinimumRisk,
     ReachDestination,
+    Requested,
     StayOnRoad,
+    TakeoverWithin,
 )
 from scenario_compiler.vocabulary.word import number_value
 
@@ -48,13 +53,48 @@ def broken_at(criterion: Criterion, traces: Traces, reached: Booleans, limit: Fl
         off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
         return _first_time(traces, off & traces.present[..., 0])
     if isinstance(criterion, ReachDestination):
-        return np.where(reached, np.nan, np.fmax.reduce(traces.t, axis=-1, initial=0.0))
+        return np.where(reached, np.nan, _last_time(traces))
+    if isinstance(criterion, TakeoverWithin):
+        return _late_response(traces, limit)
+    if isinstance(criterion, Requested):
+        return np.where(_was_requested(criterion, traces), np.nan, _last_time(traces))
+    if isinstance(criterion, NoMinimumRisk):
+        return traces.times["minimum_risk"]
+    if isinstance(criterion, MaximumLateralOffset):
+        return _first_time(traces, (np.abs(traces.off[..., 0]) > limit[..., None]) & traces.present[..., 0])
     return _first_time(traces, time_to_collision(traces) < limit[..., None])
+
+
+def _late_response(traces: Traces, limit: Floats) -> Floats:
+    """Return when the driver should have responded and had not, NaN where there was an answer in time or no request."""
+    due = traces.times["request"] + limit
+    response = traces.times["response"]
+    late = np.where(np.isnan(response), _last_time(traces) >= due, response > due + SAME_TIME)
+    return np.where(late, due, np.nan)
+
+
+def _was_requested(criterion: Requested, traces: Traces) -> Booleans:
+    """Return which runs had a request, the first of which was for the criterion's cause."""
+    asked = ~np.isnan(traces.times["request"])
+    if criterion.cause is None:
+        return asked
+    code = next(code for code, name in CAUSES.items() if name == criterion.cause)
+    return np.asarray(asked & (cause_of_request(traces) == code))
+
+
+def _last_time(traces: Traces) -> Floats:
+    return np.asarray(np.fmax.reduce(traces.t, axis=-1, initial=0.0))
 
 
 def limit_of(criterion: Criterion, parameters: Mapping[str, Value]) -> float:
     """Return the number that a criterion compares with; NaN for those that have none."""
-    return number_value(criterion.at_least, parameters) if isinstance(criterion, MinimumTimeToCollision) else math.nan
+    if isinstance(criterion, MinimumTimeToCollision):
+        return number_value(criterion.at_least, parameters)
+    if isinstance(criterion, TakeoverWithin):
+        return number_value(criterion.time, parameters)
+    if isinstance(criterion, MaximumLateralOffset):
+        return number_value(criterion.at_most, parameters)
+    return math.nan
 
 
 def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) -> CriterionResult:
@@ -94,11 +134,41 @@ def _least_time_found(recording: Recording, traces: Traces, when: float | None, 
     return f"{found}, at least {limit:g} s is asked for"
 
 
+def _response_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording
+    if np.isnan(traces.times["request"]):
+        return "no request was made"
+    taken = float(traces.times["response"] - traces.times["request"])
+    said = "the driver did not respond" if math.isnan(taken) else f"the driver responded after {taken:.2f} s"
+    return said if when is None else f"{said}, at most {limit:g} s are allowed"
+
+
+def _request_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del traces, when, limit
+    request = next((event for event in recording.events if event.kind == "request"), None)
+    return "no request was made" if request is None else f"requested at {request.t:.2f} s for {request.cause}"
+
+
+def _minimum_risk_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording, traces, limit
+    return "none was begun" if when is None else f"begun at {when:.2f} s"
+
+
+def _offset_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording, when
+    offsets = np.abs(traces.off[..., 0][traces.present[..., 0]])
+    return f"the greatest was {float(offsets.max(initial=0.0)):.2f} m, at most {limit:g} m is allowed"
+
+
 _FOUND: dict[type[Criterion], Callable[[Recording, Traces, float | None, float], str]] = {
     NoCollision: _collision_found,
     StayOnRoad: _lanes_found,
     ReachDestination: _destination_found,
     MinimumTimeToCollision: _least_time_found,
+    TakeoverWithin: _response_found,
+    Requested: _request_found,
+    NoMinimumRisk: _minimum_risk_found,
+    MaximumLateralOffset: _offset_found,
 }
 
 

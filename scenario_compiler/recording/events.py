@@ -20,7 +20,7 @@ class EventRow(BaseModel):
     t: float = Field(description="Time, s.")
     kind: EventKind = Field(description="What happened.")
     entity: str = Field(default="", description="Id of the entity concerned; at a collision, of the one that was hit.")
-    cause: str = Field(default="", description="Why: the cause of a warning or request, the name of an event.")
+    cause: str = Field(default="", description="Why: the cause of a warning or request, the kind of a failure.")
     message: str = Field(default="", description="What the driver was told, or a sentence on what happened.")
     value: float | None = Field(default=None, description="A number that belongs to it, SI unit.")
 

@@ -73,6 +73,11 @@ def limit_distance(traces: Traces) -> Floats:
     return np.where(cause == CAUSE_PATH_BLOCKED, blocked, np.where(cause == CAUSE_LANE_ENDS, ends, np.nan))
 
 
+def cause_of_request(traces: Traces) -> Floats:
+    """Code of the cause of the first request, NaN without one."""
+    return _at_request(traces, traces.cause.astype(np.float64))
+
+
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
     speed = _at_request(traces, traces.v[..., 0])

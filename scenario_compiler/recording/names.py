@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 from scenario_compiler.engine import opcodes
+from scenario_compiler.vocabulary.sensors import FailureKind
 
 StateName = Literal[
     "automated", "warning", "request", "escalation", "manual", "hand_back", "minimum_risk", "standstill"
@@ -13,8 +14,8 @@ StateName = Literal[
 
 EventKind = Literal[
     "activation", "warning", "warning_over", "request", "escalation", "response", "hand_back", "minimum_risk",
-    "standstill", "collision", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "storyboard_start",
-    "storyboard_end", "message", "stop",
+    "standstill", "collision", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure", "failure_end",
+    "weather", "storyboard_start", "storyboard_end", "message", "stop",
 ]  # fmt: skip
 """Kinds of events. Activation, request (transition demand), response (override), minimum-risk manoeuvre and
 collision are occurrences that UN R157, 8.2.1, has a data storage system record; the others are ours."""
@@ -60,6 +61,19 @@ EVENT_KINDS: dict[int, EventKind] = {
     opcodes.EVENT_SENSOR_NOISE: "sensor_noise",
     opcodes.EVENT_STORYBOARD_START: "storyboard_start",
     opcodes.EVENT_STORYBOARD_END: "storyboard_end",
+    opcodes.EVENT_FAILURE: "failure",
+    opcodes.EVENT_FAILURE_END: "failure_end",
+    opcodes.EVENT_WEATHER: "weather",
+    opcodes.EVENT_MESSAGE: "message",
+}
+
+FAILURES: dict[int, FailureKind] = {
+    opcodes.FAILURE_NOISE: "noise",
+    opcodes.FAILURE_DROPOUT: "dropout",
+    opcodes.FAILURE_FREEZE: "freeze",
+    opcodes.FAILURE_BLACKOUT: "blackout",
+    opcodes.FAILURE_BLUR: "blur",
+    opcodes.FAILURE_DIRT: "dirt",
 }
 
 STOP_REASONS: dict[int, StopReason] = {

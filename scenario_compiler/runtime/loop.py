@@ -10,19 +10,23 @@ from dataclasses import replace
 from importlib.metadata import version
 
 from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
+from scenario_compiler.engine.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.following import leader_gap
-from scenario_compiler.engine.opcodes import FAR, STOP_NONE
+from scenario_compiler.engine.opcodes import FAILURE_BLACKOUT, FAILURE_BLUR, FAILURE_DIRT, FAR, STOP_NONE
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import make_draws, new_state
+from scenario_compiler.engine.state import State, make_draws, new_state
 from scenario_compiler.engine.step import reset, step
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.names import CAUSES, EVENT_KINDS, STOP_REASONS
+from scenario_compiler.recording.names import CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.messages import messages
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
+from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.scenario import parameter_values
-from scenario_compiler.worlds import WORLDS, Snapshot, World
+from scenario_compiler.vocabulary.traversal import walk
+from scenario_compiler.vocabulary.weather import weather_of
+from scenario_compiler.worlds import WORLDS, CameraFaults, Snapshot, World
 
 ENTITY_COLUMNS = ("x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "throttle", "steer", "brake")
 RUN_COLUMNS = {
@@ -72,6 +76,18 @@ def run(
     return execution.finish()
 
 
+def faults_of(state: State) -> CameraFaults:
+    """Return what is wrong with the camera beside its noise, from the engine's state."""
+    now = state.failure_now
+    return CameraFaults(
+        dark=now[FAILURE_BLACKOUT],
+        blur=BLUR_AT_ONE * now[FAILURE_BLUR],
+        dirt=now[FAILURE_DIRT],
+        missing=state.missing[0] == 1,
+        frozen=state.frozen[0] == 1,
+    )
+
+
 CAUSED = frozenset({"warning", "request", "escalation", "minimum_risk"})
 """Kinds of events that have a cause."""
 
@@ -85,6 +101,8 @@ class _Execution:
         self.tables = world.network.tables
         self.program = build_program(plan, world.network)
         self.state = new_state(self.program)
+        self.weather_changes = self.program.weather_count[0] > 1
+        self.told = [word for word in walk(plan.storyboard) if isinstance(word, MessageAction)]
         self.state.draw[:] = make_draws(seed, variant)
         self.controller: ControllerModel | None = None
         if plan.perception == "camera":
@@ -121,7 +139,8 @@ class _Execution:
         """Return the entities' states now."""
         st = self.state
         poses = map(Pose, st.x, st.y, st.z, st.h, st.pitch, st.roll)
-        return Snapshot(st.clock[0], st.frame[0], tuple(poses), tuple(st.v), st.sigma[0])
+        weather = weather_of(st.weather) if self.weather_changes else None
+        return Snapshot(st.clock[0], st.frame[0], tuple(poses), tuple(st.v), st.sigma[0], faults_of(st), weather)
 
     def finish(self) -> Recording:
         """Return the recording."""
@@ -161,13 +180,27 @@ class _Execution:
         st = self.state
         kept = min(st.log_count[0], len(st.log_kind))
         for at in range(self.logged, kept):
-            kind = EVENT_KINDS[st.log_kind[at]]
-            cause = CAUSES[st.cause[0]] if kind in CAUSED else ""
-            self.builder.event(st.log_time[at], kind, entity=self._entity(kind, st.log_value[at]), cause=cause)
-            for modality, text in messages(self.plan.takeover, kind, cause):
+            kind, value = EVENT_KINDS[st.log_kind[at]], st.log_value[at]
+            cause = self._cause(kind, value)
+            if kind != "message":
+                self.builder.event(st.log_time[at], kind, entity=self._entity(kind, value), cause=cause)
+            for modality, text in self._messages(kind, cause, value):
                 self.builder.event(st.log_time[at], "message", cause=modality, message=text)
             self._picture(st.log_time[at], kind, cause)
         self.logged = kept
+
+    def _cause(self, kind: str, value: float) -> str:
+        """Return why something happened: the cause of a request, the kind of a failure; empty where there is none."""
+        if kind in ("failure", "failure_end"):
+            return FAILURES[int(value)]
+        return CAUSES[self.state.cause[0]] if kind in CAUSED else ""
+
+    def _messages(self, kind: str, cause: str, value: float) -> list[tuple[str, str]]:
+        """Return (modality, text) of what the driver is told: by the policy, or by an action."""
+        if kind == "message":
+            action = self.told[int(value)]
+            return [(modality, action.text) for modality in action.modality]
+        return messages(self.plan.takeover, kind, cause)
 
     def _entity(self, kind: str, value: float) -> str:
         """Return whom an event concerns: at a collision what was hit, else the ego vehicle."""

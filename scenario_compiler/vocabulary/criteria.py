@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 
@@ -33,4 +34,43 @@ class MinimumTimeToCollision(Word):
     at_least: Number = attribute("Least time to collision, s.", quantity="time", minimum=0)
 
 
-Criterion = NoCollision | StayOnRoad | ReachDestination | MinimumTimeToCollision
+class TakeoverWithin(Word):
+    """The driver responds to the first request in time. A run without a request fulfils it."""
+
+    word: Literal["takeover_within"] = "takeover_within"
+
+    time: Number = attribute("Longest time from the request to the response, s.", quantity="time", minimum=0)
+
+
+class Requested(Word):
+    """The automation asks the driver to take over."""
+
+    word: Literal["requested"] = "requested"
+
+    cause: CauseKind | None = attribute("Cause of the first request; any when left out.", default=None)
+
+
+class NoMinimumRisk(Word):
+    """No minimum-risk manoeuvre becomes necessary."""
+
+    word: Literal["no_minimum_risk"] = "no_minimum_risk"
+
+
+class MaximumLateralOffset(Word):
+    """The ego vehicle's reference point stays near the middle of a lane."""
+
+    word: Literal["maximum_lateral_offset"] = "maximum_lateral_offset"
+
+    at_most: Number = attribute("Greatest distance from the middle of the lane, m.", quantity="length", minimum=0)
+
+
+Criterion = (
+    NoCollision
+    | StayOnRoad
+    | ReachDestination
+    | MinimumTimeToCollision
+    | TakeoverWithin
+    | Requested
+    | NoMinimumRisk
+    | MaximumLateralOffset
+)

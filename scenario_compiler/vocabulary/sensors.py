@@ -1,10 +1,44 @@
-"""Sensors of the ego vehicle."""
+"""Sensors of the ego vehicle, and how they fail."""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.word import Number, Word, attribute
+from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+
+FailureKind = Literal["noise", "dropout", "freeze", "blackout", "blur", "dirt"]
+"""How a camera fails."""
+
+
+class Failure(Word):
+    """A failure of the camera: in `<camera>` from the start of the run, in `<do>` from that moment on.
+
+    What `amount` 1 means: noise of 80 grey levels beside the camera's own; every image missing (dropout: black images)
+    or repeated (freeze); no light (blackout); a blur with a radius of 9/512 of the image's width; all of the lens
+    behind dirt. With `--perception ideal` the sensor's health falls by the same curves that the lane detector applies
+    to its images: noise is one half at 30 grey levels, blackout at 0.94, blur at 0.5, dirt at 0.5; a missing or
+    repeated image has no health.
+    """
+
+    word: Literal["failure"] = "failure"
+
+    kind: FailureKind = attribute("What goes wrong.")
+    onset: Number = attribute(
+        "When it begins, s after the start of the run or after the action.", default=0.0, quantity="time", minimum=0
+    )
+    duration: Number | None = attribute(
+        "How long it lasts, ramps included, s; for good when left out.", default=None, quantity="time", minimum=0
+    )
+    ramp: Number = attribute(
+        "Time in which it grows to its amount, and goes before its end, s.", default=0.0, quantity="time", minimum=0
+    )
+    amount: Number = attribute(
+        "How severe it is; for dropout and freeze the share of the images.",
+        default=1.0,
+        quantity="fraction",
+        minimum=0,
+        maximum=1,
+    )
 
 
 class Camera(Word):
@@ -25,3 +59,4 @@ class Camera(Word):
         minimum=0,
         maximum=255,
     )
+    failures: tuple[Failure, ...] = child("How it fails.", default=())

@@ -9,7 +9,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.actions import Action
 from scenario_compiler.vocabulary.conditions import Condition
-from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
 
 Edge = Literal["none", "rising", "falling", "risingOrFalling"]
 Priority = Literal["override", "skip", "parallel"]
@@ -23,12 +23,29 @@ class Do(Word):
     actions: tuple[Action, ...] = child("What happens, in this order.")
 
 
+class All(Word):
+    """Conditions inside `<any>` that must all be true."""
+
+    word: Literal["all"] = "all"
+
+    conditions: tuple[Condition, ...] = child("All of them must be true at once.")
+
+
+class AnyOf(Word):
+    """Conditions of which one suffices."""
+
+    word: Literal["any"] = "any"
+
+    conditions: tuple[Condition | All, ...] = child("One of them must be true.")
+
+
 class When(Word):
     """Something the actor does once, as soon as all conditions are true."""
 
     word: Literal["when"] = "when"
 
-    conditions: tuple[Condition, ...] = child("All of them must be true at once.")
+    name: str = attribute("Name of the event, for <event> and the event log.", default="", pattern=f"({ENTITY_ID})?")
+    conditions: tuple[Condition | AnyOf, ...] = child("All of them must be true at once.")
     do: Do = child("What happens then.")
 
 

@@ -112,6 +112,8 @@ class DriverModel(Word):
 
 Modality = Literal["text", "audio", "icon"]
 Content = Literal["what", "why", "next"]
+Language = Literal["en", "de"]
+"""Languages of the messages, by their ISO 639-1 codes."""
 
 
 class Message(Word):
@@ -123,6 +125,7 @@ class Message(Word):
     content: tuple[Content, ...] = attribute(
         "What is said: what happens, why, what to do next.", default=("what",), separated=True
     )
+    language: Language = attribute("Language of the texts.", default="en")
 
 
 class Takeover(Word):
@@ -154,6 +157,7 @@ class Takeover(Word):
         minimum=0,
         exclusive=True,
     )
+    hazard_lights: bool = attribute("Whether the hazard lights flash from the minimum-risk manoeuvre on.", default=True)
     hand_back_after: Number = attribute(
         "Time of manual driving after which the automation may take back, s; 0: never.",
         default=0.0,

@@ -6,17 +6,25 @@ those of the CARLA 0.9.15 and 0.9.16 clients.
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Sequence
+from typing import Literal, TypeVar
 
 from scenario_compiler.vocabulary.word import Word, attribute
 
+CUSTOM = "custom"
+"""Preset of a weather that comes from none."""
+
 
 class Weather(Word):
-    """The weather in CARLA's numbers. -1 leaves a number to the map, which we read as a clear noon."""
+    """The weather in CARLA's numbers, or a preset with some of its numbers changed.
+
+    A number that is left out is the preset's; without a preset it is left to the map (-1), which we read as a clear
+    noon.
+    """
 
     word: Literal["weather"] = "weather"
 
-    preset: str = attribute("Name of the preset that the numbers come from.", default="custom")
+    preset: str = attribute("Name or index of the preset that the numbers come from.", default=CUSTOM, names="weather")
     cloudiness: float = attribute("Clouds, percent.", default=-1.0, minimum=-1, maximum=100)
     precipitation: float = attribute("Rain, percent.", default=-1.0, minimum=-1, maximum=100)
     precipitation_deposits: float = attribute("Puddles, percent.", default=-1.0, minimum=-1, maximum=100)
@@ -81,3 +89,38 @@ def weather_preset(name_or_index: str) -> Weather | None:
         return None
     numbers = dict(zip(_NUMBERS, WEATHER_PRESETS[name_or_index], strict=True))
     return Weather.model_validate({"preset": name_or_index, **numbers})
+
+
+AnyWeather = TypeVar("AnyWeather", bound=Weather)
+
+CLEAR_NOON = (5.0, 0.0, 0.0, 10.0, 0.0, 45.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.03, 0.0331, 0.0)
+"""What the numbers stand for where they are left to the map."""
+
+
+def complete_weather(weather: AnyWeather) -> AnyWeather | None:
+    """Return a weather with the numbers of its preset where it has none of its own; None for an unknown preset."""
+    if weather.preset == CUSTOM:
+        return weather
+    preset = weather_preset(weather.preset)
+    if preset is None:
+        return None
+    usual = {name: Weather.model_fields[name].default for name in _NUMBERS}
+    numbers = {name: getattr(preset, name) for name in _NUMBERS if getattr(weather, name) == usual[name]}
+    own = len(numbers) < len(_NUMBERS)
+    return weather.model_copy(update={**numbers, "preset": CUSTOM if own else preset.preset})
+
+
+def weather_numbers(weather: Weather) -> tuple[float, ...]:
+    """Return the 14 numbers, those that are left to the map at their values of a clear noon."""
+    written = [getattr(weather, name) for name in _NUMBERS]
+    return tuple(clear if number == -1.0 else number for number, clear in zip(written, CLEAR_NOON, strict=True))
+
+
+def weather_of(numbers: Sequence[float]) -> Weather:
+    """Return the weather of 14 numbers; none of them is left to the map."""
+    return Weather.model_validate({name: _told(one) for name, one in zip(_NUMBERS, numbers, strict=True)})
+
+
+def _told(number: float) -> float:
+    """Return a number that on its way passes -1, which would leave it to the map, as its neighbour."""
+    return -1.0 - 1e-9 if number == -1.0 else number

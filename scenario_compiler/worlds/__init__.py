@@ -6,11 +6,11 @@ roads and the hall.
 
 from __future__ import annotations
 
-from scenario_compiler.worlds.model import Snapshot, World
+from scenario_compiler.worlds.model import CameraFaults, Snapshot, World
 
 WORLDS: dict[str, str] = {
     "kinematic": "scenario_compiler.worlds.kinematic:KinematicWorld",
 }
 """Name of a world to its class; the modules are imported only when a world is opened."""
 
-__all__ = ["WORLDS", "Snapshot", "World"]
+__all__ = ["WORLDS", "CameraFaults", "Snapshot", "World"]

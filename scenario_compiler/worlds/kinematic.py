@@ -12,6 +12,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import MarkStretch, Network
 from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds.model import Snapshot
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from scenario_compiler.perception.degradation import Degradation
     from scenario_compiler.perception.road_camera import RoadCamera
     from scenario_compiler.perception.solids import Box, Kind
 
@@ -68,12 +70,14 @@ class KinematicWorld:
         del snapshot
         if seed != self._seed:
             self._camera = self._viewer = None
+        if self._camera is not None:
+            self._camera.forget()
         self._seed = seed
 
     def observe(self, snapshot: Snapshot) -> SensorData:
         """Draw what the camera sees."""
         image = self._road_camera().frame(
-            snapshot.poses[0], self._boxes(snapshot), self.plan.weather, snapshot.sigma, snapshot.frame
+            snapshot.poses[0], self._boxes(snapshot), self._weather(snapshot), degradation_of(snapshot), snapshot.frame
         )
         return SensorData(snapshot.t, image, self._mounting)
 
@@ -85,7 +89,9 @@ class KinematicWorld:
         if self._viewer is None:
             scene = self._road_camera().scene
             self._viewer = RoadCamera(scene, DRIVER, self._seed, self.plan.ego.vehicle.center)
-        return self._viewer.frame(snapshot.poses[0], self._boxes(snapshot), self.plan.weather, 0.0, snapshot.frame)
+        return self._viewer.frame(
+            snapshot.poses[0], self._boxes(snapshot), self._weather(snapshot), 0.0, snapshot.frame
+        )
 
     def step(self, snapshot: Snapshot) -> None:
         """Leave the motion to the engine."""
@@ -94,6 +100,9 @@ class KinematicWorld:
     def close(self) -> None:
         """Drop the camera's scene."""
         self._camera = self._viewer = None
+
+    def _weather(self, snapshot: Snapshot) -> Weather:
+        return self.plan.weather if snapshot.weather is None else snapshot.weather
 
     def _road_camera(self) -> RoadCamera:
         from scenario_compiler.perception.road_camera import RoadCamera
@@ -115,6 +124,14 @@ class KinematicWorld:
             size = (vehicle.length, vehicle.width, vehicle.height)
             boxes.append(Box(x, y, pose.z, pose.heading, *size, paint, KINDS[vehicle.category]))
         return boxes
+
+
+def degradation_of(snapshot: Snapshot) -> Degradation:
+    """Return what is wrong with the camera in the image of a snapshot."""
+    from scenario_compiler.perception.degradation import Degradation
+
+    faults = snapshot.faults
+    return Degradation(snapshot.sigma, faults.dark, faults.blur, faults.dirt, faults.missing, faults.frozen)
 
 
 def mark_stretches(plan: Plan) -> list[MarkStretch]:

@@ -8,12 +8,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from scenario_compiler.vocabulary.weather import Weather
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from scenario_compiler.controllers.model import SensorData
     from scenario_compiler.roads import Network, Pose
+
+
+@dataclass(frozen=True, slots=True)
+class CameraFaults:
+    """What is wrong with the camera beside its noise.
+
+    Attributes:
+        dark: Share of the light that is lost, 0-1.
+        blur: Radius of the blur, 1/512 of the image's width.
+        dirt: Share of the image that dirt covers, 0-1.
+        missing: The image does not arrive.
+        frozen: The image before is delivered again.
+    """
+
+    dark: float = 0.0
+    blur: float = 0.0
+    dirt: float = 0.0
+    missing: bool = False
+    frozen: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +47,8 @@ class Snapshot:
         poses: Pose of each entity's reference point, in the plan's order, OpenDRIVE axes, m and rad.
         speeds: Speed of each entity, m/s, signed along its heading.
         sigma: Standard deviation of the camera's noise, grey levels.
+        faults: What else is wrong with the camera.
+        weather: The weather now; None while it is the plan's.
     """
 
     t: float
@@ -33,6 +56,8 @@ class Snapshot:
     poses: tuple[Pose, ...]
     speeds: tuple[float, ...]
     sigma: float
+    faults: CameraFaults = CameraFaults()
+    weather: Weather | None = None
 
 
 class World(Protocol):

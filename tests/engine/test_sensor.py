@@ -8,7 +8,7 @@ import pytest
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
-from scenario_compiler.engine.lane_confidence import health_of
+from scenario_compiler.engine.camera_health import noise_health
 from scenario_compiler.engine.opcodes import FAR
 from tests.engine.make import CAR, Draft, Run, highway, ramp
 
@@ -112,7 +112,7 @@ def test_confidence_is_the_marks_quality_where_the_plan_overrides_it() -> None:
 
 
 def test_health_is_one_half_at_30_grey_levels() -> None:
-    assert health_of(30.0) == 0.5
-    assert health_of(0.0) > 0.999
-    assert health_of(60.0) < 0.001
-    assert health_of(1.0e9) >= 0.0
+    assert noise_health(30.0) == 0.5
+    assert noise_health(0.0) > 0.999
+    assert noise_health(60.0) < 0.001
+    assert noise_health(1.0e9) >= 0.0

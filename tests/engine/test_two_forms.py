@@ -23,6 +23,9 @@ PROGRAMS = 40
 VARIANTS = 3
 STEPS = 400
 
+OF_PATHS = {op.ACTION_LANE_OFFSET, op.ACTION_FOLLOW_PATH}
+"""Actions that `test_places` holds."""
+
 
 class Dice:
     """Draws that depend on the program's number alone."""
@@ -90,6 +93,7 @@ def random_draft(number: int) -> Draft:
         p.destination_road[0], p.destination_lane[0] = 0, -1
         p.const[slots.K_DESTINATION_S] = dice.between(60.0, 400.0)
     add_story(draft, dice)
+    add_camera_story(draft, Dice(number + PROGRAMS))
     return draft
 
 
@@ -143,6 +147,32 @@ def add_story(draft: Draft, dice: Dice) -> None:
         p.stop_trigger[0] = draft.at_time(6.0)
     if dice.unit() < 0.5:
         p.init_action, p.init_count = [draft.speed(dice.pick(0, 1), dice.between(0.0, 20.0), 3.0)], [1]
+
+
+def add_camera_story(draft: Draft, dice: Dice) -> None:
+    """Append failures of the camera, weather, and events on what the automation sees."""
+    for _ in range(2):
+        kind = dice.pick(*range(op.FAILURES))
+        draft.failure(kind, dice.between(0.0, 9.0), dice.between(-1.0, 6.0), dice.between(-0.5, 2.0), dice.unit())
+    weathers = [draft.weather(*(dice.between(-1.0, 100.0) for _ in range(op.WEATHER_SIZE))) for _ in range(2)]
+    waiting = draft.failure(dice.pick(*range(op.FAILURES)), 0.5, 3.0, 1.0, dice.between(0.2, 1.0), waits=True)
+    actions = [
+        draft.run_action(op.ACTION_FAILURE, waiting),
+        draft.run_action(op.ACTION_WEATHER, dice.pick(*weathers), dice.between(-1.0, 5.0)),
+        draft.run_action(op.ACTION_MESSAGE, 0),
+        draft.run_action(op.ACTION_END_FAILURE, dice.pick(op.NONE, *range(op.FAILURES))),
+    ]
+    if dice.unit() < 0.1:
+        actions.append(draft.run_action(op.ACTION_STOP))
+    maneuver = draft.maneuver()
+    before = draft.event(maneuver, draft.at_time(dice.between(1.0, 6.0)), actions[0], actions[1])
+    for action in actions[2:]:
+        kind = dice.pick(op.CONDITION_STANDSTILL, op.CONDITION_SENSOR_HEALTH, op.CONDITION_LANE_CONFIDENCE)
+        other = dice.pick(*range(op.SIDE_BOTH, op.SIDE_EITHER + 1))
+        rule = op.RULE_GREATER_OR_EQUAL if kind == op.CONDITION_STANDSTILL else op.RULE_LESS
+        draft.condition(kind, 0.6, rule=rule, entities=(0,), other=other)
+        draft.condition(op.CONDITION_ELEMENT_STATE, dice.pick(1, 2), other=before)
+        draft.event(maneuver, draft.trigger(), action)
 
 
 def add_condition(draft: Draft, dice: Dice, before: list[int]) -> None:
@@ -230,8 +260,9 @@ def test_both_forms_leave_the_same_bytes(number: int) -> None:
 def test_the_programs_reach_every_code() -> None:
     drafts = [random_draft(number) for number in range(PROGRAMS)]
     programs = [draft.program for draft in drafts]
-    assert {kind for p in programs for kind in p.condition_op} == set(range(op.CONDITION_ELEMENT_STATE + 1))
-    assert {kind for p in programs for kind in p.action_op} == set(range(op.ACTION_SENSOR_NOISE + 1))
+    assert {kind for p in programs for kind in p.condition_op} == set(range(op.CONDITION_SENSOR_HEALTH + 1))
+    assert {kind for p in programs for kind in p.action_op} == set(range(op.ACTION_STOP + 1)) - OF_PATHS
+    assert {kind for p in programs for kind in p.failure_kind} == set(range(op.FAILURES))
     assert {kind for p in programs for kind in p.entity_motion} == set(range(op.MOTION_POSED + 1))
     assert {kind for p in programs for kind in p.action_shape} == set(range(op.SHAPE_STEP + 1))
     assert {kind for p in programs for kind in p.condition_edge} == set(range(op.EDGE_BOTH + 1))
@@ -242,6 +273,7 @@ def test_the_programs_reach_every_code() -> None:
     assert stops == set(range(op.STOP_NONE, op.STOP_ERROR + 1))
     kinds = set().union(*(kinds for _, _, _, _, kinds in results))
     assert kinds >= {op.EVENT_EVADE, op.EVENT_BRAKE, op.EVENT_MERGE, op.EVENT_COLLISION, op.EVENT_SENSOR_NOISE}
+    assert kinds >= {op.EVENT_FAILURE, op.EVENT_FAILURE_END, op.EVENT_WEATHER, op.EVENT_MESSAGE}
 
 
 def test_a_sweep_does_not_depend_on_the_order_of_its_variants() -> None:

@@ -3,12 +3,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from scenario_compiler.engine.camera_health import noise_health
 from scenario_compiler.perception.calibration.fit import cross_validated, fit_logistic, reliability
 from scenario_compiler.perception.calibration.frames import CLEAR_DAY, Wanted, random_frame
 from scenario_compiler.perception.calibration.measure import collect, mean_confidence
 from scenario_compiler.perception.confidence import (
     FEATURES,
-    health_of,
     load_calibration,
     noise_of,
     probability,
@@ -59,10 +59,10 @@ def test_measured_noise_is_the_noise_that_was_added() -> None:
 
 
 def test_health_falls_through_one_half_at_thirty_grey_levels() -> None:
-    assert health_of(30.0) == 0.5
-    assert health_of(5.0) > 0.99
-    assert health_of(60.0) < 0.001
-    assert health_of(1e9) >= 0.0
+    assert noise_health(30.0) == 0.5
+    assert noise_health(5.0) > 0.99
+    assert noise_health(60.0) < 0.001
+    assert noise_health(1e9) >= 0.0
 
 
 def test_the_fit_finds_the_weights_that_made_the_outcomes() -> None:

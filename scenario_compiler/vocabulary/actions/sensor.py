@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from scenario_compiler.vocabulary.sensors import FailureKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 
@@ -18,3 +19,11 @@ class SensorNoiseAction(Word):
         minimum=0,
         maximum=255,
     )
+
+
+class EndFailureAction(Word):
+    """End the camera's failures that have begun; the end of noise ends the camera's own noise too."""
+
+    word: Literal["end_failure"] = "end_failure"
+
+    kind: FailureKind | None = attribute("Which kind ends; all of them when left out.", default=None)

@@ -4,12 +4,15 @@ from scenario_compiler.vocabulary.conditions.by_entity import (
     DistanceCondition,
     ReachPositionCondition,
     SpeedCondition,
+    StandstillCondition,
     TimeHeadwayCondition,
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
 from scenario_compiler.vocabulary.conditions.by_value import (
+    EventCondition,
     LaneConfidenceCondition,
+    SensorHealthCondition,
     SimulationTimeCondition,
     TakeoverStateCondition,
 )
@@ -24,15 +27,21 @@ Condition = (
     | TraveledDistanceCondition
     | LaneConfidenceCondition
     | TakeoverStateCondition
+    | StandstillCondition
+    | SensorHealthCondition
+    | EventCondition
 )
 
 __all__ = [
     "Condition",
     "DistanceCondition",
+    "EventCondition",
     "LaneConfidenceCondition",
     "ReachPositionCondition",
+    "SensorHealthCondition",
     "SimulationTimeCondition",
     "SpeedCondition",
+    "StandstillCondition",
     "TakeoverStateCondition",
     "TimeHeadwayCondition",
     "TimeToCollisionCondition",

@@ -53,6 +53,15 @@ class SpeedCondition(Word):
     value: Number = attribute("Speed to compare with, m/s.", quantity="speed")
 
 
+class StandstillCondition(Word):
+    """An entity has stood for some time."""
+
+    word: Literal["standstill"] = "standstill"
+
+    entity: str = attribute(_ENTITY, default="", names="entity")
+    duration: Number = attribute("How long it must have stood, s.", default=0.0, quantity="time", minimum=0)
+
+
 class ReachPositionCondition(Word):
     """An entity is near a position."""
 

@@ -19,11 +19,31 @@ class SimulationTimeCondition(Word):
 
 
 class LaneConfidenceCondition(Word):
-    """The automation's lane confidence, the greater of both sides."""
+    """The automation's lane confidence: of both sides, of one, or of either."""
 
     word: Literal["lane_confidence"] = "lane_confidence"
 
     below: Number = attribute("True when it is less.", quantity="fraction", minimum=0, maximum=1)
+    side: Literal["both", "either", "left", "right"] = attribute("Which side of the lane is meant.", default="both")
+
+
+class SensorHealthCondition(Word):
+    """The health of the camera."""
+
+    word: Literal["sensor_health"] = "sensor_health"
+
+    below: Number = attribute("True when it is less.", quantity="fraction", minimum=0, maximum=1)
+
+
+class EventCondition(Word):
+    """Another event: one that a <when> with a name describes."""
+
+    word: Literal["event"] = "event"
+
+    name: str = attribute("Name of the event.", names="event")
+    state: Literal["started", "running", "complete"] = attribute(
+        "True from its start on, while its actions run, or once they are all done.", default="complete"
+    )
 
 
 class TakeoverStateCondition(Word):

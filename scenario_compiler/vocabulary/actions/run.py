@@ -1,0 +1,23 @@
+"""Actions on the run as a whole."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.takeover import Modality
+from scenario_compiler.vocabulary.word import Word, attribute
+
+
+class MessageAction(Word):
+    """Tell the driver something; it stands in the event log with its time."""
+
+    word: Literal["message"] = "message"
+
+    text: str = attribute("What is said.")
+    modality: tuple[Modality, ...] = attribute("By which channels.", default=("text",), separated=True)
+
+
+class StopAction(Word):
+    """End the run."""
+
+    word: Literal["stop"] = "stop"
