@@ -15,6 +15,9 @@ SIGN = "static.prop.warningconstruction"
 BARRIER_SPACING = 1.4
 """Distance between barriers that close a lane, m: each is 1.2 m long."""
 
+SIGN_ASIDE = 1.0
+"""How far the sign stands outside of the first cone, m."""
+
 ACROSS = math.pi / 2
 """Heading of barriers that close a lane, relative to the lane, rad."""
 
@@ -51,7 +54,8 @@ def _work_zone(zone: WorkZone) -> list[Static]:
         ahead = zone.taper + zone.length * k / along
         parts.append(_beside(zone, f"{zone.id}.cones.{k}", CONE, first, ahead, zone.across))
     if zone.sign_before > 0.0:
-        parts.append(_beside(zone, f"{zone.id}.sign", SIGN, first, -zone.sign_before, 0.0))
+        outside = -math.copysign(SIGN_ASIDE, zone.across)
+        parts.append(_beside(zone, f"{zone.id}.sign", SIGN, first, -zone.sign_before, outside))
     return parts
 
 

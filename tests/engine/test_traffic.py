@@ -114,9 +114,7 @@ def test_starts_depend_on_the_seed_alone_and_keep_clear(tmp_path: Path) -> None:
     assert (one.x, one.y) == (again.x, again.y)
     assert one.x != other.x
     vehicles = [i for i in range(p.entity_count[0]) if p.entity_motion[i] == op.MOTION_TRAFFIC]
-    apart = [
-        (one.x[i] - one.x[j]) ** 2 + (one.y[i] - one.y[j]) ** 2 for i in vehicles for j in vehicles if i < j
-    ]
+    apart = [(one.x[i] - one.x[j]) ** 2 + (one.y[i] - one.y[j]) ** 2 for i in vehicles for j in vehicles if i < j]
     assert min(apart) >= 20.0**2
 
 

@@ -1,0 +1,129 @@
+"""Where random positions are drawn from, and what spawn points, groups and positions beside something come to."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.state import State, make_draws, new_state
+from scenario_compiler.engine.step import reset
+from scenario_compiler.plan.places import spans_of
+from scenario_compiler.resources import find_map
+from scenario_compiler.roads import load_network
+from scenario_compiler.vocabulary.positions import AnyOfPosition, LanePosition, RandomPosition
+
+EGO = '<ego speed="5"><start><lane road="1" lane="-1" s="20"/></start></ego>'
+
+
+def compiled(folder: Path, body: str, ego: str = EGO, before: str = "") -> Compilation:
+    """Return the plan of a scenario with a body."""
+    path = folder / "place.xml"
+    head = '<scenarios version="1"><scenario name="place" map="town_grid" duration="5">'
+    path.write_text(f"{head}{before}{ego}{body}</scenario></scenarios>", encoding="utf-8")
+    sink = Diagnostics()
+    done = compile_target(path, {}, sink, overrides=Overrides(perception="ideal"))
+    assert done is not None, [as_text(one) for one in sink]
+    return done
+
+
+def at_start(done: Compilation, seed: int = 1) -> tuple[State, dict[str, int]]:
+    """Return the state at t = 0 and the entities' numbers."""
+    state = new_state(program := build_program(done.plan, done.network))
+    state.draw[:] = make_draws(seed)
+    reset(done.network.tables, program, state)
+    assert state.flag[0] == 0
+    return state, {entity.id: i for i, entity in enumerate(done.plan.entities)}
+
+
+def test_stretches_are_of_the_kind_and_on_the_roads_that_are_asked_for() -> None:
+    network = load_network(find_map("town_grid"))
+    spans = spans_of(network, RandomPosition(on="sidewalk", roads=("4",), s_from=10.0, s_to=60.0))
+    assert [(network.road_ids[one.road], one.lane, one.s_from, one.s_to) for one in spans] == [
+        ("4", 3, 10.0, 60.0),
+        ("4", -3, 10.0, 60.0),
+    ]
+    assert not spans_of(network, RandomPosition(on="biking"))
+    everywhere = spans_of(network, RandomPosition())
+    assert all(network.tables.road_junction[one.road] < 0 for one in everywhere)
+
+
+def test_margins_are_kept_in_the_direction_of_travel() -> None:
+    network = load_network(find_map("town_grid"))
+    spans = {one.lane: one for one in spans_of(network, RandomPosition(roads=("1",)), behind=5.0, before=25.0)}
+    length = network.road("1").length
+    assert (spans[-1].s_from, spans[-1].s_to) == (5.0, length - 25.0)
+    assert (spans[1].s_from, spans[1].s_to) == (25.0, length - 5.0)
+
+
+POINTS = """<spawn_points>
+  <point name="first"><lane road="2" lane="-1" s="30"/></point>
+  <point name="second"><lane road="3" lane="-1" s="40"/></point>
+</spawn_points>"""
+
+
+@pytest.mark.parametrize(
+    ("start", "road"),
+    [
+        ('<spawn_point name="second"/>', "3"),
+        ('<spawn_point name="main_street"/>', "1"),
+        ('<numbered_spawn_point index="0"/>', "2"),
+    ],
+)
+def test_spawn_points_are_the_scenarios_own_or_the_maps(tmp_path: Path, start: str, road: str) -> None:
+    ego = f'<ego speed="5"><start>{start}</start></ego>'
+    placed = compiled(tmp_path, "", ego, POINTS).plan.ego.start
+    assert isinstance(placed, LanePosition)
+    assert placed.road == road
+
+
+def test_a_spawn_point_by_seed_is_fixed_and_without_one_drawn_in_each_run(tmp_path: Path) -> None:
+    seeded = {
+        compiled(
+            tmp_path, "", f'<ego><start><random_spawn_point seed="{k}"/></start></ego>', POINTS
+        ).plan.ego.start.word
+        for k in range(3)
+    }
+    assert seeded == {"lane"}
+    done = compiled(tmp_path, "", "<ego><start><random_spawn_point/></start></ego>", POINTS)
+    assert isinstance(done.plan.ego.start, AnyOfPosition)
+    roads = {done.network.road_ids[at_start(done, seed)[0].road[0]] for seed in range(12)}
+    assert roads == {"2", "3"}
+
+
+def test_a_random_place_keeps_clear_and_what_is_beside_it_follows(tmp_path: Path) -> None:
+    body = """<static id="barrel" model="static.prop.barrel"><at><random roads="1" lane="-1" clear="30"/></at></static>
+      <static id="box" model="static.prop.box01"><at><beside entity="barrel" distance="1" ahead="2"/></at></static>"""
+    done = compiled(tmp_path, body)
+    for seed in range(8):
+        st, number = at_start(done, seed)
+        ego, barrel, box = (number[name] for name in ("ego", "barrel", "box"))
+        assert math.dist((st.x[ego], st.y[ego]), (st.x[barrel], st.y[barrel])) >= 30.0
+        assert math.dist((st.x[box], st.y[box]), (st.x[barrel], st.y[barrel])) == pytest.approx(math.hypot(1, 2))
+        assert st.t[box] - st.t[barrel] == pytest.approx(1.0)
+
+
+def test_a_row_stands_along_its_lane(tmp_path: Path) -> None:
+    place = '<at><lane road="1" lane="-1" s="200" offset="-1"/></at>'
+    row = f'<row id="cones" count="4" spacing="6" across="1.5">{place}</row>'
+    st, number = at_start(compiled(tmp_path, row))
+    found = [(st.s[number[f"cones.{k}"]], st.off[number[f"cones.{k}"]]) for k in range(1, 5)]
+    assert found == [pytest.approx(pair) for pair in ((200, -1), (206, -0.5), (212, 0), (218, 0.5))]
+
+
+def test_a_work_zone_closes_its_lane(tmp_path: Path) -> None:
+    zone = '<work_zone id="works"><at><ahead_of entity="ego" distance="120" offset="-1.6"/></at></work_zone>'
+    done = compiled(tmp_path, zone)
+    st, number = at_start(done)
+    barriers = [number[name] for name in number if name.startswith("works.barrier")]
+    covered = sorted(st.off[i] for i in barriers)
+    assert [done.plan.entities[i].vehicle.category for i in barriers] == ["barrier"] * len(barriers)
+    assert covered[0] < -0.7
+    assert covered[-1] > 0.7
+    assert st.s[number["works.sign"]] == pytest.approx(110.0)
+    assert st.t[number["works.sign"]] < -4.0
+    assert max(st.s[i] for name, i in number.items() if name.startswith("works.cones")) == pytest.approx(190.0)
