@@ -1,0 +1,165 @@
+"""What a scenario says of its camera, its weather and its events is what happens, with and without the camera."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler import Outcome, Recording, judge, open_world, run
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.plan.lower import Perception
+from scenario_compiler.runtime.messages import TEXTS
+from scenario_compiler.worlds.kinematic import KinematicWorld
+
+FILE = """<scenarios version="1">
+  <scenario name="made" map="highway_loop" duration="{duration}" step="0.05" control_every="2">
+    {weather}
+    <ego speed="{speed}"><start><spawn_point name="straight"/></start>{camera}{whens}</ego>
+    <takeover><cause kind="sensor_health"/><driver takeover_time="{answer}"/><message language="de"/></takeover>
+    <criteria>{criteria}</criteria>
+  </scenario>
+</scenarios>"""
+
+
+def compiled(folder: Path, perception: Perception = "ideal", **parts: object) -> Compilation:
+    usual = {"duration": 4, "speed": 15, "answer": 30, "weather": "", "camera": "", "whens": "", "criteria": ""}
+    path = folder / "made.xml"
+    path.write_text(FILE.format(**{**usual, **parts}), encoding="utf-8")
+    sink = Diagnostics()
+    compilation = compile_target(str(path), {}, sink, overrides=Overrides(perception=perception))
+    assert compilation is not None, "\n".join(as_text(one) for one in sink)
+    return compilation
+
+
+def played(compilation: Compilation) -> tuple[Recording, Outcome]:
+    recording = run(compilation.plan, open_world("kinematic", compilation.plan, compilation.network))
+    return recording, judge(compilation.plan, recording)
+
+
+def times(recording: Recording, kind: str) -> list[float]:
+    return [round(event.t, 2) for event in recording.events if event.kind == kind]
+
+
+SLIGHT = {"noise": 0.1, "dropout": 0.1, "freeze": 0.1, "blackout": 0.4, "blur": 0.12, "dirt": 0.25}
+
+
+@pytest.mark.parametrize("perception", ["ideal", "camera"])
+@pytest.mark.parametrize("kind", SLIGHT)
+def test_a_severe_failure_leads_to_a_request_and_a_slight_one_to_none(
+    tmp_path: Path, kind: str, perception: Perception
+) -> None:
+    for amount, duration, requests in ((1.0, 3.5, 1), (SLIGHT[kind], 3.5, 0)):
+        failure = f'<camera><failure kind="{kind}" onset="1" amount="{amount}"/></camera>'
+        recording, outcome = played(compiled(tmp_path, perception, camera=failure, duration=duration))
+        assert len(times(recording, "request")) == requests, (kind, amount)
+        assert outcome.cause == ("sensor_health" if requests else "")
+        assert times(recording, "failure") == [1.0]
+
+
+def test_a_failure_grows_and_goes_in_its_ramp(tmp_path: Path) -> None:
+    failure = '<camera><failure kind="noise" onset="1" duration="2" ramp="0.5" amount="0.25"/></camera>'
+    recording, _ = played(compiled(tmp_path, camera=failure))
+    at = {round(float(t), 2): float(sigma) for t, sigma in zip(recording.t, recording.sigma, strict=True)}
+    assert at[0.95] == 0.0
+    assert at[1.25] == pytest.approx(10.0)
+    assert at[2.0] == pytest.approx(20.0)
+    assert at[2.75] == pytest.approx(10.0)
+    assert at[3.1] == 0.0
+    assert times(recording, "failure_end") == [3.0]
+
+
+def test_failures_begin_and_end_by_events(tmp_path: Path) -> None:
+    whens = (
+        '<when name="fog"><time after="1"/><do><failure kind="blur"/></do></when>'
+        '<when><event name="fog"/><time after="2"/><do><end_failure kind="blur"/></do></when>'
+    )
+    recording, _ = played(compiled(tmp_path, whens=whens))
+    assert times(recording, "failure")[0] == pytest.approx(1.0, abs=0.06)
+    assert times(recording, "failure_end")[0] == pytest.approx(2.0, abs=0.06)
+
+
+def test_any_and_all(tmp_path: Path) -> None:
+    whens = (
+        '<when><any><time after="3"/><all><time after="1"/><traveled distance="20"/></all></any>'
+        '<do><message text="now" modality="text audio"/></do></when>'
+        '<when><any><time after="9"/><all><time after="1"/><traveled distance="900"/></all></any>'
+        '<do><message text="never"/></do></when>'
+    )
+    recording, _ = played(compiled(tmp_path, whens=whens))
+    told = [(event.cause, event.message) for event in recording.events if event.kind == "message"]
+    assert told == [("text", "now"), ("audio", "now")]
+    assert times(recording, "message")[0] == pytest.approx(20.0 / 15.0, abs=0.15)
+
+
+def test_a_run_is_stopped_by_an_event_once_the_car_stands(tmp_path: Path) -> None:
+    whens = '<when><standstill duration="1"/><do><stop/></do></when>'
+    recording, _ = played(compiled(tmp_path, speed=0, whens=whens))
+    assert recording.stop_reason == "trigger"
+    assert float(recording.t[-1]) == pytest.approx(1.0, abs=0.11)
+
+
+def test_health_and_the_sides_of_the_lane_are_conditions(tmp_path: Path) -> None:
+    whens = (
+        '<when><sensor_health below="0.5"/><do><message text="health"/></do></when>'
+        '<when><lane_confidence below="0.5" side="left"/><do><message text="left"/></do></when>'
+        '<when><lane_confidence below="0.5" side="either"/><do><message text="either"/></do></when>'
+    )
+    failure = '<camera><failure kind="dirt" onset="1" amount="0.8"/></camera>'
+    recording, _ = played(compiled(tmp_path, camera=failure, whens=whens, duration=2))
+    told = {event.message: event.t for event in recording.events if event.kind == "message" and event.cause == "text"}
+    assert {"health", "left", "either"} <= set(told)
+    assert told["health"] > 1.0
+
+
+def test_the_weather_changes_over_time(tmp_path: Path) -> None:
+    seen = []
+
+    class Watched(KinematicWorld):
+        def step(self, snapshot: object) -> None:
+            seen.append(snapshot)
+
+    whens = '<when><time after="1"/><do><weather preset="HardRainNight" over_time="2"/></do></when>'
+    compilation = compiled(tmp_path, whens=whens, weather='<weather preset="CloudyNoon" fog_density="20"/>')
+    assert compilation.plan.weather.cloudiness == 60.0
+    assert compilation.plan.weather.fog_density == 20.0
+    run(compilation.plan, Watched(compilation.plan, compilation.network))
+    at = {round(snapshot.t, 2): snapshot.weather for snapshot in seen}
+    assert at[0.5].precipitation == 0.0
+    assert at[2.0].precipitation == pytest.approx(50.0, abs=3.0)
+    assert at[2.0].sun_altitude_angle == pytest.approx(-22.5, abs=4.0)
+    assert at[3.5].fog_density == 100.0
+
+
+def test_messages_come_in_the_language_of_the_policy(tmp_path: Path) -> None:
+    failure = '<camera><failure kind="blackout" onset="0.5"/></camera>'
+    recording, _ = played(compiled(tmp_path, camera=failure))
+    told = [event.message for event in recording.events if event.kind == "message"]
+    assert told[0] == "Bereit halten zur Übernahme"
+    assert "Bitte übernehmen" in told
+
+
+def test_every_language_has_every_text() -> None:
+    tables = [(sorted(one.what), sorted(one.why), sorted(one.next)) for one in TEXTS.values()]
+    assert all(table == tables[0] for table in tables)
+
+
+def test_criteria_of_the_takeover(tmp_path: Path) -> None:
+    criteria = (
+        '<takeover_within time="2"/><requested cause="sensor_health"/><requested/><no_minimum_risk/>'
+        '<maximum_lateral_offset at_most="0.5"/>'
+    )
+    failure = '<camera><failure kind="blackout" onset="0.5"/></camera>'
+    _, soon = played(compiled(tmp_path, camera=failure, criteria=criteria, answer=1))
+    assert [one.passed for one in soon.criteria] == [True] * 5
+    _, late = played(compiled(tmp_path, camera=failure, criteria=criteria, answer=2.5, duration=6))
+    assert [one.passed for one in late.criteria] == [False, True, True, True, True]
+    _, never = played(compiled(tmp_path, camera=failure, criteria=criteria, duration=14))
+    assert [one.passed for one in never.criteria] == [False, True, True, False, True]
+    _, calm = played(compiled(tmp_path, criteria=criteria))
+    assert [one.passed for one in calm.criteria] == [True, False, False, True, True]
+    other = '<requested cause="path_blocked"/>'
+    _, wrong = played(compiled(tmp_path, camera=failure, criteria=other))
+    assert not wrong.criteria[0].passed
+    assert "sensor_health" in wrong.criteria[0].why
