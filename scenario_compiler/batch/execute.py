@@ -203,7 +203,7 @@ def form_of(spec: SweepSpec, base: Family, total: int) -> Form:
 def part_size_of(form: Form, total: int) -> int:
     """Return how many variants are kept together: what is lost at most when a sweep is interrupted."""
     if form == "camera":
-        return 2
+        return 1
     if form == "interpreted":
         return 16
     return min(max(total // 64, 100), 2000)
@@ -350,7 +350,9 @@ def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
     }[sweep.form]
     if sweep.spec.form == "interpreted" and sweep.form == "interpreted":
         how = "interpreted"
-    where = "in this process" if workers == 1 and sweep.form != "camera" else f"in {workers} processes"
+    where = f"in {workers} processes"
+    if workers == 1:
+        where = "in a process of their own" if sweep.form == "camera" or sweep.spec.time_limit else "in this process"
     if scheduler is not None:
         where = f"on the cluster at {scheduler}"
     return f"{sweep.sampler.total} variants {how}, {where}"

@@ -182,9 +182,15 @@ def test_the_worst_cases_are_kept_and_shown(conflict: Path, tmp_path: Path) -> N
     assert f"--variant {worst[0]} -o variant-{worst[0]}" in page
     assert "collision rate" in page
     assert "<script" not in page
-    again = tmp_path / "again"
-    run_sweep(conflict, spec, again, workers=1)
-    assert (again / "report.html").read_text(encoding="utf-8") == page
+
+
+@pytest.mark.slow
+def test_equal_sweeps_have_equal_reports(conflict: Path, tmp_path: Path) -> None:
+    spec = _spec(samples=20, vary=("distance=uniform(12, 300)", "speed=uniform(8, 20)"))
+    for name in ("one", "other"):
+        run_sweep(conflict, spec, tmp_path / name, workers=1)
+    pages = [(tmp_path / name / "report.html").read_bytes() for name in ("one", "other")]
+    assert pages[0] == pages[1]
 
 
 def test_a_case_is_repeated_from_its_command_line(conflict: Path, tmp_path: Path) -> None:
