@@ -98,15 +98,16 @@ def note_changes(root: etree._Element, changes: dict[tuple[str, str], str]) -> N
             declaration = known[declaration.switch[1].get(element.get(declaration.switch[0], ""), declaration.name)]
         for name, value in list(element.attrib.items()):
             pair = (declaration.name, str(name))
-            if declaration.name in READ_ATTRIBUTES and pair not in tried and changes.get(pair) != "tables":
+            if declaration.name in READ_ATTRIBUTES and pair not in tried and not changes.get(pair):
                 tried.add(pair)
-                after = [state(root, element, str(name), other) for other in OTHER_VALUES]
-                if any(one is None or one[0] != before[0] for one in after):
-                    changes[pair] = "tables"
-                elif any(one != before for one in after):
-                    changes[pair] = "model"
-                else:
-                    changes.setdefault(pair, "")
+                changes[pair] = ""
+                for other in OTHER_VALUES:
+                    after = state(root, element, str(name), other)
+                    if after is None or after[0] != before[0]:
+                        changes[pair] = "tables"
+                        break
+                    if after != before:
+                        changes[pair] = "model"
                 element.set(name, value)
         for child in element.iterchildren(etree.Element) if not declaration.anything else ():
             inner = declaration.content.declaration(str(child.tag))

@@ -136,29 +136,26 @@ def unread(document: Document) -> tuple[Unread, ...]:
     minor = version[1] if version is not None and FIRST_MINOR <= version[1] <= LAST_MINOR else LAST_MINOR
     known = declarations(minor)
     found: dict[tuple[str, str], tuple[int, etree._Element]] = {}
-    pending: list[tuple[etree._Element, Declaration, str]] = [(document.root, known["OpenDRIVE"], "")]
+    pending: list[tuple[etree._Element, Declaration | None, str]] = [(document.root, known["OpenDRIVE"], "")]
     while pending:
         element, declaration, path = pending.pop()
-        if declaration.switch is not None:
+        if declaration is not None and declaration.switch is not None:
             attribute, cases = declaration.switch
             declaration = known[cases.get(element.get(attribute, ""), declaration.name)]
-        if declaration.name not in READ_ATTRIBUTES:
+        if declaration is None or declaration.name not in READ_ATTRIBUTES:
             _count(found, (path, ""), element)
             continue
         for name in cast("Mapping[str, str]", element.attrib):
             if name not in READ_ATTRIBUTES[declaration.name] and not name.startswith("{"):
                 _count(found, (path, name), element)
-        inner = []
+        inner: list[tuple[etree._Element, Declaration | None, str]] = []
         for child in element.iterchildren(etree.Element) if not declaration.anything else ():
             tag = etree.QName(child).localname
             below = f"{path}/{tag}".lstrip("/")
             target = declaration.content.declaration(tag)
             elsewhere = tag in NOT_READ_IN.get(declaration.name, ())
             elsewhere |= tag == "userData" and declaration.name not in USER_DATA_IN
-            if target is None or elsewhere or (target not in READ_ATTRIBUTES and known[target].switch is None):
-                _count(found, (below, ""), child)
-            else:
-                inner.append((child, known[target], below))
+            inner.append((child, None if target is None or elsewhere else known[target], below))
         pending.extend(reversed(inner))
     return tuple(
         Unread(path, attribute, count, document.origin(first, attribute or None).line)
