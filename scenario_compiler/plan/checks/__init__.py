@@ -5,6 +5,7 @@ from collections.abc import Callable
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.checks.causes import check_causes
 from scenario_compiler.plan.checks.overlap import check_overlap
+from scenario_compiler.plan.checks.paths import check_paths
 from scenario_compiler.plan.checks.reach import check_budget, check_reach
 from scenario_compiler.plan.checks.start import check_start
 from scenario_compiler.plan.checks.triggers import check_triggers
@@ -15,6 +16,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_start,
     check_overlap,
     check_causes,
+    check_paths,
     check_budget,
     check_reach,
     check_triggers,

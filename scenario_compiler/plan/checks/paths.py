@@ -1,0 +1,50 @@
+"""The points of a path either all have a time or none has, and the times rise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import FollowPathAction
+from scenario_compiler.vocabulary.actions.path import Path
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.traversal import walk
+from scenario_compiler.vocabulary.word import number_value
+
+PATH_TIMES = Code(
+    "SC384",
+    "path-times",
+    "The times of a path's points do not make a trajectory: some points have one and others none, or a time is not "
+    "later than the one before. Times count from the begin of the path:\n\n"
+    '    <path><point time="2"><lane road="1" lane="-1" s="40"/></point>\n'
+    '          <point time="4"><lane road="1" lane="-1" s="55"/></point></path>\n\n'
+    "Without times the actor moves at its own speed; <path speed=...> sets it.",
+)
+
+
+def check_paths(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report points of paths whose times do not go together, at the parameters' values."""
+    del network
+    values = parameter_values(plan.parameters)
+    for path in _paths(plan):
+        times = [None if one.time is None else number_value(one.time, values) for one in path.points]
+        for (before, time), point in zip(
+            pairwise([None if times[0] is None else 0.0, *times]), path.points, strict=True
+        ):
+            if (before is None) != (time is None):
+                message = "some points of the path have a time and others have none"
+            elif before is not None and time is not None and time < before + (0.0 if point is path.points[0] else 1e-6):
+                message = f"the point is due at {time:g} s, but the one before at {before:g} s"
+            else:
+                continue
+            sink.add(PATH_TIMES, message, point.place_of("time") if time is not None else point.origin)
+
+
+def _paths(plan: Plan) -> Iterator[Path | FollowPathAction]:
+    for entity in plan.entities:
+        if entity.path is not None:
+            yield entity.path
+    yield from (word for word in walk(plan.storyboard) if isinstance(word, FollowPathAction))
