@@ -114,6 +114,9 @@ PROVOKES: dict[str, Provokes] = {
     "r157_situations#swerving_leader": Provokes(changes=("swerving_leader1.leader", 3.0)),
     "r157_situations#stationary_target": OBSTACLE,
     "r157_situations#pedestrian": Provokes("path_blocked", changes=("crossing_pedestrian1.walker", 4.0)),
+    "weather_and_works#road_works": OBSTACLE,
+    "weather_and_works#works_in_traffic": OBSTACLE,
+    "weather_and_works#rain_begins": Provokes(event="weather"),
     "sensor_variants#noise_burst": SENSOR,
     "sensor_variants#noise_in_curve": SENSOR,
 }
@@ -157,6 +160,8 @@ BY_CAMERA: dict[str, Close] = {
     "noise_burst": Close("sensor_variants#noise_burst", 3.0, {"onset": "1"}, SENSOR),
     "occupied_ramp": Close("ramp_variants#fast_traffic", 14.0, {}, RAMP),
     "ramp_queue": Close("ramp_variants#queue", 14.0, {}, RAMP),
+    "rain_front": Close("weather_and_works#rain_begins", 10.0, {}, MARKINGS),
+    "road_works": Close("weather_and_works#road_works", 4.0, {"distance": "130"}, OBSTACLE),
     "sensor_failure": Close("sensor_variants#noise_in_curve", 3.0, {"onset": "1"}, SENSOR),
     "signs_in_lane": Close("narrowing_variants#traffic_signs", 4.0, {"distance": "75"}, OBSTACLE),
     "traffic_jam": Close("obstacle_variants#traffic_jam", 3.0, {"distance": "150"}, OBSTACLE),
