@@ -19,7 +19,7 @@ from scenario_compiler.document import Document, read_document
 from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
 from scenario_compiler.source.environment import Environment, Reading
-from scenario_compiler.source.reading import place_children, read_attributes, read_word
+from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Row, Static, Traffic, WorkZone
@@ -267,6 +267,8 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
     for element in includes:
         catalogs = _bring_in(element, reading, parts["template"], catalogs, seen)
     named = all(re.fullmatch(IDENTIFIER, name) for name in own)
+    if misspelt(document.root, (Include.tag(), TemplateElement.tag())):
+        catalogs = catalogs.with_a_gap()
     complete = named and catalogs.complete
     return Library(document, parts["scenario"], parts["template"], own, catalogs, complete, frozenset(allowed))
 

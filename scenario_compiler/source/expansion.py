@@ -23,7 +23,7 @@ from scenario_compiler.source.parameters import (
     default_value,
     read_parameters,
 )
-from scenario_compiler.source.reading import place_children, read_attributes, read_word
+from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.templates import Expander, Scope, template_parameters
 from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
@@ -161,6 +161,8 @@ class _Attempt:
     def _read_children(self, element: etree._Element) -> None:
         for rule, elements in place_children(element, ScenarioElement, self.reading):
             if rule.field == "items":
+                if misspelt(element, rule.tags):
+                    self.scope.all_read = False
                 self.expander.add_items(rule, elements, self.reading, self.scope)
             elif rule.field != "parameters":
                 read = [read_word(one, rule.words[str(one.tag)], self.reading) for one in elements]

@@ -13,7 +13,7 @@ from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
 from scenario_compiler.source import codes, names
 from scenario_compiler.source.environment import Binding, Environment, Reading
-from scenario_compiler.source.reading import read_word
+from scenario_compiler.source.reading import misspelt, read_word
 from scenario_compiler.source.values import bound_value, outside
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER
 from scenario_compiler.vocabulary.scenario import Parameter
@@ -55,7 +55,7 @@ def read_parameters(element: etree._Element, reading: Reading) -> Declared:
                 parameter.place_of("name"),
             )
         known.setdefault(parameter.name, parameter)
-    return Declared(known, len(sink.found) == before)
+    return Declared(known, len(sink.found) == before and not misspelt(element, [Parameter.tag()]))
 
 
 def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, Value]:

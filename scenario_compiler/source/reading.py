@@ -5,6 +5,7 @@ Every fault of an element and of all below it is reported in one pass, each at i
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -124,6 +125,13 @@ def place_children(
         yield rule, _unwrapped(element, rule, elements, reading)
 
 
+def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
+    """Return whether a child's tag is almost, but not quite, one of some: the fault is its spelling alone."""
+    meant = tuple(tags)
+    found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
+    return any(difflib.get_close_matches(tag, meant, n=1, cutoff=0.8) for tag in found)
+
+
 def _repeated(parent: etree._Element, first: etree._Element, second: etree._Element) -> str:
     if first.tag == second.tag:
         return f"<{parent.tag}> takes one <{second.tag}>"
@@ -135,7 +143,7 @@ def _unwrapped(
 ) -> list[etree._Element]:
     """Return the elements that spell words, out of their wrapper; report what is missing or too much."""
     if not elements:
-        if rule.required:
+        if rule.required and not misspelt(parent, rule.tags):
             _report_missing(parent, rule.tags, rule.description, reading)
         return []
     if not rule.wrapper:

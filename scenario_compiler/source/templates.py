@@ -32,7 +32,7 @@ from scenario_compiler.source.conflict import (
 from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.groups import members
 from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
-from scenario_compiler.source.reading import place_children, read_attributes, read_word
+from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.entities import Dynamic, Row, Static, Traffic, WorkZone
 from scenario_compiler.vocabulary.grammar import NUMBER, ChildRule, grammar_of
 from scenario_compiler.vocabulary.markings import Markings
@@ -368,7 +368,10 @@ class Expander:
     def add_template(self, template: Part, reading: Reading, scope: Scope, chain: tuple[str, ...] = ()) -> None:
         """Read and add the items of a template."""
         placed = place_children(template.element, TemplateElement, reading)
-        self.add_items(*next((rule, found) for rule, found in placed if rule.field == "items"), reading, scope, chain)
+        rule, found = next((rule, found) for rule, found in placed if rule.field == "items")
+        if misspelt(template.element, rule.tags):
+            scope.all_read = False
+        self.add_items(rule, found, reading, scope, chain)
 
     def find(self, use: Use, sink: Diagnostics) -> Part | None:
         """Return the template of a use: the file's own, an included one, or the library's."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.compiler import validate_file
+from scenario_compiler.compiler import validate_file, validate_files
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.resources import library_folder
 
@@ -56,6 +56,38 @@ def _mutants(text: str) -> Iterator[Mutant]:
                 at = tag.start() + found.end(2)
                 spoiled = "x" if re.fullmatch(r"-?[\d.]+", value) else "!"
                 yield Mutant(f"{label} spoiled", f"{text[:at]}{spoiled}{text[at:]}", line)
+
+
+def _misspelt_elements(text: str) -> Iterator[Mutant]:
+    """Yield the file with the name of each element but the first misspelt, in its start tag and its end tag."""
+    body = re.sub(r"<!--.*?-->", lambda found: " " * len(found.group()), text, flags=re.DOTALL)
+    for tag in re.finditer(r"<([a-z_]+)(?=[ />\n])", body):
+        name, line = tag.group(1), text.count("\n", 0, tag.start()) + 1
+        same = re.compile(rf"<(/?){name}(?=[ />\n])[^<>]*?(/?)>")
+        depth = 0
+        for found in same.finditer(body, tag.start()):
+            depth += -1 if found.group(1) else 0 if found.group(2) else 1
+            if depth == 0:
+                end = found.end() - 1
+                middle = text[tag.end() : end] if found.group(1) else text[tag.end() : tag.end()]
+                rest = f"q{text[end:]}" if found.group(1) else text[tag.end() :]
+                if name not in ("scenarios", "allow"):
+                    yield Mutant(f"line {line}: <{name}> misspelt", f"{text[: tag.end()]}q{middle}{rest}", line)
+                break
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_one_misspelt_element_gives_findings_on_its_line_alone(path: Path, tmp_path: Path) -> None:
+    shutil.copy(HERE / "every_entry.xml", tmp_path)
+    wrong = []
+    mutants = list(_misspelt_elements(path.read_text(encoding="utf-8")))
+    for mutant in mutants:
+        (tmp_path / path.name).write_text(mutant.text, encoding="utf-8")
+        (found,) = validate_files([tmp_path / path.name])
+        if {one.place.line for one in found} != {mutant.line}:
+            wrong.append(f"{mutant.name}: {[as_text(one) for one in found]}")
+    assert len(mutants) > 10
+    assert wrong == []
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
