@@ -11,7 +11,7 @@ import pytest
 from scenario_compiler.compiler import Compilation, compile_target, validate_file
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.report.gallery import Card, shrunk, start_picture, write_gallery
-from scenario_compiler.report.preview import draw_preview, draw_route, happenings_of, section_of, way_ahead
+from scenario_compiler.report.preview import draw_preview, draw_route, happenings_of, labels_of, section_of, way_ahead
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.authoring import new_conflict
 from scenario_compiler.source.listing import Listed, list_library
@@ -94,6 +94,11 @@ def test_triggers_are_told_in_words(swerving: Compilation, crossing: Compilation
     assert crosses.time is None
     assert crosses.trigger == "time gap entity ego to crossing_pedestrian1.walker below 3"
     assert crosses.label.startswith("crossing_pedestrian1.walker: speed to 1.4 and lane change by 5")
+
+
+def test_a_row_is_labelled_once() -> None:
+    names = ["ego", "works1.cones.1", "works1.cones.2", "ramp1.queue.1.car", "ramp1.queue.2.car"]
+    assert labels_of(names) == {"ego": "ego", "works1.cones.1": "works1.cones", "ramp1.queue.1.car": "ramp1.queue.car"}
 
 
 def test_the_section_holds_every_start(crossing: Compilation) -> None:

@@ -6,7 +6,8 @@ Equal plans give equal bytes with one version of matplotlib.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -194,14 +195,25 @@ def _draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> N
     axes.plot([x for x, _ in way], [y for _, y in way], color=BLUE, linewidth=2.2, alpha=0.55, zorder=6)
     wide = axes.get_xlim()[1] - axes.get_xlim()[0]
     shown = [one for one in plan.entities if one.id in plan.derived]
+    labels = labels_of(one.id for one in shown)
     for number, entity in enumerate(shown):
-        _draw_entity(axes, plan, entity, wide, 1 if number % 2 == 0 else -1)
+        _draw_entity(axes, plan, entity, wide, labels.get(entity.id, ""), 1 if number % 2 == 0 else -1)
 
 
-def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float, side: int) -> None:
+def labels_of(names: Iterable[str]) -> dict[str, str]:
+    """Return what is written beside entities: of a row or a repetition the first alone, without its number."""
+    labels: dict[str, str] = {}
+    for name in names:
+        label = re.sub(r"\.\d+(?=\.|$)", "", name)
+        if label not in labels.values():
+            labels[name] = label
+    return labels
+
+
+def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float, label: str, side: int) -> None:
     pose, vehicle = plan.derived[entity.id], entity.vehicle
     x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
-    grown = max(1.0, wide * 0.011 / vehicle.length)
+    grown = max(1.0, wide * 0.011 / max(vehicle.length, 1.2))
     length, width = 0.5 * vehicle.length * grown, 0.5 * vehicle.width * grown
     c, s = math.cos(pose.heading), math.sin(pose.heading)
     outline = ((length, 0.0), (0.6 * length, width), (-length, width), (-length, -width), (0.6 * length, -width))
@@ -210,7 +222,7 @@ def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float, side: int)
     axes.fill(*zip(*corners, strict=True), facecolor=colour, edgecolor="white", linewidth=0.8, zorder=8)
     away = side * 9.0
     axes.annotate(
-        entity.id,
+        label,
         (x, y),
         xytext=(-s * away * 1.4, c * away * 1.4),
         textcoords="offset points",
