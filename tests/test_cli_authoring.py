@@ -109,3 +109,12 @@ def test_a_sweep_leaves_a_table_and_a_report(capsys: pytest.CaptureFixture[str])
 def test_a_sweep_that_cannot_be_is_wrong_use_or_at_fault(arguments: list[str]) -> None:
     target = LIBRARY / "conflicts" / "obstacle_ahead.xml"
     assert call("sweep", target, "--perception", "ideal", *arguments, "-o", "sweep") in (1, 2)
+
+
+def test_a_boundary_and_a_minimum_are_searched_for(capsys: pytest.CaptureFixture[str]) -> None:
+    command = ("sweep", LIBRARY / "conflicts" / "obstacle_ahead.xml", "--perception", "ideal", "--duration", "8")
+    vary = ("--vary", "distance=uniform(60,350)")
+    assert call(*command, *vary, "--boundary", "request", "--tolerance", "40", "-o", "boundary") == 0
+    assert "not at distance = " in capsys.readouterr().out
+    assert call(*command, *vary, "--minimise", "final_speed", "--evaluations", "5", "-o", "least") == 0
+    assert "least final_speed" in capsys.readouterr().out

@@ -60,6 +60,7 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("-o", dest="output", type=Path, metavar="DIR", help="folder of the run")
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--variant", type=int, default=0, metavar="N", help="number of the variant in a sweep")
     parser.add_argument("--world", default="kinematic", metavar="NAME")
     parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
     parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
@@ -127,7 +128,7 @@ def run_command(options: argparse.Namespace) -> int:
 
     world = open_world(options.world, plan, network)
     try:
-        recording = run_with_progress(plan, world, options.seed)
+        recording = run_with_progress(plan, world, options.seed, options.variant)
     finally:
         world.close()
     finished = Run(plan, network, recording, judge(plan, recording))
@@ -147,18 +148,18 @@ def run_command(options: argparse.Namespace) -> int:
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
 
 
-def run_with_progress(plan: Plan, world: World, seed: int) -> Recording:
+def run_with_progress(plan: Plan, world: World, seed: int, variant: int) -> Recording:
     """Run a plan, with a progress bar where stderr is a terminal."""
     from scenario_compiler.runtime import run
 
     if not sys.stderr.isatty():
-        return run(plan, world, seed=seed)
+        return run(plan, world, seed=seed, variant=variant)
     from rich.console import Console
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(plan.name, total=plan.duration)
-        return run(plan, world, seed=seed, progress=lambda t: bar.update(task, completed=t))
+        return run(plan, world, seed=seed, variant=variant, progress=lambda t: bar.update(task, completed=t))
 
 
 def _is_filled(folder: Path) -> bool:

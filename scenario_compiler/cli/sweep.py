@@ -25,6 +25,7 @@ from scenario_compiler.diagnostics import CompileError
 
 if TYPE_CHECKING:
     from scenario_compiler.batch.execute import Progress
+    from scenario_compiler.batch.spec import SweepSpec
 
 METHODS = ("random", "grid", "latin", "sobol")
 
@@ -45,6 +46,12 @@ def add(commands: Commands) -> None:
     parser.add_argument("--resume", action="store_true", help="do the rest of an interrupted sweep")
     parser.add_argument("--workers", type=int, metavar="N", help="processes; as many as pay by default")
     parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a Dask scheduler that runs the variants")
+    search = parser.add_mutually_exclusive_group()
+    search.add_argument("--boundary", metavar="EXPRESSION", help="find where it begins to hold, such as collision")
+    search.add_argument("--minimise", metavar="MEASURE", help="find where a measure is least")
+    parser.add_argument("--tolerance", type=float, default=0.1, metavar="X", help="how closely a boundary is known")
+    parser.add_argument("--evaluations", type=int, default=100, metavar="N", help="runs of a minimisation, about")
+    parser.add_argument("--no-report", action="store_false", dest="report", help="write the table alone")
     parser.add_argument("--time-limit", type=positive, metavar="S", help="greatest time that a variant may take")
     add_scenario(parser)
     add_maps(parser)
@@ -53,42 +60,16 @@ def add(commands: Commands) -> None:
 
 
 def sweep_command(options: argparse.Namespace) -> int:
-    """Run a sweep into its folder."""
+    """Run a sweep, or a search, into its folder."""
     from pydantic import ValidationError
 
     from scenario_compiler.batch.distributions import SweepError
-    from scenario_compiler.batch.execute import run_sweep
-    from scenario_compiler.batch.spec import SweepSpec
     from scenario_compiler.source import ScenarioNameNeededError
 
     try:
-        written, constraints = _written(options)
-        spec = SweepSpec(
-            vary=(*written, *options.vary),
-            method=options.method,
-            samples=options.samples,
-            seed=options.seed,
-            where=(*constraints, *options.where),
-            settings=settings_of(options.settings),
-            perception=options.perception,
-            controller=options.controller,
-            step=options.dt,
-            duration=options.duration,
-            traces=options.traces,
-            time_limit=options.time_limit,
-        )
-        with shown_progress() as progress:
-            result = run_sweep(
-                options.target,
-                spec,
-                options.output,
-                resume=options.resume,
-                progress=progress,
-                scheduler=options.scheduler,
-                workers=options.workers,
-                maps=options.maps,
-                say=lambda text: print(text, file=sys.stderr),
-            )
+        if options.boundary is not None or options.minimise is not None:
+            return _search(options)
+        return _sweep(options)
     except CompileError as error:
         show(error.diagnostics, options)
         return AT_FAULT
@@ -104,8 +85,69 @@ def sweep_command(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("scenario-compiler: interrupted; --resume does the rest", file=sys.stderr)
         return AT_FAULT
+
+
+def _spec(options: argparse.Namespace) -> SweepSpec:
+    from scenario_compiler.batch.spec import SweepSpec
+
+    written, constraints = _written(options)
+    return SweepSpec(
+        vary=(*written, *options.vary),
+        method=options.method,
+        samples=options.samples,
+        seed=options.seed,
+        where=(*constraints, *options.where),
+        settings=settings_of(options.settings),
+        perception=options.perception,
+        controller=options.controller,
+        step=options.dt,
+        duration=options.duration,
+        traces=options.traces,
+        time_limit=options.time_limit,
+    )
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from scenario_compiler.batch.execute import run_sweep
+
+    with shown_progress() as progress:
+        result = run_sweep(
+            options.target,
+            _spec(options),
+            options.output,
+            resume=options.resume,
+            progress=progress,
+            scheduler=options.scheduler,
+            workers=options.workers,
+            maps=options.maps,
+            report=options.report,
+            say=lambda text: print(text, file=sys.stderr),
+        )
     print(f"{result.total} variants, {result.failed} failed: {result.table}")
-    print(f"report: {result.folder / 'report.html'}")
+    if options.report:
+        print(f"report: {result.folder / 'report.html'}")
+    return FINE
+
+
+def _search(options: argparse.Namespace) -> int:
+    from scenario_compiler.batch.search import find_boundary, minimise
+
+    where = (options.target, _spec(options), options.output)
+    if options.boundary is not None:
+        found = find_boundary(
+            *where, when=options.boundary, tolerance=options.tolerance, resume=options.resume, maps=options.maps
+        )
+        print(f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}")
+        return FINE
+    least = minimise(
+        *where,
+        measure=options.minimise,
+        evaluations=options.evaluations,
+        resume=options.resume,
+        maps=options.maps,
+    )
+    values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
+    print(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs")
     return FINE
 
 

@@ -318,13 +318,14 @@ def fill_duration(draft: Draft) -> None:
 
 def keep_open_parameters(draft: Draft) -> None:
     """Keep the parameters that numbers still depend on."""
-    words: list[Word] = [draft.storyboard, draft.takeover, draft.scenario.ego.camera, *draft.scenario.markings]
+    scenario = draft.scenario
+    words: list[Word] = [draft.storyboard, draft.takeover, scenario.ego.camera, *scenario.markings, *scenario.criteria]
     words += [word for e in draft.entities for word in (e.start, e.follow, e.path) if word is not None]
     open_names = {name for word in words for name in parameters_in(word)}
     for entity in draft.entities:
         for number in (entity.speed, entity.desired_speed):
             open_names.update(number.names if isinstance(number, Expression) else ())
-    draft.parameters = tuple(p for p in draft.scenario.parameters if p.name in open_names)
+    draft.parameters = tuple(p for p in scenario.parameters if p.name in open_names)
 
 
 def note_origins(draft: Draft) -> None:

@@ -184,4 +184,5 @@ def command(run: Run) -> str:
     """Return the command that repeats the run, started in the run's folder."""
     header = run.recording.header
     world = "" if header.world == "kinematic" else f" --world {header.world}"
-    return f"scenario-compiler run plan.json{world} --seed {header.seed} -o again"
+    variant = f" --variant {header.variant}" if header.variant else ""
+    return f"scenario-compiler run plan.json{world} --seed {header.seed}{variant} -o again"
