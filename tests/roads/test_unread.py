@@ -98,9 +98,11 @@ def note_changes(root: etree._Element, changes: dict[tuple[str, str], str]) -> N
             declaration = known[declaration.switch[1].get(element.get(declaration.switch[0], ""), declaration.name)]
         for name, value in list(element.attrib.items()):
             pair = (declaration.name, str(name))
-            if declaration.name in READ_ATTRIBUTES and pair not in tried and not changes.get(pair):
+            kept = pair[1] in KEPT_ATTRIBUTES.get(pair[0], ())
+            known_use = changes.get(pair) == "tables" or (kept and changes.get(pair) == "model")
+            if declaration.name in READ_ATTRIBUTES and pair not in tried and not known_use:
                 tried.add(pair)
-                changes[pair] = ""
+                changes.setdefault(pair, "")
                 for other in OTHER_VALUES:
                     after = state(root, element, str(name), other)
                     if after is None or after[0] != before[0]:
