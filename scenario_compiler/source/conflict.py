@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from lxml import etree
 
@@ -87,7 +87,7 @@ class Else(Word):
 
     word: Literal["else"] = "else"
 
-    items: tuple[Item, ...] = child("What is put on the road, and what happens there.", default=())
+    items: tuple[Any, ...] = child("What is put on the road, and what happens there.", default=())
 
 
 class If(Word):
@@ -96,7 +96,7 @@ class If(Word):
     word: Literal["if"] = "if"
 
     test: bool = attribute("What decides, such as ${$lanes > 2}; it is decided once, before the run.")
-    items: tuple[Item, ...] = child("What is put there when the test is true.", default=())
+    items: tuple[Any, ...] = child("What is put there when the test is true.", default=())
     otherwise: Else | None = child("What is put there when it is false.", default=None)
 
 
@@ -121,7 +121,7 @@ class Repeat(Word):
         default="",
         pattern=f"({ENTITY_ID})?",
     )
-    items: tuple[Item, ...] = child("What is put there in each round.", default=())
+    items: tuple[Any, ...] = child("What is put there in each round.", default=())
 
 
 class For(Word):
@@ -136,13 +136,13 @@ class For(Word):
         default="",
         pattern=f"({ENTITY_ID})?",
     )
-    items: tuple[Item, ...] = child("What is put there for each value.", default=())
+    items: tuple[Any, ...] = child("What is put there for each value.", default=())
 
 
 Item = Static | Dynamic | Row | WorkZone | Traffic | Markings | EntityWhen | Use | If | Repeat | For
 
-for _word in (Else, If, Repeat, For):
-    _word.model_rebuild()
+for _word in (Else, If, Repeat, For):  # they hold items and are items: told here, where Item is known
+    _word.model_fields["items"].annotation = tuple[Item, ...]
 
 
 class TemplateElement(Word):
