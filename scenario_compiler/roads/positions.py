@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Pose(NamedTuple):
@@ -44,11 +48,11 @@ class Located(NamedTuple):
         offset: From the lane's centre, m.
     """
 
-    start: object
-    road: object
-    lane: object
-    s: object
-    offset: object
+    start: NDArray[np.int64]
+    road: NDArray[np.int64]
+    lane: NDArray[np.int64]
+    s: NDArray[np.float64]
+    offset: NDArray[np.float64]
 
 
 class LaneAt(NamedTuple):

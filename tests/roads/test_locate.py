@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenario_compiler.roads import LanePosition, Network, load_network
+from scenario_compiler.roads import Network, load_network
 from scenario_compiler.roads.locate import locate_lane, track
 from tests.roads.make import lane, network, road, section
 
@@ -51,7 +51,9 @@ def bend(tmp_path: Path) -> Network:
 
 def test_off_the_road_nothing_is_found_unless_the_nearest_is_asked_for(bend: Network) -> None:
     assert bend.locate(20.0, 10.0) == []
-    assert bend.locate(20.0, 10.0, nearest=True) == [LanePosition("1", 1, 20.0, pytest.approx(8.25))]
+    (beside,) = bend.locate(20.0, 10.0, nearest=True)
+    assert beside[:3] == ("1", 1, 20.0)
+    assert beside.offset == pytest.approx(8.25)
     assert bend.locate(-3.0, -2.0, nearest=True)[0][:3] == ("1", -1, 0.0)
     far = bend.locate(20.0, -5000.0, nearest=True)[0]
     assert (far.road, far.lane) == ("1", -2)
@@ -88,10 +90,10 @@ def test_tracking_stays_on_its_road_and_follows_links(tmp_path: Path) -> None:
     before = '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
     made = network(tmp_path, road("1", link=after), road("over"), road("2", plan=plan, link=before))
     n = made.tables
-    assert track(n, 60.0, -1.0, 0, 55.0) == (1, 0, pytest.approx(60.0), -1.0)
-    assert track(n, 60.0, -1.0, 1, 55.0) == (1, 1, pytest.approx(60.0), -1.0)
-    assert track(n, 100.5, 1.0, 0, 99.5) == (1, 2, pytest.approx(0.5), 1.0)
-    assert track(n, 99.5, 1.0, 2, 0.5) == (1, 0, pytest.approx(99.5), 1.0)
+    assert track(n, 60.0, -1.0, 0, 55.0) == pytest.approx((1, 0, 60.0, -1.0))
+    assert track(n, 60.0, -1.0, 1, 55.0) == pytest.approx((1, 1, 60.0, -1.0))
+    assert track(n, 100.5, 1.0, 0, 99.5) == pytest.approx((1, 2, 0.5, 1.0))
+    assert track(n, 99.5, 1.0, 2, 0.5) == pytest.approx((1, 0, 99.5, 1.0))
     assert track(n, 60.0, 9.0, 0, 55.0)[0] == 0
 
 
