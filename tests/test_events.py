@@ -11,12 +11,14 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.lower import Perception
 from scenario_compiler.runtime.messages import TEXTS
-from scenario_compiler.worlds.kinematic import KinematicWorld
+from scenario_compiler.worlds import Snapshot
+from scenario_compiler.worlds.kinematic import KinematicWorld, covered_pieces
 
 FILE = """<scenarios version="1">
   <scenario name="made" map="highway_loop" duration="{duration}" step="0.05" control_every="2">
     {weather}
     <ego speed="{speed}"><start><spawn_point name="straight"/></start>{camera}{whens}</ego>
+    {markings}
     <takeover><cause kind="sensor_health"/><driver takeover_time="{answer}"/><message language="de"/></takeover>
     <criteria>{criteria}</criteria>
   </scenario>
@@ -24,7 +26,16 @@ FILE = """<scenarios version="1">
 
 
 def compiled(folder: Path, perception: Perception = "ideal", **parts: object) -> Compilation:
-    usual = {"duration": 4, "speed": 15, "answer": 30, "weather": "", "camera": "", "whens": "", "criteria": ""}
+    usual = {
+        "duration": 4,
+        "speed": 15,
+        "answer": 30,
+        "weather": "",
+        "camera": "",
+        "markings": "",
+        "whens": "",
+        "criteria": "",
+    }
     path = folder / "made.xml"
     path.write_text(FILE.format(**{**usual, **parts}), encoding="utf-8")
     sink = Diagnostics()
@@ -114,10 +125,10 @@ def test_health_and_the_sides_of_the_lane_are_conditions(tmp_path: Path) -> None
 
 
 def test_the_weather_changes_over_time(tmp_path: Path) -> None:
-    seen = []
+    seen: list[Snapshot] = []
 
     class Watched(KinematicWorld):
-        def step(self, snapshot: object) -> None:
+        def step(self, snapshot: Snapshot) -> None:
             seen.append(snapshot)
 
     whens = '<when><time after="1"/><do><weather preset="HardRainNight" over_time="2"/></do></when>'
@@ -125,7 +136,7 @@ def test_the_weather_changes_over_time(tmp_path: Path) -> None:
     assert compilation.plan.weather.cloudiness == 60.0
     assert compilation.plan.weather.fog_density == 20.0
     run(compilation.plan, Watched(compilation.plan, compilation.network))
-    at = {round(snapshot.t, 2): snapshot.weather for snapshot in seen}
+    at = {round(one.t, 2): one.weather for one in seen if one.weather is not None}
     assert at[0.5].precipitation == 0.0
     assert at[2.0].precipitation == pytest.approx(50.0, abs=3.0)
     assert at[2.0].sun_altitude_angle == pytest.approx(-22.5, abs=4.0)
@@ -163,3 +174,22 @@ def test_criteria_of_the_takeover(tmp_path: Path) -> None:
     _, wrong = played(compiled(tmp_path, camera=failure, criteria=other))
     assert not wrong.criteria[0].passed
     assert "sensor_health" in wrong.criteria[0].why
+
+
+def test_one_mark_is_worn_or_covered(tmp_path: Path) -> None:
+    stretch = '<markings road="1" from="0" to="1000" {}/>'
+    clean, _ = played(compiled(tmp_path, duration=1))
+    worn, _ = played(compiled(tmp_path, duration=1, markings=stretch.format('lane="-1" quality="0.1"')))
+    covered, _ = played(compiled(tmp_path, duration=1, markings=stretch.format('coverage="0.5"')))
+    sides = [(float(one.confidence_left[-1]), float(one.confidence_right[-1])) for one in (clean, worn, covered)]
+    assert sides[1] == pytest.approx((0.1, sides[0][1]), abs=0.001)
+    assert sides[2] == pytest.approx(tuple(0.5 * side for side in sides[0]))
+
+
+def test_covered_pieces_are_as_many_as_is_said_and_more_cover_the_same_and_others() -> None:
+    some, more = (covered_pieces("1", 0.0, 2000.0, share) for share in (0.2, 0.6))
+    assert len(some) == pytest.approx(200, rel=0.15)
+    assert len(more) == pytest.approx(600, rel=0.1)
+    assert set(some) < set(more)
+    assert covered_pieces("1", 0.0, 10.0, 1.0) == [0.0, 2.0, 4.0, 6.0, 8.0]
+    assert covered_pieces("1", 0.0, 10.0, 0.0) == []

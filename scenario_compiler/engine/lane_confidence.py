@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from scenario_compiler.engine.failures import health_of_camera
 from scenario_compiler.engine.numbers import clip
+from scenario_compiler.engine.opcodes import ALL_MARKS
 from scenario_compiler.engine.path import advance_routed
-from scenario_compiler.engine.slots import M_FROM, M_QUALITY, M_QUALITY_TO, M_TO
+from scenario_compiler.engine.slots import M_COVERAGE, M_FROM, M_QUALITY, M_QUALITY_TO, M_TO
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
@@ -29,9 +30,13 @@ def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -
         base = p.stretch_const[k]
         begin = p.const[base + M_FROM]
         end = p.const[base + M_TO]
-        if p.stretch_road[k] == road and s >= begin and s <= end:
+        of_mark = p.stretch_lane[k] == ALL_MARKS or p.stretch_lane[k] == lane
+        if p.stretch_road[k] == road and of_mark and s >= begin and s <= end:
             share = (s - begin) / (end - begin) if end > begin else 0.0
-            quality = p.const[base + M_QUALITY] + share * (p.const[base + M_QUALITY_TO] - p.const[base + M_QUALITY])
+            first = p.const[base + M_QUALITY]
+            if first >= 0.0:
+                quality = first + share * (p.const[base + M_QUALITY_TO] - first)
+            quality = quality * (1.0 - clip(p.const[base + M_COVERAGE], 0.0, 1.0))
     return clip(quality, 0.0, 1.0)
 
 

@@ -44,6 +44,9 @@ PRIORITY_PARALLEL = 0
 PRIORITY_OVERRIDE = 1
 PRIORITY_SKIP = 2
 
+ALL_MARKS = 1 << 20
+"""Lane of a stretch of marks that means every mark of the road."""
+
 # Conditions.
 CONDITION_TIME = 0
 CONDITION_TIME_HEADWAY = 1

@@ -377,9 +377,11 @@ class _Draft:
     def markings(self) -> None:
         p = self.program
         for stretch in self.plan.markings:
-            end = stretch.quality if stretch.quality_to is None else stretch.quality_to
+            begin = -1.0 if stretch.quality is None else stretch.quality
+            end = begin if stretch.quality_to is None else stretch.quality_to
             p.stretch_road.append(self.network.road_index(stretch.road))
-            p.stretch_const.append(self.block(stretch.s_from, stretch.s_to, stretch.quality, end))
+            p.stretch_lane.append(op.ALL_MARKS if stretch.lane is None else stretch.lane)
+            p.stretch_const.append(self.block(stretch.s_from, stretch.s_to, begin, end, stretch.coverage))
         p.stretch_count[0] = len(p.stretch_road)
 
     def storyboard(self) -> None:

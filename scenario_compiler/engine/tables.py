@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, fields
 
 from scenario_compiler.engine.opcodes import (
     ACTION_STOP,
+    ALL_MARKS,
     CAUSES,
     CONDITION_SENSOR_HEALTH,
     DIMENSION_DISTANCE,
@@ -99,6 +100,8 @@ class Program:
     """Roads of the ego's way in order, each once a pass."""
 
     stretch_road: list[int] = field(default_factory=list)
+    stretch_lane: list[int] = field(default_factory=list)
+    """Lane on whose outer border the marks lie, 0 for the centre line, or ALL_MARKS."""
     stretch_const: list[int] = field(default_factory=list)
 
     element_kind: list[int] = field(default_factory=list)
@@ -212,6 +215,7 @@ def validate(program: Program, roads: int) -> None:
     _column("span_const", p.span_const, p.span_count[0], 0, len(p.const) + 1)
     _column("route_road", p.route_road, p.route_count[0], 0, roads)
     _column("stretch_road", p.stretch_road, p.stretch_count[0], NONE, roads)
+    _column("stretch_lane", p.stretch_lane, p.stretch_count[0], -ALL_MARKS, ALL_MARKS + 1)
     _column("stretch_const", p.stretch_const, p.stretch_count[0], 0, len(p.const) + 1)
     _column("failure_kind", p.failure_kind, p.failure_count[0], 0, FAILURES)
     _column("failure_waits", p.failure_waits, p.failure_count[0], 0, 2)

@@ -17,6 +17,7 @@ What they do not cover: dirt and frozen images at a standstill, dirt in the sky,
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -141,7 +142,7 @@ def blur_of(image: Image) -> float:
     rows, columns = green[::SPARSE], green[:, ::SPARSE]
     across = _radius(np.abs(rows[:, step:] - rows[:, :-step]), np.abs(rows[:, 1:] - rows[:, :-1]))
     down = _radius(np.abs(columns[step:] - columns[:-step]), np.abs(columns[1:] - columns[:-1]))
-    return float(np.sqrt(across * down)) / scale
+    return float(math.sqrt(across * down) / scale)
 
 
 def _radius(steps: NDArray[np.int16], slopes: NDArray[np.int16]) -> float:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from scenario_compiler.controllers.model import CameraMounting, SensorData
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.randomness import random_unit
 from scenario_compiler.roads import MarkStretch, Network
 from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from scenario_compiler.perception.degradation import Degradation
     from scenario_compiler.perception.road_camera import RoadCamera
     from scenario_compiler.perception.solids import Box, Kind
+
+PIECE = 2.0
+"""Length of a piece of a mark that is covered or not, m."""
 
 PAINTS = ((38, 38, 160), (150, 92, 40), (60, 60, 60), (205, 205, 205), (40, 120, 60), (30, 140, 190))
 """Colours of vehicles (blue, green, red); an entity's is chosen by its id."""
@@ -137,10 +141,25 @@ def degradation_of(snapshot: Snapshot) -> Degradation:
 def mark_stretches(plan: Plan) -> list[MarkStretch]:
     """Return the plan's overrides of the paint as stretches of the network's marks, at the parameters' values."""
     values = parameter_values(plan.parameters)
-    stretches = []
+    stretches: list[MarkStretch] = []
     for stretch in plan.markings:
-        quality = number_value(stretch.quality, values)
-        end = quality if stretch.quality_to is None else number_value(stretch.quality_to, values)
         s_from, s_to = number_value(stretch.s_from, values), number_value(stretch.s_to, values)
-        stretches.append(MarkStretch(stretch.road, None, s_from, s_to, quality, end))
+        if stretch.quality is not None:
+            quality = number_value(stretch.quality, values)
+            end = quality if stretch.quality_to is None else number_value(stretch.quality_to, values)
+            stretches.append(MarkStretch(stretch.road, stretch.lane, s_from, s_to, quality, end))
+        coverage = number_value(stretch.coverage, values)
+        stretches += [
+            MarkStretch(stretch.road, stretch.lane, begin, min(begin + PIECE, s_to), 0.0, 0.0)
+            for begin in covered_pieces(stretch.road, s_from, s_to, coverage)
+        ]
     return stretches
+
+
+def covered_pieces(road: str, s_from: float, s_to: float, coverage: float) -> list[float]:
+    """Return where the covered pieces of a stretch begin, m: the same places in every run."""
+    if coverage <= 0.0:
+        return []
+    seed = zlib.crc32(road.encode())
+    pieces = range(max(math.ceil((s_to - s_from) / PIECE), 0))
+    return [s_from + PIECE * k for k in pieces if random_unit(seed, 0, 0, k) < coverage]

@@ -105,8 +105,8 @@ def test_confidence_is_the_marks_quality_where_the_plan_overrides_it() -> None:
     draft = Draft(highway())
     draft.ego(s=50.0)
     p = draft.program
-    p.stretch_road, p.stretch_count = [0], [1]
-    p.stretch_const = [draft.block(0.0, 200.0, 0.4, 0.4)]
+    p.stretch_road, p.stretch_count, p.stretch_lane = [0], [1], [op.ALL_MARKS]
+    p.stretch_const = [draft.block(0.0, 200.0, 0.4, 0.4, 0.0)]
     st = look(draft).st
     assert [st.conf_left[0], st.conf_right[0]] == pytest.approx([0.4, 0.4], abs=0.001)
 

@@ -85,8 +85,11 @@ def random_draft(number: int) -> Draft:
         p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1], [op.CAUSE_LANE_ENDS], [1]
     for _ in range(0 if alone else dice.pick(1, 2, 5)):
         add_other(draft, dice, right)
-    p.stretch_road, p.stretch_count = [0], [1]
-    p.stretch_const = [draft.block(dice.between(0.0, 150.0), dice.between(100.0, 300.0), dice.unit(), dice.unit())]
+    p.stretch_road, p.stretch_count, p.stretch_lane = [0], [1], [(op.ALL_MARKS, op.ALL_MARKS, -1)[number % 3]]
+    covered = 0.2 * (number % 2)
+    p.stretch_const = [
+        draft.block(dice.between(0.0, 150.0), dice.between(100.0, 300.0), dice.unit(), dice.unit(), covered)
+    ]
     if number % 10 == 5:
         fade_and_hand_back(draft)
     elif dice.unit() < 0.5:
@@ -100,7 +103,8 @@ def random_draft(number: int) -> Draft:
 def fade_and_hand_back(draft: Draft) -> None:
     """Let the marks fail over a short stretch, the driver answer soon and the automation take back."""
     p = draft.program
-    p.const[p.stretch_const[0] : p.stretch_const[0] + slots.M_SIZE] = [60.0, 110.0, 0.0, 0.0]
+    p.const[p.stretch_const[0] : p.stretch_const[0] + slots.M_SIZE] = [60.0, 110.0, 0.0, 0.0, 0.0]
+    p.stretch_lane[0] = op.ALL_MARKS
     p.const[slots.K_NOISE], p.const[slots.K_DRIVER_TIME], p.const[slots.K_HAND_BACK_AFTER] = 0.0, 0.5, 1.0
     p.const[p.entity_const[0] + slots.E_SPEED] = p.const[p.entity_const[0] + slots.E_DESIRED_SPEED] = 15.0
     p.driver_kind, p.perception, p.entity_motion[0] = [op.DRIVER_FIXED], [op.PERCEPTION_IDEAL], op.MOTION_BICYCLE
