@@ -75,6 +75,7 @@ WITHOUT_EFFECT = {
     ("roadMark", "weight"): "a width takes precedence",
     ("laneSection", "singleSide"): "no file has it where it matters",
     ("lane_neighbour", "id"): "the same lane goes on in most files, linked or not",
+    ("connection", "type"): "only virtual ones differ, and the one in the files tried joins no roads",
     ("shape", "t"): "shapes are level in the files tried",
     ("userData", "code"): "only kept, and for few elements",
     ("userData", "value"): "only kept, and for few elements",
