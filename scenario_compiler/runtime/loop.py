@@ -14,6 +14,8 @@ from scenario_compiler.engine.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.following import leader_gap
 from scenario_compiler.engine.opcodes import FAILURE_BLACKOUT, FAILURE_BLUR, FAILURE_DIRT, FAR, STOP_NONE
 from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.sensor import look_ahead
+from scenario_compiler.engine.slots import K_FIELD_OF_VIEW, K_SENSOR_RANGE
 from scenario_compiler.engine.state import State, make_draws, new_state
 from scenario_compiler.engine.step import reset, step
 from scenario_compiler.plan.model import Plan
@@ -150,6 +152,8 @@ class _Execution:
 
     def _let_control(self, controller: ControllerModel) -> None:
         st, ego = self.state, self.plan.ego.vehicle
+        const = self.program.const
+        look_ahead(self.tables, self.program, st, 0, const[K_SENSOR_RANGE], const[K_FIELD_OF_VIEW])
         gap, lead = leader_gap(self.program, st, 0, 0.0, 1, -FAR)
         seen = self.world.observe(self.snapshot())
         self.seen = seen if gap >= FAR else replace(seen, lead_gap=gap, lead_speed=lead)
