@@ -79,7 +79,7 @@ class Probes:
         if time is None:
             watched = condition.find(".//StoryboardElementStateCondition")
             assert watched is not None
-            row = self.draft.condition(op.CONDITION_ELEMENT_STATE, 0.0)
+            row = self.draft.condition(op.CONDITION_ELEMENT_STATE, 1.0 * op.COMPLETE, rule=op.RULE_EQUAL)
             self.waiting.append((row, str(watched.get("storyboardElementRef"))))
             return self.draft.trigger()
         return self.draft.at_time(
