@@ -26,7 +26,7 @@ def true_boundary(reference: Reference, pose: Pose, t: float) -> np.ndarray:
     view = DETECTOR.camera.view(pose, 1.4)
     ground = view.world_to_ground(flat)
     ahead = (ground[:, 0] > 0.0) & (ground[:, 0] < 40.0)
-    return np.interp(X, ground[ahead, 0], ground[ahead, 1])
+    return np.asarray(np.interp(X, ground[ahead, 0], ground[ahead, 1]))
 
 
 @pytest.mark.parametrize("dash", [SOLID, US_DASH, EU_DASH], ids=["solid", "us", "eu"])
