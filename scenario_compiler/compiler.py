@@ -172,11 +172,15 @@ FILES_A_TASK = 8
 """Files that a process checks before it hands its findings over."""
 
 
-def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = ()) -> None:
-    """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds."""
+def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd: Path | None = None) -> None:
+    """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds.
+
+    `xsd` is a folder with ASAM's schemas: where it has the one of a road file's version, that schema judges the file's
+    structure, else what our reader declares does.
+    """
     if path.suffix == ".xodr":
         document = read_document(path, sink)
-        if document is not None:
+        if document is not None and (xsd is None or _by_schema(document, xsd, sink) is None):
             check_structure(document, sink)
         return
     if path.is_file() and path.stat().st_size > MOST_SCENARIO_BYTES:
@@ -192,25 +196,34 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = ()) -> N
     sink.found[:] = without_allowed(sink.found, source)
 
 
-def validate_files(files: Sequence[Path], maps: Sequence[Path] = (), processes: int = 1) -> Iterator[list[Diagnostic]]:
+def _by_schema(document: Document, folder: Path, sink: Diagnostics) -> bool | None:
+    from scenario_compiler.roads.xsd import validate_with_xsd
+
+    return validate_with_xsd(document, folder, sink)
+
+
+def validate_files(
+    files: Sequence[Path], maps: Sequence[Path] = (), processes: int = 1, xsd: Path | None = None
+) -> Iterator[list[Diagnostic]]:
     """Yield the findings of each file, in the order of the files.
 
     Args:
         files: The files.
         maps: Folders that maps are looked for in first.
         processes: Number of processes to spread the files over; few files are checked in this one.
+        xsd: Folder with ASAM's schemas of road files, None to do without.
     """
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
     if processes < 2 or len(tasks) < 2 * processes:
         for file in files:
-            yield _findings([file], maps)[0]
+            yield _findings([file], maps, xsd)[0]
         return
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for task, found in [(task, pool.submit(_findings, task, maps)) for task in tasks]:
+        for task, found in [(task, pool.submit(_findings, task, maps, xsd)) for task in tasks]:
             try:
                 yield from found.result()
             except BrokenProcessPool:
@@ -218,13 +231,13 @@ def validate_files(files: Sequence[Path], maps: Sequence[Path] = (), processes: 
                 yield from ([_unchecked(file, message)] for file in task)
 
 
-def _findings(files: Sequence[Path], maps: Sequence[Path]) -> list[list[Diagnostic]]:
+def _findings(files: Sequence[Path], maps: Sequence[Path], xsd: Path | None) -> list[list[Diagnostic]]:
     """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
     found = []
     for file in files:
         sink = Diagnostics()
         try:
-            validate_file(file, sink, maps)
+            validate_file(file, sink, maps, xsd)
         except Exception as fault:
             sink.found.append(_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]))
         found.append(list(sink))

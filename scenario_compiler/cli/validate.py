@@ -22,6 +22,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("paths", nargs="+", type=Path, metavar="PATH", help="file or folder")
     add_maps(parser)
     add_diagnostics(parser)
+    parser.add_argument("--xsd", type=Path, metavar="DIR", help="folder with ASAM's schemas for road files")
     parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="warnings are errors")
     parser.add_argument(
         "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
@@ -36,7 +37,7 @@ def validate_command(options: argparse.Namespace) -> int:
     files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
-    found = [one for some in validate_files(files, options.maps, options.jobs) for one in some]
+    found = [one for some in validate_files(files, options.maps, options.jobs, options.xsd) for one in some]
     failed = show(found, options)
     if options.format == "text":
         print(summary(len(files), judged(found, options)))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from scenario_compiler.cli import main
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, parse_document, read_document
 from scenario_compiler.roads.xsd import find_schema, validate_with_xsd
@@ -124,3 +125,14 @@ def test_the_verdict_agrees_with_the_corpus(schemas: Path, corpus: Path) -> None
             if {None: "no-xsd", True: "valid", False: "invalid"}[valid] != row["validation"]:
                 different.append(row["file"])
     assert sorted(different) == sorted(DIFFERENT)
+
+
+def test_validate_lets_the_schema_judge(schemas: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "bad.xodr"
+    file.write_text('<OpenDRIVE><header revMajor="1" revMinor="6" made="up"/><road/></OpenDRIVE>', encoding="utf-8")
+    with pytest.raises(SystemExit) as left:
+        main(["validate", str(file), "--xsd", str(schemas)])
+    assert left.value.code == 1
+    said = capsys.readouterr().err
+    assert "SC331" in said
+    assert "SC32" not in said
