@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import chain, product
+from math import prod
 
 from scenario_compiler.source.conflict import EntityWhen
 from scenario_compiler.vocabulary.conditions import Condition
@@ -26,6 +27,10 @@ from scenario_compiler.vocabulary.storyboard import (
 
 STORY, ACT = "story", "act"
 """Names of the one story and the one act."""
+
+
+MOST_WAYS = 1000
+"""Most groups of conditions that the choices of one `<when>` may make."""
 
 
 def storyboard_of(entities: Sequence[str], happenings: Iterable[tuple[str, When | EntityWhen]]) -> Storyboard:
@@ -66,6 +71,11 @@ def _event(name: str, entity: str, when: When | EntityWhen) -> Event:
         label = f"{name}.{action.word}{counts[action.word]}"
         actions.append(StoryAction(name=label, action=action).written_at(action.origin))
     return Event(name=name, start=trigger, actions=tuple(actions)).written_at(when.origin)
+
+
+def ways(conditions: Sequence[Condition | AnyOf]) -> int:
+    """Return the number of `alternatives`, without making them."""
+    return prod(len(one.conditions) for one in conditions if isinstance(one, AnyOf))
 
 
 def alternatives(conditions: Sequence[Condition | AnyOf]) -> list[tuple[Condition, ...]]:

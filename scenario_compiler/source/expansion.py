@@ -15,7 +15,7 @@ from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import Catalogs
 from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
 from scenario_compiler.source.environment import Environment, Reading
-from scenario_compiler.source.events import storyboard_of
+from scenario_compiler.source.events import MOST_WAYS, storyboard_of, ways
 from scenario_compiler.source.parameters import (
     STRUCTURAL_KINDS,
     Declared,
@@ -146,7 +146,7 @@ class _Attempt:
             traffic=tuple(one for one, _ in traffic),
             vehicles=tuple({one.name: one for one in (*vehicles, *(v for _, some in traffic for v in some))}.values()),
             markings=tuple(self.expander.contents.markings),
-            storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], happenings),
+            storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings)),
             takeover=takeover,
             criteria=self.words.get("criteria", ()),
         ).written_at(self.reading.origin(element))
@@ -157,6 +157,17 @@ class _Attempt:
             if name in in_use
         )
         return scenario.model_copy(update={"parameters": still_open})
+
+    def _bounded(self, happenings: Iterable[tuple[str, When | EntityWhen]]) -> list[tuple[str, When | EntityWhen]]:
+        """Return what happens, without what can come about in too many ways; report that."""
+        kept = []
+        for entity, when in happenings:
+            if ways(when.conditions) <= MOST_WAYS:
+                kept.append((entity, when))
+                continue
+            message = f"there are {ways(when.conditions)} ways to fulfil this <when>; at most {MOST_WAYS} are read"
+            self.sink.add(names.TOO_MANY_WAYS, message, when.origin)
+        return kept
 
     def _read_children(self, element: etree._Element) -> None:
         for rule, elements in place_children(element, ScenarioElement, self.reading):

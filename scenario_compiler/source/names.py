@@ -119,6 +119,14 @@ TOO_MANY_ITEMS = Code(
     "A loop makes at most 1000 rounds, and a scenario holds at most 20000 items. Make the counts smaller, or use "
     "<traffic> where many vehicles are wanted.",
 )
+TOO_MANY_WAYS = Code(
+    "SC229",
+    "too-many-ways",
+    "A `<when>` holds so many `<any>` that there are more than 1000 ways to fulfil it: their numbers of choices are "
+    "multiplied.\n\n"
+    '    <when><any>...3 choices...</any><any>...3 choices...</any> ... seven in all ...\n\n'
+    "Write several `<when>`, or fewer choices.",
+)
 UNUSED_TEMPLATE = Code(
     "SC226",
     "unused-template",
