@@ -2,8 +2,8 @@
 
 Pure pursuit of the middle between the detected boundaries and a proportional speed controller, with the AISA toolkit's
 numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last path it trusted is
-kept in the odometry's frame and followed to its end, and then on at its last curvature. Whatever the forward sensor
-sees ahead in its way is followed at a time gap.
+kept in the odometry's frame and followed to its end, and then on at the curvature that the lane had. Whatever the
+forward sensor sees ahead in its way is followed at a time gap.
 """
 
 from __future__ import annotations
@@ -43,6 +43,12 @@ NEAREST = 5.0
 NEW_SHARE, UNSEEN_SHARE = 0.4, 0.1
 """How far a trusted image moves the remembered path, where it sees the ground and where it extrapolates."""
 
+BEND_SHARE = 0.1
+"""How far each trusted image moves the remembered curvature of the lane."""
+
+END_POINTS = 6
+"""Points at the end of the path that its direction is taken from: one image's far end is too unsteady alone."""
+
 USUAL_WIDTH = 3.5
 """Width of a lane of which only one side is seen before both were, m."""
 
@@ -73,6 +79,7 @@ class LaneDetectionController(ControllerModel):
         self._prior: LaneState | None = None
         self._place: Point | None = None
         self._path: list[Point] = []
+        self._bend = 0.0
         self._lanes: LaneResult | None = None
 
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
@@ -83,11 +90,14 @@ class LaneDetectionController(ControllerModel):
         middle = self._middle(lanes)
         if middle is not None:
             seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
-            path = _blend(path, seen, ahead + NEAREST, max(lanes.left.p_geom, lanes.right.p_geom))
+            path = _blend(path, seen, ahead + NEAREST, max(lanes.left.p_geom, lanes.right.p_geom), self._bend)
             self._path = _to_world(path, vehicle)
         reach = min(max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max)
-        x, y = _target(path, reach)
-        angle = math.atan2(2.0 * vehicle.wheelbase * y, x * x + y * y)
+        x, y = _target(path, reach, self._bend)
+        curvature = 2.0 * y / (x * x + y * y)
+        if max(lanes.left.p_geom, lanes.right.p_geom) >= 2 * TRUSTED:
+            self._bend += BEND_SHARE * (curvature - self._bend)
+        angle = math.atan(vehicle.wheelbase * curvature)
         throttle, brake = self._pedals(sensor_data, speed, vehicle)
         return Control(
             throttle=throttle,
@@ -212,47 +222,41 @@ def _to_vehicle(path: list[Point], vehicle: VehicleState) -> list[Point]:
     return [(c * x + s * y, -s * x + c * y) for x, y in moved]
 
 
-def _blend(old: list[Point], seen: list[Point], nearest: float, trust: float) -> list[Point]:
+def _blend(old: list[Point], seen: list[Point], nearest: float, trust: float, bend: float) -> list[Point]:
     """Return the remembered path, drawn towards the seen one by its trust; where nothing is remembered, the seen one.
 
     Nearer than `nearest` the camera sees no ground, and the boundaries are extrapolated: there the memory weighs more.
+    Beyond its end the memory goes on in its direction with the curvature `bend`, 1/m.
     """
     blended = []
     for x, y in seen:
-        before = _y_at(old, x)
+        before = _y_at(old, x, bend)
         share = trust * (NEW_SHARE if x >= nearest else UNSEEN_SHARE)
         blended.append((x, y if before is None else before + share * (y - before)))
     return blended
 
 
-def _y_at(path: list[Point], x: float) -> float | None:
+def _y_at(path: list[Point], x: float, bend: float) -> float | None:
     for (x0, y0), (x1, y1) in pairwise(path):
         if x0 <= x <= x1 and x1 > x0:
             return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
-    return None
+    if len(path) < END_POINTS or x < path[-1][0]:
+        return None
+    (x0, y0), (x1, y1) = path[-END_POINTS], path[-1]
+    beyond = x - x1
+    return y1 + beyond * (y1 - y0) / (x1 - x0) + 0.5 * bend * beyond * beyond if x1 > x0 else None
 
 
-def _target(path: list[Point], reach: float) -> Point:
-    """Return the point of a path at a distance from the rear axle; beyond its end it goes on at its last curvature."""
+def _target(path: list[Point], reach: float, bend: float) -> Point:
+    """Return the point of a path at a distance from the rear axle; beyond its end it goes on with a curvature, 1/m."""
     for (x0, y0), (x1, y1) in pairwise(path):
         if x1 > 0.0 and math.hypot(x1, y1) >= reach:
             near = math.hypot(x0, y0)
             share = 1.0 if near >= reach else (reach - near) / (math.hypot(x1, y1) - near)
             return x0 + share * (x1 - x0), y0 + share * (y1 - y0)
-    if len(path) < 3:
-        return reach, 0.0
-    bend = _end_curvature(path)
-    if path[-1][0] <= 0.0:
+    if len(path) < END_POINTS or path[-1][0] <= 0.0:
         return reach, 0.5 * bend * reach * reach
-    (x0, y0), (x1, y1) = path[-2], path[-1]
+    (x0, y0), (x1, y1) = path[-END_POINTS], path[-1]
     rest = reach - math.hypot(x1, y1)
     heading = math.atan2(y1 - y0, x1 - x0) + 0.5 * bend * rest
     return x1 + rest * math.cos(heading), y1 + rest * math.sin(heading)
-
-
-def _end_curvature(path: list[Point]) -> float:
-    """Return the mean curvature of a path, 1/m."""
-    first = math.atan2(path[1][1] - path[0][1], path[1][0] - path[0][0])
-    last = math.atan2(path[-1][1] - path[-2][1], path[-1][0] - path[-2][0])
-    length = sum(math.dist(a, b) for a, b in pairwise(path))
-    return math.remainder(last - first, 2 * math.pi) / length if length > 0.0 else 0.0
