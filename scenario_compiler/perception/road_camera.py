@@ -15,15 +15,15 @@ from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.weather_look import WeatherNumbers, look_of
 from scenario_compiler.roads.mesh import road_marks, road_surface
-from scenario_compiler.roads.positions import Pose
+from scenario_compiler.roads.positions import Pose, SecondaryLine
 
 if TYPE_CHECKING:
     from scenario_compiler.roads.network import Network
 
 
-def scene_of(network: Network) -> RoadScene:
-    """Return the scene of a network, to be shared by the cameras of one run."""
-    return RoadScene(road_surface(network), road_marks(network))
+def scene_of(network: Network, secondary: Sequence[SecondaryLine] = ()) -> RoadScene:
+    """Return the scene of a network with lines beside its marks, to be shared by the cameras of one run."""
+    return RoadScene(road_surface(network), road_marks(network, secondary=secondary))
 
 
 class RoadCamera:

@@ -22,6 +22,7 @@ from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
+from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BesidePosition,
@@ -133,6 +134,7 @@ def lower(
         destination=draft.destination,
         route=draft.route,
         markings=scenario.markings,
+        secondary_markings=scenario.secondary_markings,
         storyboard=draft.storyboard,
         takeover=draft.takeover,
         criteria=scenario.criteria,
@@ -297,8 +299,10 @@ def add_traffic(draft: Draft) -> None:
 
 
 def check_markings(draft: Draft) -> None:
-    """Report marking stretches on roads that the map does not have."""
-    for stretch in draft.scenario.markings:
+    """Report marks on roads that the map does not have."""
+    scenario = draft.scenario
+    paint: tuple[Markings | SecondaryMarkings, ...] = (*scenario.markings, *scenario.secondary_markings)
+    for stretch in paint:
         draft.binder.on_road(stretch, stretch.road, 0.0)
 
 
@@ -319,7 +323,8 @@ def fill_duration(draft: Draft) -> None:
 def keep_open_parameters(draft: Draft) -> None:
     """Keep the parameters that numbers still depend on."""
     scenario = draft.scenario
-    words: list[Word] = [draft.storyboard, draft.takeover, scenario.ego.camera, *scenario.markings, *scenario.criteria]
+    words: list[Word] = [draft.storyboard, draft.takeover, scenario.ego.camera, *scenario.criteria]
+    words += [*scenario.markings, *scenario.secondary_markings]
     words += [word for e in draft.entities for word in (e.start, e.follow, e.path) if word is not None]
     open_names = {name for word in words for name in parameters_in(word)}
     for entity in draft.entities:

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
-from scenario_compiler.vocabulary.markings import Markings
+from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePosition
 from scenario_compiler.vocabulary.scenario import Classification, Parameter
 from scenario_compiler.vocabulary.sensors import Camera
@@ -103,6 +103,7 @@ class Plan(PlanPart):
     destination: LanePosition | None = Field(default=None, description="Where the run ends.")
     route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
     markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")
+    secondary_markings: tuple[SecondaryMarkings, ...] = Field(default=(), description="Lines beside the map's paint.")
     storyboard: Storyboard = Field(description="What happens.")
     takeover: Takeover = Field(description="The takeover policy, with every number filled in.")
     criteria: tuple[Criterion, ...] = Field(default=(), description="What the run is judged by.")

@@ -117,6 +117,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
         ("Other actors", ", ".join(f"{e.id} ({e.vehicle.name})" for e in plan.entities[1:]) or "none"),
         ("Markings changed", ", ".join(f"road {m.road}" for m in plan.markings) or "none"),
+        ("Markings added", ", ".join(f"{m.colour} on road {m.road}" for m in plan.secondary_markings) or "none"),
         ("Time budget", number(policy.budget, "s")),
         ("Escalation after", number(policy.escalate_after, "s")),
         ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),

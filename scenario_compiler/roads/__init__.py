@@ -20,6 +20,7 @@ from scenario_compiler.roads.positions import (
     Pose,
     RoadDescription,
     Route,
+    SecondaryLine,
 )
 
 __all__ = [
@@ -33,5 +34,6 @@ __all__ = [
     "Pose",
     "RoadDescription",
     "Route",
+    "SecondaryLine",
     "load_network",
 ]

@@ -10,7 +10,7 @@ of a "broken" mark open, and 3 m of paint and 9 m of gap is the American and CAR
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from itertools import pairwise
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.roads import geometry, lane_types, lanes
 from scenario_compiler.roads import marks as road_marks_codes
+from scenario_compiler.roads.positions import SecondaryLine
 from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ class Marks:
         quality: (M,) float32 share of the paint that is left, 1 new, 0 gone.
         width: (M,) float32, m.
         road: (M,) int32 index of the road.
-        lane: (M,) int32 id of the lane whose outer border the mark lies on; 0 for the centre mark.
+        lane: (M,) int32 id of the lane whose outer border the mark lies on; 0 for the centre mark and secondary lines.
         s: (M, 2) float64 start and end, m.
         origin: (3,) float64, as in `Surface`.
     """
@@ -268,12 +269,16 @@ def _needed(borders: Floats, s: Floats, tolerance: float) -> list[int]:
     return kept
 
 
-def road_marks(network: Network, tolerance: float = 0.01) -> Marks:
+def road_marks(network: Network, tolerance: float = 0.01, secondary: Sequence[SecondaryLine] = ()) -> Marks:
     """Return the painted pieces of every mark: solid lines, dashes, double lines.
 
     Args:
         network: The roads, with the quality of their marks.
         tolerance: How far a line may lie off a straight piece, m.
+        secondary: Lines beside the marks, painted after them.
+
+    Raises:
+        KeyError: When a secondary line names a road or a colour that does not exist.
     """
     n = network.tables
     quads: list[tuple[Point, Point, Point, Point]] = []
@@ -283,6 +288,8 @@ def road_marks(network: Network, tolerance: float = 0.01) -> Marks:
             for mark in range(n.lane_mark[row], n.lane_mark[row + 1]):
                 for line in _lines(n, mark):
                     _paint(n, row, mark, line, tolerance, quads, columns)
+    for beside in secondary:
+        _paint_secondary(n, network.road_index(beside.road), beside, tolerance, quads, columns)
     table = np.array(columns, np.float64).reshape(-1, 7)
     origin = mesh_origin(network)
     return Marks(
@@ -351,6 +358,27 @@ def _paint(
             share = ((s0 + s1) / 2.0 - n.mark_s[mark]) / span if span > 0.0 else 0.0
             quads.append((left0, left1, right1, right0))
             columns.append((line.colour, from_q + share * (to_q - from_q), line.width, road, lane, s0, s1))
+
+
+def _paint_secondary(
+    n: RoadTables,
+    road: int,
+    line: SecondaryLine,
+    tolerance: float,
+    quads: list[tuple[Point, Point, Point, Point]],
+    columns: list[tuple[int, float, float, int, int, float, float]],
+) -> None:
+    """Append the pieces of a line that keeps its distance from the reference line."""
+    colour = _PAINTS[road_marks_codes.MARK_COLOUR_CODES[line.colour]]
+    dash, gap = _BROKEN if line.broken else _SOLID
+    stroke = _Stroke(line.t, line.width, colour, dash, gap, line.s_from, line.s_to)
+    rims = (line.t + line.width / 2.0, line.t - line.width / 2.0)
+    for a, b in _dashes(stroke, max(line.s_from, 0.0), min(line.s_to, n.road_length[road])):
+        for s0, s1 in _pieces(n, road, a, b, tolerance, 10.0):
+            left0, right0 = (geometry.road_pose(n, road, s0, t)[:3] for t in rims)
+            left1, right1 = (geometry.road_pose(n, road, s1, t)[:3] for t in rims)
+            quads.append((left0, left1, right1, right0))
+            columns.append((colour, line.quality, line.width, road, 0, s0, s1))
 
 
 def _dashes(line: _Stroke, low: float, high: float) -> Iterator[tuple[float, float]]:

@@ -363,7 +363,7 @@ class Network:
         """Return a network whose marks carry the overrides; the rest is shared with this one.
 
         Raises:
-            KeyError: When a stretch names a road that does not exist.
+            KeyError: When a stretch names a road or a colour that does not exist.
             ValueError: When a quality is outside 0 to 1.
         """
         tables = with_mark_quality(self.tables, self._index, overrides)

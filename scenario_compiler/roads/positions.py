@@ -75,17 +75,36 @@ class Mark(NamedTuple):
 
 
 class MarkStretch(NamedTuple):
-    """Marks whose quality is set from s_from to s_to, linear between both qualities.
+    """Marks whose quality is set from s_from to s_to, linear between both qualities, and whose colour.
 
-    A lane's mark lies on its outer border; lane 0 is the centre line, None means every mark of the road.
+    A lane's mark lies on its outer border; lane 0 is the centre line, None means every mark of the road. A quality or a
+    colour of None is left as it was; colours are spelled as in `marks.MARK_COLOURS`.
     """
 
     road: str
     lane: int | None
     s_from: float
     s_to: float
-    quality_from: float
-    quality_to: float
+    quality_from: float | None
+    quality_to: float | None
+    colour: str | None = None
+
+
+class SecondaryLine(NamedTuple):
+    """A line painted beside the marks of the map.
+
+    It lies from s_from to s_to, m, its middle at t, m to the left of the reference line. The colour is spelled as in
+    `marks.MARK_COLOURS`, the width is in m, the quality 1 (new) to 0 (gone).
+    """
+
+    road: str
+    s_from: float
+    s_to: float
+    t: float
+    colour: str
+    broken: bool
+    width: float
+    quality: float
 
 
 class Leg(NamedTuple):

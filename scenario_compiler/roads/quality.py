@@ -1,31 +1,36 @@
-"""Tables with other mark qualities: wear that a scenario lays over stretches of road."""
+"""Tables with other marks: wear and colours that a scenario lays over stretches of road."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
 
+from scenario_compiler.roads.marks import MARK_COLOUR_CODES
 from scenario_compiler.roads.positions import MarkStretch
 from scenario_compiler.roads.tables import RoadTables
 
 MARK_COLUMNS = tuple(name for name in RoadTables.__slots__ if name.startswith("mark_") and name != "mark_line")
 LINE_COLUMNS = tuple(name for name in RoadTables.__slots__ if name.startswith("line_"))
 
-Piece = tuple[int, float, float, float, float]
-"""A part of a mark: the mark's row, s and end of the part, quality at both."""
+OWN_COLOUR = -1
+"""A piece has the colour of its mark and of the mark's lines."""
+
+Piece = tuple[int, float, float, float, float, int]
+"""A part of a mark: the mark's row, s and end of the part, quality at both, colour."""
 
 
 def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[MarkStretch]) -> RoadTables:
     """Return tables whose marks carry the overrides, the later ones over the earlier; all else is shared.
 
     Raises:
-        KeyError: When a stretch names a road that does not exist.
+        KeyError: When a stretch names a road or a colour that does not exist.
         ValueError: When a quality is outside 0 to 1.
     """
     by_road: dict[int, list[MarkStretch]] = {}
     for one in overrides:
-        if not (0.0 <= one.quality_from <= 1.0 and 0.0 <= one.quality_to <= 1.0):
-            raise ValueError(f"mark quality {one.quality_from:g} to {one.quality_to:g} is outside 0 to 1")
+        for quality in (one.quality_from, one.quality_to):
+            if quality is not None and not 0.0 <= quality <= 1.0:
+                raise ValueError(f"mark quality {quality:g} is outside 0 to 1")
         by_road.setdefault(roads[one.road], []).append(one)
     m = copy(n)
     for name in (*MARK_COLUMNS, *LINE_COLUMNS, "mark_line", "lane_mark"):
@@ -34,7 +39,7 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
         m.lane_mark.append(len(m.mark_s))
         stretches = by_road.get(n.section_road[n.lane_section[row]], ())
         pieces: list[Piece] = [
-            (k, n.mark_s[k], n.mark_end[k], n.mark_quality_from[k], n.mark_quality_to[k])
+            (k, n.mark_s[k], n.mark_end[k], n.mark_quality_from[k], n.mark_quality_to[k], OWN_COLOUR)
             for k in range(n.lane_mark[row], n.lane_mark[row + 1])
         ]
         for one in stretches:
@@ -48,19 +53,22 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
 
 
 def _override(piece: Piece, stretch: MarkStretch) -> list[Piece]:
-    """Cut a part of a mark where a stretch starts and ends, and give what lies in it the stretch's quality."""
-    mark, s, end, before, after = piece
+    """Cut a part of a mark where a stretch starts and ends, and give what lies in it what the stretch says."""
+    mark, s, end, before, after, colour = piece
     low = max(s, min(stretch.s_from, stretch.s_to))
     high = min(end, max(stretch.s_from, stretch.s_to))
     if low >= high:
         return [piece]
     parts = []
     if s < low:
-        parts.append((mark, s, low, before, _between(s, end, before, after, low)))
-    span = (stretch.s_from, stretch.s_to, stretch.quality_from, stretch.quality_to)
-    parts.append((mark, low, high, _between(*span, low), _between(*span, high)))
+        parts.append((mark, s, low, before, _between(s, end, before, after, low), colour))
+    span = (s, end, before, after)
+    if stretch.quality_from is not None and stretch.quality_to is not None:
+        span = (stretch.s_from, stretch.s_to, stretch.quality_from, stretch.quality_to)
+    within = colour if stretch.colour is None else MARK_COLOUR_CODES[stretch.colour]
+    parts.append((mark, low, high, _between(*span, low), _between(*span, high), within))
     if high < end:
-        parts.append((mark, high, end, _between(s, end, before, after, high), after))
+        parts.append((mark, high, end, _between(s, end, before, after, high), after, colour))
     return parts
 
 
@@ -72,7 +80,7 @@ def _between(s0: float, s1: float, q0: float, q1: float, s: float) -> float:
 
 
 def _append(n: RoadTables, m: RoadTables, piece: Piece) -> None:
-    mark, s, end, before, after = piece
+    mark, s, end, before, after, colour = piece
     for name in MARK_COLUMNS:
         getattr(m, name).append(getattr(n, name)[mark])
     m.mark_s[-1], m.mark_end[-1] = s, end
@@ -80,3 +88,7 @@ def _append(n: RoadTables, m: RoadTables, piece: Piece) -> None:
     m.mark_line.append(len(m.line_length))
     for name in LINE_COLUMNS:
         getattr(m, name).extend(getattr(n, name)[n.mark_line[mark] : n.mark_line[mark + 1]])
+    if colour != OWN_COLOUR:
+        m.mark_colour[-1] = colour
+        for k in range(m.mark_line[-1], len(m.line_colour)):
+            m.line_colour[k] = colour

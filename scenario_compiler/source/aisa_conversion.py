@@ -64,7 +64,7 @@ def scenario_element(scenario: Scenario) -> ScenarioElement:
         parameters=scenario.parameters,
         classification=scenario.classification,
         ego=scenario.ego,
-        items=(*scenario.actors, *scenario.markings, *_whens(scenario)),
+        items=(*scenario.actors, *scenario.markings, *scenario.secondary_markings, *_whens(scenario)),
         takeover=takeover,
         criteria=scenario.criteria,
     )

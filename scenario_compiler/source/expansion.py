@@ -146,6 +146,7 @@ class _Attempt:
             traffic=tuple(one for one, _ in traffic),
             vehicles=tuple({one.name: one for one in (*vehicles, *(v for _, some in traffic for v in some))}.values()),
             markings=tuple(self.expander.contents.markings),
+            secondary_markings=tuple(self.expander.contents.secondary_markings),
             storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings)),
             takeover=takeover,
             criteria=self.words.get("criteria", ()),

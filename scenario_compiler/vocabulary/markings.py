@@ -1,4 +1,4 @@
-"""Markings: how well the road's paint can be seen, by stretch, where the scenario overrides the map."""
+"""Markings: the road's paint where the scenario overrides the map by stretch, and paint that it adds."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
+MarkColour = Literal["white", "yellow", "orange", "red", "blue"]
+
 
 class Markings(Word):
-    """The marks along a stretch of a road: their quality, linear from its begin to its end, and what covers them."""
+    """The marks along a stretch of a road: quality, linear from its begin to its end, colour, and what covers them."""
 
     word: Literal["markings"] = "markings"
 
@@ -41,4 +43,32 @@ class Markings(Word):
         quantity="fraction",
         minimum=0,
         maximum=1,
+    )
+    colour: MarkColour | None = attribute(
+        "Colour that the camera sees the marks in; the map's when left out.", default=None
+    )
+
+
+class SecondaryMarkings(Word):
+    """A line painted beside the old marks, such as a temporary one in a work zone; the old marks stay.
+
+    It matters to the camera alone: with ideal perception a lane is bounded by the map's own marks.
+    """
+
+    word: Literal["secondary_markings"] = "secondary_markings"
+
+    road: str = attribute("Id of the road in the map.", names="road")
+    s_from: Number = attribute(
+        "Begin of the line along the reference line, m.", name="from", quantity="length", minimum=0
+    )
+    s_to: Number = attribute("End of the line along the reference line, m.", name="to", quantity="length", minimum=0)
+    t: Number = attribute(
+        "Distance of the line's middle from the reference line, m, positive to the left of increasing s.",
+        quantity="length",
+    )
+    colour: MarkColour = attribute("Colour of the line.", default="yellow")
+    type: Literal["solid", "broken"] = attribute("A broken line has 3 m of paint and 9 m of gap.", default="solid")
+    width: Number = attribute("Width of the line, m.", default=0.12, quantity="length", minimum=0.01, maximum=1)
+    quality: Number = attribute(
+        "Quality: 1 is fresh paint, 0 is none.", default=1.0, quantity="fraction", minimum=0, maximum=1
     )

@@ -8,7 +8,7 @@ from typing import Literal
 from scenario_compiler.expressions import Value
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Actor, Ego, Traffic, Vehicle
-from scenario_compiler.vocabulary.markings import Markings
+from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import SpawnPoints
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
@@ -92,6 +92,7 @@ class Scenario(Word):
     traffic: tuple[Traffic, ...] = child("Background traffic.", default=())
     vehicles: tuple[Vehicle, ...] = child("The vehicles that the entities are.", default=())
     markings: tuple[Markings, ...] = child("Where the paint differs from the map's.", default=())
+    secondary_markings: tuple[SecondaryMarkings, ...] = child("Lines beside the map's paint.", default=())
     storyboard: Storyboard = child("What happens.", default_factory=Storyboard)
     takeover: Takeover = child("The takeover policy.", default_factory=Takeover)
     criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=())

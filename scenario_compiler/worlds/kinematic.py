@@ -10,7 +10,7 @@ from scenario_compiler.controllers.model import CameraMounting, SensorData
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.randomness import random_unit
-from scenario_compiler.roads import MarkStretch, Network
+from scenario_compiler.roads import MarkStretch, Network, SecondaryLine
 from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.weather import Weather
@@ -109,12 +109,13 @@ class KinematicWorld:
         return self.plan.weather if snapshot.weather is None else snapshot.weather
 
     def _road_camera(self) -> RoadCamera:
-        from scenario_compiler.perception.road_camera import RoadCamera
+        from scenario_compiler.perception.road_camera import RoadCamera, scene_of
 
         if self._camera is None:
             painted = self.network.with_mark_quality(mark_stretches(self.plan))
+            scene = scene_of(painted, secondary_lines(self.plan))
             center = self.plan.ego.vehicle.center
-            self._camera = RoadCamera(painted, self._mounting.camera(), self._seed, center)
+            self._camera = RoadCamera(scene, self._mounting.camera(), self._seed, center)
         return self._camera
 
     def _boxes(self, snapshot: Snapshot) -> list[Box]:
@@ -144,16 +145,37 @@ def mark_stretches(plan: Plan) -> list[MarkStretch]:
     stretches: list[MarkStretch] = []
     for stretch in plan.markings:
         s_from, s_to = number_value(stretch.s_from, values), number_value(stretch.s_to, values)
+        quality = end = None
         if stretch.quality is not None:
-            quality = number_value(stretch.quality, values)
-            end = quality if stretch.quality_to is None else number_value(stretch.quality_to, values)
-            stretches.append(MarkStretch(stretch.road, stretch.lane, s_from, s_to, quality, end))
+            quality = end = number_value(stretch.quality, values)
+            if stretch.quality_to is not None:
+                end = number_value(stretch.quality_to, values)
+        if quality is not None or stretch.colour is not None:
+            stretches.append(MarkStretch(stretch.road, stretch.lane, s_from, s_to, quality, end, stretch.colour))
         coverage = number_value(stretch.coverage, values)
         stretches += [
             MarkStretch(stretch.road, stretch.lane, begin, min(begin + PIECE, s_to), 0.0, 0.0)
             for begin in covered_pieces(stretch.road, s_from, s_to, coverage)
         ]
     return stretches
+
+
+def secondary_lines(plan: Plan) -> list[SecondaryLine]:
+    """Return the lines that the plan adds beside the network's marks, at the parameters' values."""
+    values = parameter_values(plan.parameters)
+    return [
+        SecondaryLine(
+            line.road,
+            number_value(line.s_from, values),
+            number_value(line.s_to, values),
+            number_value(line.t, values),
+            line.colour,
+            line.type == "broken",
+            number_value(line.width, values),
+            number_value(line.quality, values),
+        )
+        for line in plan.secondary_markings
+    ]
 
 
 def covered_pieces(road: str, s_from: float, s_to: float, coverage: float) -> list[float]:

@@ -54,3 +54,13 @@ def test_wrong_stretches_are_the_callers_mistake(made: Network) -> None:
         made.with_mark_quality([MarkStretch("9", None, 0.0, 1.0, 0.0, 0.0)])
     with pytest.raises(ValueError, match="outside 0 to 1"):
         made.with_mark_quality([MarkStretch("1", None, 0.0, 1.0, 0.0, 1.5)])
+
+
+def test_a_colour_repaints_marks_and_lines_and_keeps_their_quality(made: Network) -> None:
+    worn = made.with_mark_quality([MarkStretch("1", -1, 40.0, 80.0, 1.0, 0.0)])
+    n = worn.with_mark_quality([MarkStretch("1", -1, 20.0, 50.0, None, None, "yellow")])
+    marks = {s: n.marks("1", -1, s)[0] for s in (10.0, 45.0, 55.0)}
+    assert [mark.colour if mark else None for mark in marks.values()] == ["standard", "yellow", "standard"]
+    assert quality(n, -1, 45.0) == 0.875
+    assert len(set(n.tables.line_colour)) == 2
+    assert len(set(made.tables.line_colour)) == 1

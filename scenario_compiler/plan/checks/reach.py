@@ -50,7 +50,7 @@ def check_reach(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn when a scenario's only conflict is what stands on the road, and all of it is out of reach."""
     del network
     others = plan.entities[1:]
-    something_else = any((plan.storyboard.stories, plan.markings, plan.camera.failures))
+    something_else = any((plan.storyboard.stories, plan.markings, plan.secondary_markings, plan.camera.failures))
     start = plan.derived.get(plan.ego.id)
     if something_else or start is None or not others or any(one.kind != "static" for one in others):
         return
