@@ -124,7 +124,7 @@ TOO_MANY_WAYS = Code(
     "too-many-ways",
     "A `<when>` holds so many `<any>` that there are more than 1000 ways to fulfil it: their numbers of choices are "
     "multiplied.\n\n"
-    '    <when><any>...3 choices...</any><any>...3 choices...</any> ... seven in all ...\n\n'
+    "    <when><any>...3 choices...</any><any>...3 choices...</any> ... seven in all ...\n\n"
     "Write several `<when>`, or fewer choices.",
 )
 UNUSED_TEMPLATE = Code(
