@@ -44,7 +44,7 @@ def yellow(image: NDArray[np.int64]) -> NDArray[np.bool_]:
 
 
 def white(image: NDArray[np.int64]) -> NDArray[np.bool_]:
-    return (image.min(axis=-1) > 180) & (np.ptp(image, axis=-1) < 40)
+    return np.asarray((image.min(axis=-1) > 180) & (np.ptp(image, axis=-1) < 40), dtype=np.bool_)
 
 
 def test_the_plan_carries_the_line_and_its_digest_knows_it(tmp_path: Path) -> None:
