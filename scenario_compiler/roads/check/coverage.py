@@ -9,46 +9,49 @@ from scenario_compiler.roads.check.unread import NOT_READ_IN, READ_ATTRIBUTES
 from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, Declaration, declarations
 
 KEPT = """
-header revMajor revMinor name date vendor
+header
 geoReference
-offset x y z hdg
-access sOffset rule restriction
-restriction type
-material sOffset friction roughness surface
-rule sOffset value
-visibility sOffset forward back left right
+offset
+access
+restriction
+material
+rule
+visibility
 left_lane advisory dynamicLaneDirection dynamicLaneType roadWorks
 right_lane advisory dynamicLaneDirection dynamicLaneType roadWorks
 objects
-object id name type subtype s t zOffset hdg pitch roll orientation length width height radius validLength dynamic
-repeat s length distance tStart tEnd zOffsetStart zOffsetEnd
+object
+repeat
 outlines
-outline closed outer
-cornerRoad s t dz height
-cornerLocal u v z height
-validity fromLane toLane
-tunnel id name type s length
-bridge id name type s length
+outline
+cornerRoad
+cornerLocal
+validity
+tunnel
+bridge
 signals
-signal id name type subtype country value unit text s t zOffset hOffset orientation dynamic height width
-signalReference id s t orientation
-controller id name
-control signalId type
+signal
+signalReference
+controller
+control
 junction name type mainRoad sStart sEnd orientation
 direct_junction name type
 virtual_junction name type mainRoad sStart sEnd orientation
 connection id
 direct_connection id
 virtual_connection id
-bypassing_connection id incomingRoad connectingRoad contactPoint type
-connection_end elementId elementS elementDir
-priority high low
-junction_controller id
+bypassing_connection
+connection_end
+priority
+junction_controller
 """
 """What is read and kept for those who ask (`Network.model`, `Network.lane_details`), of the elements in `unread.READ`;
-positions, routes and pictures do not depend on it."""
+positions, routes and pictures do not depend on it. A name alone means all of its attributes that are read."""
 
-KEPT_ATTRIBUTES = {line.split()[0]: frozenset(line.split()[1:]) for line in KEPT.split("\n") if line}
+KEPT_ATTRIBUTES = {
+    name: frozenset(attributes) or READ_ATTRIBUTES[name]
+    for name, *attributes in (line.split() for line in KEPT.split("\n") if line)
+}
 """The same by name."""
 
 _HEAD = """# What of OpenDRIVE is read
