@@ -20,17 +20,6 @@ def heading_from_carla(yaw: float) -> float:
     return math.radians(-yaw) % (2 * math.pi)
 
 
-def point_to_carla(x: float, y: float) -> tuple[float, float]:
-    """Return a point in OpenDRIVE's axes in CARLA's world, m."""
-    return x, -y
-
-
-def yaw_to_carla(heading: float) -> float:
-    """Return the CARLA yaw in degrees, in (-180, 180], of a heading in radians."""
-    yaw = -math.degrees(heading) % 360.0
-    return yaw - 360.0 if yaw > 180.0 else yaw
-
-
 def reference_from_center(x: float, y: float, heading: float, center: float) -> tuple[float, float]:
     """Return the rear axle's position when the box's centre, `center` m ahead of it, is at (x, y)."""
     return x - center * math.cos(heading), y - center * math.sin(heading)

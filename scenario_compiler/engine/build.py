@@ -20,7 +20,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from scenario_compiler.engine import sweep as sweep_module
-from scenario_compiler.engine.columns import as_arrays, column_types, from_arrays
+from scenario_compiler.engine.columns import as_arrays, column_types
 from scenario_compiler.engine.opcodes import DRAWS_PER_RUN
 from scenario_compiler.engine.source import Layout, module_text
 from scenario_compiler.engine.state import State
@@ -227,10 +227,6 @@ class Compiled:
         trace = np.zeros(max(count * stride, 1))
         self.module.entry(*self.arguments, count, flat, drawn, limit, trace, stride, every if trace_rows else 0, out)
         return out.reshape(count, SUMMARY_SIZE), trace[: count * stride].reshape(count, stride)
-
-    def read_state(self, state: State) -> None:
-        """Copy the state after the last variant into an interpreted one."""
-        from_arrays(state, self.arrays[2])
 
 
 def warm(say: Callable[[str], None] | None = None) -> str:

@@ -1,4 +1,4 @@
-"""The containers' columns as arrays, for the compiled form, and back."""
+"""The containers' columns as arrays, for the compiled form."""
 
 from __future__ import annotations
 
@@ -24,9 +24,3 @@ def as_arrays(container: Container) -> tuple[np.ndarray, ...]:
         np.array(getattr(container, name), dtype=np.float64 if floats else np.int64)
         for name, floats in column_types(type(container)).items()
     )
-
-
-def from_arrays(container: Container, arrays: tuple[np.ndarray, ...]) -> None:
-    """Fill a container's columns with the values of arrays in the order of its slots."""
-    for name, array in zip(type(container).__slots__, arrays, strict=True):
-        getattr(container, name)[:] = array.tolist()

@@ -57,14 +57,12 @@ E_ACCELERATION = 13
 E_DECELERATION = 14
 E_SHARE = 15
 """Share of the speed limit that a driver of traffic aims for."""
-E_SIZE = 16
 
 # A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading relative
 # to the lane's direction.
 P_S = 0
 P_OFFSET = 1
 P_TURN = 2
-P_SIZE = 3
 
 # A stretch of marks.
 M_FROM = 0
@@ -77,12 +75,10 @@ M_SIZE = 5
 # A condition: the value compared with, the delay, and the radius of a position.
 C_VALUE = 0
 C_DELAY = 1
-C_SIZE = 2
 
 # An action: the target and the value of its dynamics.
 A_TARGET = 0
 A_DYNAMICS = 1
-A_SIZE = 2
 
 # A failure of the camera: when it begins after the start or its action, how long it lasts (negative: for good), in
 # which time it grows and goes, and how severe it is.
@@ -90,13 +86,10 @@ F_ONSET = 0
 F_DURATION = 1
 F_RAMP = 2
 F_AMOUNT = 3
-F_SIZE = 4
 
 # A stretch that random positions are drawn from.
 L_FROM = 0
 L_TO = 1
-L_SIZE = 2
 
 # A point of a path: the time since its begin, negative for none.
 G_TIME = 0
-G_SIZE = 1

@@ -138,9 +138,7 @@ def module_text(functions: Iterable[CompiledFunction], layout: Layout) -> str:
         for used in global_names(tree):
             _resolve(function, used, registry, numbers, imports)
         plain = ast.fix_missing_locations(_Plain(numbers, layout).visit(tree))
-        body.append(
-            f'@njit(error_model="python", no_cpython_wrapper=True, no_cfunc_wrapper=True)\n{ast.unparse(plain)}\n'
-        )
+        body.append(f"{DECORATOR}\n{ast.unparse(plain)}\n")
         if name in imports:
             raise TypeError(f"compiled function {name} hides a function of math")
     head = [f"from math import {name}" for name in sorted(imports)]

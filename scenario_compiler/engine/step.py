@@ -177,12 +177,3 @@ def step(n: RoadTables, p: Program, st: State) -> int:
         return 0
     finish_step(n, p, st)
     return 1
-
-
-@compiled
-def run_steps(n: RoadTables, p: Program, st: State, count: int) -> int:
-    """Do up to `count` steps; return the number of new rows."""
-    rows = 0
-    while rows < count and step(n, p, st) == 1:
-        rows = rows + 1
-    return rows

@@ -20,7 +20,6 @@ from scenario_compiler.perception.weather_look import Look
 from scenario_compiler.roads.mesh import Material, Paint
 
 Image = NDArray[np.uint8]
-Gains = NDArray[np.float32]
 
 SURFACE_DISTANCE, MARK_DISTANCE = 220.0, 130.0
 """How far surfaces and marks are drawn, m; a mark 0.12 m wide covers half a pixel at 150 m."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Literal
 
 from scenario_compiler.engine import opcodes
 from scenario_compiler.vocabulary.sensors import FailureKind
@@ -111,5 +111,3 @@ STATE_AFTER: dict[EventKind, StateName] = {
     "standstill": "standstill",
 }
 """The takeover's state that begins with an event."""
-
-STATE_NAMES: tuple[StateName, ...] = get_args(StateName)

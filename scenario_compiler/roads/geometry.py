@@ -268,13 +268,6 @@ def road_frame(n: RoadTables, road: int, s: float, t: float) -> tuple[float, flo
 
 
 @compiled
-def road_surface(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float]:
-    """Return (across, z, pitch, roll) of the road surface at (s, t), without the lean along a rolled slope."""
-    _, across, z, pitch, roll = road_frame(n, road, s, t)
-    return across, z, pitch, roll
-
-
-@compiled
 def road_pose(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float, float, float]:
     """Return (x, y, z, heading along s, pitch, roll) of the point (s, t) on the road surface."""
     x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)

@@ -240,13 +240,6 @@ def lane_frame(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[
 
 
 @compiled
-def lane_surface(n: RoadTables, road: int, row: int, s: float, t: float) -> tuple[float, float, float, float]:
-    """Return (across, z, pitch, roll) of a lane's surface at (s, t), without the lean along a rolled slope."""
-    _, across, z, pitch, roll = lane_frame(n, road, row, s, t)
-    return across, z, pitch, roll
-
-
-@compiled
 def lane_pose(
     n: RoadTables, road: int, lane: int, s: float, offset: float
 ) -> tuple[float, float, float, float, float, float]:

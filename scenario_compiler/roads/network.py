@@ -34,7 +34,6 @@ from scenario_compiler.roads.routing import find_route
 from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, RoadTables
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
     from scenario_compiler.roads.locate_many import BatchLocator, Floats, Ints
@@ -64,10 +63,6 @@ class Network:
         self._batch: BatchLocator | None = None
         self._details: dict[tuple[str, int], list[LaneDetails]] | None = None
         self._index = {name: i for i, name in enumerate(parsed.road_ids)}
-
-    def tables_as_arrays(self) -> tuple[np.ndarray, ...]:
-        """Return the tables' columns as numpy arrays, in the order of `RoadTables.__slots__`."""
-        return self.tables.arrays()
 
     def road_index(self, road: str) -> int:
         """Return the index of a road in the tables; KeyError when there is none of that id."""
