@@ -1,4 +1,4 @@
-"""Write the files of this folder and the language's reference from the models; with `--check`, say which are stale.
+"""Write what is made from the models: this folder's files and two pages; with `--check`, say which are stale.
 
 Run `python schemas/generate.py`, or `make generate`.
 """
@@ -12,9 +12,14 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
+from scenario_compiler.coverage.conflict import conflict_table, conflict_words
+from scenario_compiler.coverage.table import as_markdown
+from scenario_compiler.coverage.uses import files_with
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.source.catalogs import CatalogElement
+from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.source.form import conflict_xsd, language_reference
 
 FOLDER = Path(__file__).resolve().parent
@@ -35,12 +40,32 @@ GENERATED: dict[str, Callable[[], str]] = {
 
 
 LANGUAGE_PAGE = FOLDER.parent / "docs" / "language.md"
-"""The language's reference, which is made in the same way."""
+COVERAGE_PAGE = FOLDER.parent / "docs" / "coverage.md"
+"""The language's reference, and what of it is executed: made in the same way."""
+
+COVERAGE_HEAD = """# What is covered
+
+Made by `make generate`. `scenario-compiler coverage` prints the tables, with `--format json` for programs. A word is
+executed by the module that is named, in the engine as the code that is named; `files` counts those of the library and
+of the tests that use it.
+"""
+
+
+def coverage_page() -> str:
+    """Return the page on what of each language is read, executed and exported."""
+    files = sorted(file for folder in ("library", "tests") for file in (FOLDER.parent / folder).rglob("*.xml"))
+    uses = files_with(files, (LibraryElement, CatalogElement))
+    conflict = conflict_table().with_column("files", [str(uses[word]) for word in conflict_words()])
+    return "\n".join((COVERAGE_HEAD, as_markdown(conflict)))
 
 
 def main() -> int:
     """Write the files, or with `--check` compare them; return 1 when one is stale."""
-    files = {LANGUAGE_PAGE: language_reference, **{FOLDER / name: text for name, text in GENERATED.items()}}
+    files = {
+        LANGUAGE_PAGE: language_reference,
+        COVERAGE_PAGE: coverage_page,
+        **{FOLDER / name: text for name, text in GENERATED.items()},
+    }
     stale = [path for path, text in files.items() if not _is_fresh(path, text())]
     if "--check" in sys.argv[1:]:
         for path in stale:

@@ -24,7 +24,7 @@ ROWS = (
     ("cli",),
     ("batch", "study", "carla_server"),
     ("report",),
-    ("runtime", "compiler"),
+    ("runtime", "compiler", "coverage"),
     ("worlds",),
     ("controllers",),
     ("perception", "source"),

@@ -50,6 +50,10 @@ def test_language_page_is_fresh(assert_fresh: Callable[[Path, str], None]) -> No
     assert_fresh(GENERATOR.LANGUAGE_PAGE, GENERATOR.language_reference())
 
 
+def test_coverage_page_is_fresh(assert_fresh: Callable[[Path, str], None]) -> None:
+    assert_fresh(GENERATOR.COVERAGE_PAGE, GENERATOR.coverage_page())
+
+
 def test_language_page_explains_every_element_of_the_schema() -> None:
     page = GENERATOR.language_reference()
     schema = etree.fromstring(GENERATED["conflict.xsd"]().encode())

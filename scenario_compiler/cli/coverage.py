@@ -1,0 +1,47 @@
+"""`coverage`: what of each language is read, executed and exported."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import FINE, Commands, WrongUse
+from scenario_compiler.coverage import TABLES
+from scenario_compiler.diagnostics import did_you_mean
+
+if TYPE_CHECKING:
+    from scenario_compiler.coverage.table import Table
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("coverage", help="show what of each language is read, executed and exported")
+    parser.add_argument("languages", nargs="*", metavar="LANGUAGE", help=f"{', '.join(TABLES)}; all when left out")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="form of the tables")
+    parser.set_defaults(command=coverage_command)
+
+
+def coverage_command(options: argparse.Namespace) -> int:
+    """Print the tables of languages."""
+    from scenario_compiler.coverage.table import table_of
+
+    for language in options.languages:
+        if language not in TABLES:
+            raise WrongUse(f"there is no language '{language}' ({did_you_mean(language, TABLES)})")
+    tables = [table_of(language) for language in options.languages or TABLES]
+    if options.format == "json":
+        print(json.dumps({table.language: table.records() for table in tables}, indent=1))
+        return FINE
+    for table in tables:
+        _print(table)
+    return FINE
+
+
+def _print(table: Table) -> None:
+    """Print a table in columns as wide as their longest text, for a terminal or a program that searches lines."""
+    lines = [table.columns, *table.rows]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(table.columns))]
+    print(table.title)
+    for line in lines:
+        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())

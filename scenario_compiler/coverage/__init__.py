@@ -1,0 +1,8 @@
+"""What of each language is read, executed and exported, as tables made from the declarations.
+
+One module a language, each with a function that returns its `Table`; `TABLES` names them. Words of a language go in,
+rows of text come out; the command line and the generated page show them.
+"""
+
+TABLES = {"conflict": "scenario_compiler.coverage.conflict:conflict_table"}
+"""The languages, and the function that returns the table of each; imported when asked for."""

@@ -1,0 +1,205 @@
+"""What executes each word of the conflict language: one declaration a word.
+
+The reader and the schema are made from the words' own declarations, so every word is read; what is done with it is
+said here, by the module that does it and, in the engine, by the opcodes. A test holds both against the code.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from scenario_compiler.coverage.table import Table
+from scenario_compiler.source import catalogs, conflict
+from scenario_compiler.vocabulary import (
+    actions,
+    conditions,
+    criteria,
+    entities,
+    markings,
+    positions,
+    scenario,
+    sensors,
+    storyboard,
+    takeover,
+    variation,
+    weather,
+)
+from scenario_compiler.vocabulary.actions.path import Path, PathPoint
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.schema import words_below
+from scenario_compiler.vocabulary.word import Word
+
+Stage = Literal["expansion", "compilation", "engine", "camera", "run", "judgement", "sweep", "report"]
+"""When a word takes effect."""
+
+NOT_YET = "not yet"
+"""What stands where nothing executes or exports a word."""
+
+
+MOST_PARENTS = 4
+"""Elements that are named as a word's parents before the rest is left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Execution:
+    """What executes a word in the kinematic world.
+
+    Attributes:
+        stage: When.
+        module: The module that does it, without the package's name.
+        opcodes: Codes of `engine.opcodes` that it becomes there.
+    """
+
+    stage: Stage
+    module: str
+    opcodes: tuple[str, ...] = ()
+
+    def text(self) -> str:
+        """Return what the table says."""
+        return f"{self.stage}: {' '.join((self.module, *self.opcodes))}"
+
+
+def _engine(module: str, *opcodes: str) -> Execution:
+    return Execution("engine", f"engine.{module}", opcodes)
+
+
+def _condition(opcode: str) -> Execution:
+    return _engine("conditions", f"CONDITION_{opcode}")
+
+
+_EXPANDED = Execution("expansion", "source.templates")
+_SAMPLED = Execution("sweep", "batch.distributions")
+_JUDGED = Execution("judgement", "recording.criteria")
+_BOUND = Execution("compilation", "plan.binding")
+_PLACED = _engine("placing", "POSITION_LANE")
+_RANDOM_PLACE = _engine("placing", "POSITION_RANDOM")
+_STORYBOARD = _engine("storyboard", "ELEMENT_EVENT")
+
+EXECUTION: dict[type[Word], Execution] = {
+    conflict.LibraryElement: Execution("expansion", "source.conflict"),
+    conflict.Allow: Execution("compilation", "source.conflict"),
+    conflict.Include: Execution("expansion", "source.conflict"),
+    conflict.TemplateElement: _EXPANDED,
+    conflict.ScenarioElement: Execution("expansion", "source.expansion"),
+    conflict.Use: _EXPANDED,
+    conflict.If: _EXPANDED,
+    conflict.Else: _EXPANDED,
+    conflict.Repeat: _EXPANDED,
+    conflict.For: _EXPANDED,
+    conflict.EntityWhen: _STORYBOARD,
+    catalogs.CatalogElement: Execution("expansion", "source.catalogs"),
+    scenario.Parameter: Execution("engine", "engine.program"),
+    scenario.Classification: Execution("report", "report.wording"),
+    entities.Vehicle: Execution("compilation", "plan.lower"),
+    entities.Ego: _engine("motion", "MOTION_BICYCLE"),
+    entities.Static: _engine("motion", "MOTION_STATIC"),
+    entities.Dynamic: _engine("motion", "MOTION_SCRIPTED"),
+    entities.Row: Execution("expansion", "source.groups"),
+    entities.WorkZone: Execution("expansion", "source.groups"),
+    entities.Traffic: _engine("traffic", "MOTION_TRAFFIC", "MOTION_WALKER"),
+    entities.Follow: _engine("following"),
+    entities.Controller: Execution("run", "controllers"),
+    entities.Property: Execution("run", "controllers"),
+    sensors.Camera: Execution("camera", "worlds.kinematic"),
+    sensors.Failure: _engine("failures", "ACTION_FAILURE"),
+    markings.Markings: _engine("lane_confidence", "ALL_MARKS"),
+    markings.SecondaryMarkings: Execution("camera", "worlds.kinematic"),
+    weather.Weather: Execution("camera", "perception.weather_look"),
+    positions.SpawnPoints: _BOUND,
+    positions.NamedPosition: _BOUND,
+    positions.SpawnPoint: _BOUND,
+    positions.NumberedSpawnPoint: _BOUND,
+    positions.RandomSpawnPoint: _RANDOM_PLACE,
+    positions.RandomPosition: _RANDOM_PLACE,
+    positions.LanePosition: _PLACED,
+    positions.RoadPosition: _BOUND,
+    positions.WorldPosition: _BOUND,
+    positions.RelativeLanePosition: _engine("placing", "POSITION_RELATIVE"),
+    positions.BesidePosition: _engine("placing", "POSITION_BESIDE"),
+    storyboard.When: _STORYBOARD,
+    storyboard.Do: _STORYBOARD,
+    storyboard.All: Execution("expansion", "source.events"),
+    storyboard.AnyOf: Execution("expansion", "source.events"),
+    conditions.SimulationTimeCondition: _condition("TIME"),
+    conditions.TimeHeadwayCondition: _condition("TIME_HEADWAY"),
+    conditions.DistanceCondition: _condition("DISTANCE"),
+    conditions.TimeToCollisionCondition: _condition("TIME_TO_COLLISION"),
+    conditions.SpeedCondition: _condition("SPEED"),
+    conditions.ReachPositionCondition: _condition("REACH_POSITION"),
+    conditions.TraveledDistanceCondition: _condition("TRAVELED_DISTANCE"),
+    conditions.StandstillCondition: _condition("STANDSTILL"),
+    conditions.LaneConfidenceCondition: _condition("LANE_CONFIDENCE"),
+    conditions.SensorHealthCondition: _condition("SENSOR_HEALTH"),
+    conditions.TakeoverStateCondition: _condition("TAKEOVER_STATE"),
+    conditions.EventCondition: _condition("ELEMENT_STATE"),
+    actions.SpeedAction: _engine("actions", "ACTION_SPEED"),
+    actions.LaneChangeAction: _engine("actions", "ACTION_LANE_CHANGE"),
+    actions.LaneOffsetAction: _engine("actions", "ACTION_LANE_OFFSET"),
+    actions.FollowPathAction: _engine("actions", "ACTION_FOLLOW_PATH"),
+    Path: _engine("actions", "ACTION_FOLLOW_PATH"),
+    PathPoint: _engine("own_path"),
+    actions.SensorNoiseAction: _engine("starts", "ACTION_SENSOR_NOISE"),
+    actions.EndFailureAction: _engine("starts", "ACTION_END_FAILURE"),
+    actions.WeatherAction: _engine("starts", "ACTION_WEATHER"),
+    actions.MessageAction: _engine("starts", "ACTION_MESSAGE"),
+    actions.StopAction: _engine("starts", "ACTION_STOP"),
+    takeover.Takeover: _engine("takeover", "TAKEOVER_REQUEST", "TAKEOVER_MINIMUM_RISK"),
+    takeover.Cause: _engine(
+        "takeover",
+        "CAUSE_CONTROLLER",
+        "CAUSE_SENSOR_HEALTH",
+        "CAUSE_LANE_CONFIDENCE",
+        "CAUSE_PATH_BLOCKED",
+        "CAUSE_LANE_ENDS",
+    ),
+    takeover.Driver: Execution("expansion", "source.expansion"),
+    takeover.DriverModel: _engine("takeover", "DRIVER_LOGNORMAL", "DRIVER_FIXED"),
+    takeover.Message: Execution("run", "runtime.messages"),
+    criteria.NoCollision: _JUDGED,
+    criteria.StayOnRoad: _JUDGED,
+    criteria.ReachDestination: _JUDGED,
+    criteria.MinimumTimeToCollision: _JUDGED,
+    criteria.TakeoverWithin: _JUDGED,
+    criteria.Requested: _JUDGED,
+    criteria.NoMinimumRisk: _JUDGED,
+    criteria.MaximumLateralOffset: _JUDGED,
+    variation.Vary: Execution("sweep", "batch.sampling"),
+    variation.Uniform: _SAMPLED,
+    variation.Normal: _SAMPLED,
+    variation.Lognormal: _SAMPLED,
+    variation.Triangular: _SAMPLED,
+    variation.Poisson: _SAMPLED,
+    variation.Histogram: _SAMPLED,
+    variation.Choice: _SAMPLED,
+    variation.Grid: _SAMPLED,
+    variation.Constraint: Execution("sweep", "batch.sampling"),
+}
+
+
+def conflict_table() -> Table:
+    """Return the table of the conflict language's words, in the order of its reference."""
+    columns = ("word", "stands in", "read", "executed, kinematic", "executed, CARLA", "exported")
+    rows = ((f"<{word.tag()}>", _parents(word), "yes", _executed(word), NOT_YET, NOT_YET) for word in conflict_words())
+    return Table("conflict", "The conflict language", columns, tuple(rows))
+
+
+def _executed(word: type[Word]) -> str:
+    return EXECUTION[word].text() if word in EXECUTION else NOT_YET
+
+
+def conflict_words() -> list[type[Word]]:
+    """Return every word of the conflict language's files, in the order of its reference."""
+    return words_below((conflict.LibraryElement, catalogs.CatalogElement))
+
+
+def _parents(word: type[Word]) -> str:
+    """Return the elements that a word stands in, the first few by name."""
+    tags = [
+        f"<{rule.wrapper or parent.tag()}>"
+        for parent in conflict_words()
+        for rule in grammar_of(parent).children
+        if word in rule.words.values()
+    ]
+    named = list(dict.fromkeys(tags))
+    return ", ".join(named[:MOST_PARENTS]) + (", ..." if len(named) > MOST_PARENTS else "")

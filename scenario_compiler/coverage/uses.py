@@ -1,0 +1,41 @@
+"""Which files use a word: counted where the files are, in a checkout."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from lxml import etree
+
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.word import Word
+
+
+def files_with(files: Iterable[Path], roots: Iterable[type[Word]]) -> Counter[type[Word]]:
+    """Return how many of some files use each word; files that are no XML, or of another language, use none."""
+    known = {root.tag(): root for root in roots}
+    found: Counter[type[Word]] = Counter()
+    for file in files:
+        element = _root_of(file)
+        root = None if element is None else known.get(str(element.tag))
+        if element is not None and root is not None:
+            found.update(set(words_in(element, root)))
+    return found
+
+
+def _root_of(file: Path) -> etree._Element | None:
+    try:
+        return etree.parse(str(file), etree.XMLParser(resolve_entities=False)).getroot()
+    except etree.XMLSyntaxError:
+        return None
+
+
+def words_in(element: etree._Element, word: type[Word]) -> Iterator[type[Word]]:
+    """Yield an element's word and those of all elements below it, as far as the language knows them."""
+    yield word
+    for rule in grammar_of(word).children:
+        homes = element.findall(rule.wrapper) if rule.wrapper else [element]
+        for home in homes:
+            for child in home.iterchildren(*rule.words):
+                yield from words_in(child, rule.words[str(child.tag)])

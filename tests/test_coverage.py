@@ -1,0 +1,70 @@
+"""Every word says what executes it, and the code agrees."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.coverage import TABLES
+from scenario_compiler.coverage.conflict import EXECUTION, conflict_table, conflict_words
+from scenario_compiler.coverage.table import table_of
+from scenario_compiler.coverage.uses import files_with
+from scenario_compiler.engine import opcodes
+from scenario_compiler.source.catalogs import CatalogElement
+from scenario_compiler.source.conflict import LibraryElement
+from scenario_compiler.vocabulary.word import Word
+
+WORDS = conflict_words()
+
+
+def test_every_word_says_what_executes_it() -> None:
+    assert set(WORDS) == set(EXECUTION)
+
+
+@pytest.mark.parametrize("word", WORDS, ids=lambda word: word.__name__)
+def test_what_executes_a_word_is_there(repository: Path, word: type[Word]) -> None:
+    execution = EXECUTION[word]
+    home = repository.joinpath("scenario_compiler", *execution.module.split("."))
+    assert home.is_dir() or home.with_suffix(".py").is_file()
+    program = (repository / "scenario_compiler" / "engine" / "program.py").read_text(encoding="utf-8")
+    for code in execution.opcodes:
+        assert hasattr(opcodes, code)
+        assert f"op.{code}" in program
+
+
+def test_every_word_is_used_by_the_library_or_a_test(repository: Path) -> None:
+    files = [file for folder in ("library", "tests") for file in (repository / folder).rglob("*.xml")]
+    uses = files_with(files, (LibraryElement, CatalogElement))
+    assert [word.__name__ for word in WORDS if not uses[word]] == []
+
+
+def test_a_table_has_a_text_in_every_cell() -> None:
+    table = conflict_table()
+    assert len(table.rows) == len(WORDS)
+    assert all(len(row) == len(table.columns) for row in table.rows)
+    assert all(cell for row in table.rows for cell in row[2:])
+
+
+@pytest.mark.parametrize("language", TABLES)
+def test_a_language_is_found_by_its_name(language: str) -> None:
+    assert table_of(language).language == language
+
+
+def test_the_command_prints_json_and_loads_little(repository: Path) -> None:
+    program = (
+        "import sys; from scenario_compiler.cli import make_parser\n"
+        "options = make_parser().parse_args(['coverage', 'conflict', '--format', 'json'])\n"
+        "options.command(options)\n"
+        "heavy = {'numpy', 'numba', 'matplotlib', 'rich', 'cv2', 'scipy'}\n"
+        "print(*sorted(heavy & set(sys.modules)), file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=repository)
+    rows = json.loads(done.stdout)["conflict"]
+    assert next(row for row in rows if row["word"] == "<lane_change>")["executed, kinematic"] == (
+        "engine: engine.actions ACTION_LANE_CHANGE"
+    )
+    assert done.stderr.strip() == ""
