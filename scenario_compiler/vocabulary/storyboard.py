@@ -52,7 +52,12 @@ class When(Word):
 class TriggerCondition(Word):
     """A condition with its edge and delay."""
 
+    name: str = attribute("Name of the condition.", default="")
     condition: Condition = child("What is watched.")
+    entities: tuple[str, ...] = attribute(
+        "Ids of the triggering entities, in place of the condition's own.", default=(), names="entity", separated=True
+    )
+    every: bool = attribute("Whether all of them must fulfil it, not any.", default=False)
     edge: Edge = attribute("Which change of the condition counts.", default="none")
     delay: Number = attribute("How much later the trigger sees it, s.", default=0.0, quantity="time", minimum=0)
 
@@ -118,8 +123,16 @@ class Story(Word):
     acts: tuple[Act, ...] = child("Its acts.", default=())
 
 
+class InitAction(Word):
+    """An action of the init: done at the start, in document order."""
+
+    entity: str = attribute("Id of the entity; empty for actions on the run as a whole.", default="", names="entity")
+    action: Action = child("What is done.")
+
+
 class Storyboard(Word):
     """Everything that happens in a run, in document order."""
 
+    init: tuple[InitAction, ...] = child("What is done at the start.", default=())
     stories: tuple[Story, ...] = child("Its stories.", default=())
     stop: Trigger | None = child("When the run ends.", default=None)

@@ -1,18 +1,93 @@
 """Actions: what an event does. One module a family of the standard; `Action` is their union."""
 
+from scenario_compiler.vocabulary.actions.control import (
+    ActivateControllerAction,
+    AnimationAction,
+    AssignControllerAction,
+    ControllerProperty,
+    LightAction,
+    OverrideControllerAction,
+)
+from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape
 from scenario_compiler.vocabulary.actions.environment import WeatherAction
-from scenario_compiler.vocabulary.actions.lateral import LaneChangeAction, LaneOffsetAction
-from scenario_compiler.vocabulary.actions.longitudinal import SpeedAction
+from scenario_compiler.vocabulary.actions.lateral import (
+    LaneChangeAction,
+    LaneChangeToAction,
+    LaneOffsetAction,
+    LateralDistanceAction,
+    LimitedLaneOffsetAction,
+)
+from scenario_compiler.vocabulary.actions.longitudinal import (
+    LongitudinalDistanceAction,
+    RelativeSpeedAction,
+    SpeedAction,
+    SpeedEntry,
+    SpeedProfileAction,
+)
+from scenario_compiler.vocabulary.actions.motion import (
+    AcquirePositionAction,
+    AssignRouteAction,
+    ConnectTrailerAction,
+    DisconnectTrailerAction,
+    FinalSpeed,
+    FollowTrajectoryAction,
+    MasterPosition,
+    RandomRouteAction,
+    SynchronizeAction,
+    TeleportAction,
+    TrajectoryTiming,
+    VisibilityAction,
+)
 from scenario_compiler.vocabulary.actions.path import FollowPathAction
 from scenario_compiler.vocabulary.actions.run import MessageAction, StopAction
 from scenario_compiler.vocabulary.actions.sensor import EndFailureAction, SensorNoiseAction
+from scenario_compiler.vocabulary.actions.world import (
+    AddEntityAction,
+    CommandAction,
+    DeleteEntityAction,
+    EnvironmentAction,
+    ModifyVariableAction,
+    SetVariableAction,
+    StopTrafficAction,
+    TrafficSignalControllerAction,
+    TrafficSignalStateAction,
+)
 from scenario_compiler.vocabulary.sensors import Failure
 
 Action = (
     SpeedAction
+    | RelativeSpeedAction
+    | SpeedProfileAction
+    | LongitudinalDistanceAction
     | LaneChangeAction
+    | LaneChangeToAction
     | LaneOffsetAction
+    | LimitedLaneOffsetAction
+    | LateralDistanceAction
     | FollowPathAction
+    | TeleportAction
+    | AssignRouteAction
+    | AcquirePositionAction
+    | RandomRouteAction
+    | FollowTrajectoryAction
+    | SynchronizeAction
+    | VisibilityAction
+    | ConnectTrailerAction
+    | DisconnectTrailerAction
+    | ActivateControllerAction
+    | AssignControllerAction
+    | OverrideControllerAction
+    | LightAction
+    | AnimationAction
+    | AddEntityAction
+    | DeleteEntityAction
+    | SetVariableAction
+    | ModifyVariableAction
+    | TrafficSignalStateAction
+    | TrafficSignalControllerAction
+    | CommandAction
+    | EnvironmentAction
+    | StopTrafficAction
     | SensorNoiseAction
     | Failure
     | EndFailureAction
@@ -21,20 +96,74 @@ Action = (
     | StopAction
 )
 
-RUN_ACTIONS = (SensorNoiseAction, Failure, EndFailureAction, WeatherAction, MessageAction, StopAction)
+RUN_ACTIONS = (
+    SensorNoiseAction,
+    Failure,
+    EndFailureAction,
+    WeatherAction,
+    MessageAction,
+    StopAction,
+    AddEntityAction,
+    DeleteEntityAction,
+    SetVariableAction,
+    ModifyVariableAction,
+    TrafficSignalStateAction,
+    TrafficSignalControllerAction,
+    CommandAction,
+    EnvironmentAction,
+    StopTrafficAction,
+)
 """Actions that concern the run as a whole, not the entity that does them."""
 
 __all__ = [
     "RUN_ACTIONS",
+    "AcquirePositionAction",
     "Action",
+    "ActivateControllerAction",
+    "AddEntityAction",
+    "AnimationAction",
+    "AssignControllerAction",
+    "AssignRouteAction",
+    "AtRate",
+    "CommandAction",
+    "ConnectTrailerAction",
+    "ControllerProperty",
+    "DeleteEntityAction",
+    "DisconnectTrailerAction",
     "EndFailureAction",
+    "EnvironmentAction",
     "Failure",
+    "FinalSpeed",
     "FollowPathAction",
+    "FollowTrajectoryAction",
     "LaneChangeAction",
+    "LaneChangeToAction",
     "LaneOffsetAction",
+    "LateralDistanceAction",
+    "LightAction",
+    "LimitedLaneOffsetAction",
+    "Limits",
+    "LongitudinalDistanceAction",
+    "MasterPosition",
     "MessageAction",
+    "ModifyVariableAction",
+    "OverDistance",
+    "OverrideControllerAction",
+    "RandomRouteAction",
+    "RelativeSpeedAction",
     "SensorNoiseAction",
+    "SetVariableAction",
+    "Shape",
     "SpeedAction",
+    "SpeedEntry",
+    "SpeedProfileAction",
     "StopAction",
+    "StopTrafficAction",
+    "SynchronizeAction",
+    "TeleportAction",
+    "TrafficSignalControllerAction",
+    "TrafficSignalStateAction",
+    "TrajectoryTiming",
+    "VisibilityAction",
     "WeatherAction",
 ]

@@ -1,8 +1,18 @@
 """Conditions: what a trigger waits for. One module a family of the standard; `Condition` is their union."""
 
 from scenario_compiler.vocabulary.conditions.by_entity import (
+    AccelerationCondition,
+    AngleCondition,
+    CollisionCondition,
     DistanceCondition,
+    EndOfRoadCondition,
+    OffroadCondition,
+    PositionDistanceCondition,
     ReachPositionCondition,
+    RelativeAngleCondition,
+    RelativeClearanceCondition,
+    RelativeLaneRange,
+    RelativeSpeedCondition,
     SpeedCondition,
     StandstillCondition,
     TimeHeadwayCondition,
@@ -10,40 +20,81 @@ from scenario_compiler.vocabulary.conditions.by_entity import (
     TraveledDistanceCondition,
 )
 from scenario_compiler.vocabulary.conditions.by_value import (
+    ElementStateCondition,
     EventCondition,
     LaneConfidenceCondition,
     SensorHealthCondition,
     SimulationTimeCondition,
     TakeoverStateCondition,
+    TimeOfDayCondition,
+    TrafficSignalCondition,
+    TrafficSignalControllerCondition,
+    UserDefinedValueCondition,
+    VariableCondition,
+)
+from scenario_compiler.vocabulary.conditions.measuring import (
+    Rule,
 )
 
 Condition = (
     SimulationTimeCondition
     | TimeHeadwayCondition
     | DistanceCondition
+    | PositionDistanceCondition
     | TimeToCollisionCondition
     | SpeedCondition
+    | RelativeSpeedCondition
+    | AccelerationCondition
+    | StandstillCondition
     | ReachPositionCondition
     | TraveledDistanceCondition
+    | CollisionCondition
+    | OffroadCondition
+    | EndOfRoadCondition
+    | RelativeClearanceCondition
+    | AngleCondition
+    | RelativeAngleCondition
     | LaneConfidenceCondition
-    | TakeoverStateCondition
-    | StandstillCondition
     | SensorHealthCondition
     | EventCondition
+    | TakeoverStateCondition
+    | ElementStateCondition
+    | TimeOfDayCondition
+    | VariableCondition
+    | UserDefinedValueCondition
+    | TrafficSignalCondition
+    | TrafficSignalControllerCondition
 )
 
 __all__ = [
+    "AccelerationCondition",
+    "AngleCondition",
+    "CollisionCondition",
     "Condition",
     "DistanceCondition",
+    "ElementStateCondition",
+    "EndOfRoadCondition",
     "EventCondition",
     "LaneConfidenceCondition",
+    "OffroadCondition",
+    "PositionDistanceCondition",
     "ReachPositionCondition",
+    "RelativeAngleCondition",
+    "RelativeClearanceCondition",
+    "RelativeLaneRange",
+    "RelativeSpeedCondition",
+    "Rule",
     "SensorHealthCondition",
     "SimulationTimeCondition",
     "SpeedCondition",
     "StandstillCondition",
     "TakeoverStateCondition",
     "TimeHeadwayCondition",
+    "TimeOfDayCondition",
     "TimeToCollisionCondition",
+    "TrafficSignalCondition",
+    "TrafficSignalControllerCondition",
     "TraveledDistanceCondition",
+    "UserDefinedValueCondition",
+    "VariableCondition",
 ]

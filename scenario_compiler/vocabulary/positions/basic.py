@@ -1,15 +1,10 @@
-"""Positions: where an entity stands or a condition looks, as the author writes them and as the plan binds them.
-
-After lowering only `BoundPosition`s are left: world positions and spawn points are bound to a road, a lane, s and an
-offset. Positions relative to an entity and random ones stay what they are: the engine resolves them when a run is
-reset, so that a sweep varies them.
-"""
+"""Positions on the map's roads: in lanes, beside reference lines, at spawn points, at random, ahead of an entity."""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
+from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 Surface = Literal["driving", "biking", "shoulder", "sidewalk"]
 """Kinds of lanes that things stand on; `driving` is every lane that motor traffic may use."""
@@ -33,6 +28,9 @@ class LanePosition(Word):
         default=0.0,
         quantity="angle",
     )
+    heading: Number | None = attribute(
+        "Heading in the world, degrees, in place of `turn`.", default=None, quantity="angle"
+    )
 
 
 class RoadPosition(Word):
@@ -47,6 +45,9 @@ class RoadPosition(Word):
         "Heading relative to the direction of s, degrees, positive counter-clockwise.",
         default=0.0,
         quantity="angle",
+    )
+    heading: Number | None = attribute(
+        "Heading in the world, degrees, in place of `turn`.", default=None, quantity="angle"
     )
 
 
@@ -180,34 +181,3 @@ class AnyOfPosition(Word):
     word: Literal["any_of"] = "any_of"
 
     places: tuple[LanePosition, ...] = child("The places.")
-
-
-Position = (
-    LanePosition
-    | RoadPosition
-    | WorldPosition
-    | SpawnPoint
-    | NumberedSpawnPoint
-    | RandomSpawnPoint
-    | RelativeLanePosition
-    | BesidePosition
-    | RandomPosition
-)
-BoundPosition = LanePosition | RelativeLanePosition | BesidePosition | RandomPosition | AnyOfPosition
-
-
-class NamedPosition(Word):
-    """A spawn point of the scenario."""
-
-    word: Literal["point"] = "point"
-
-    name: str = attribute("Its name.", pattern=ENTITY_ID)
-    position: Position = child("Where it is.")
-
-
-class SpawnPoints(Word):
-    """The scenario's own list of spawn points."""
-
-    word: Literal["spawn_points"] = "spawn_points"
-
-    points: tuple[NamedPosition, ...] = child("The spawn points, numbered from 0.")

@@ -1,0 +1,89 @@
+"""Actions on the world at large: entities that come and go, parameters, variables, traffic lights, other programs."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.positions import Point
+from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+
+
+class AddEntityAction(Word):
+    """Let an entity appear."""
+
+    word: Literal["add_entity"] = "add_entity"
+
+    entity: str = attribute("Id of the entity.", names="entity")
+    position: Point = child("Where it appears.")
+
+
+class DeleteEntityAction(Word):
+    """Let an entity disappear."""
+
+    word: Literal["delete_entity"] = "delete_entity"
+
+    entity: str = attribute("Id of the entity.", names="entity")
+
+
+class SetVariableAction(Word):
+    """Give a variable a value."""
+
+    word: Literal["set_variable"] = "set_variable"
+
+    variable: str = attribute("Name of the variable.")
+    value: str = attribute("Its new value.")
+
+
+class ModifyVariableAction(Word):
+    """Add to a variable, or multiply it."""
+
+    word: Literal["modify_variable"] = "modify_variable"
+
+    variable: str = attribute("Name of the variable.")
+    by: Literal["add", "multiply"] = attribute("What is done with the value.")
+    value: Number = attribute("What is added, or multiplied by.")
+
+
+class TrafficSignalStateAction(Word):
+    """Set the state of a traffic signal."""
+
+    word: Literal["traffic_signal_state"] = "traffic_signal_state"
+
+    signal: str = attribute("Id of the signal in the map.")
+    state: str = attribute("Its state.")
+
+
+class TrafficSignalControllerAction(Word):
+    """Set a controller of traffic signals to one of its phases."""
+
+    word: Literal["traffic_signal_phase"] = "traffic_signal_phase"
+
+    controller: str = attribute("Name of the controller.")
+    phase: str = attribute("Name of the phase.")
+
+
+class CommandAction(Word):
+    """A command for another program; it stands in the event log with its time."""
+
+    word: Literal["command"] = "command"
+
+    type: str = attribute("Type of the command.")
+    content: str = attribute("Its content.", default="")
+
+
+class EnvironmentAction(Word):
+    """Set the time of day and the road's friction."""
+
+    word: Literal["environment"] = "environment"
+
+    date_time: str = attribute("Date and time, ISO 8601.", default="")
+    animated: bool = attribute("Whether the time of day goes on from there.", default=True)
+    friction: Number | None = attribute("Factor of the road's friction.", default=None, minimum=0)
+
+
+class StopTrafficAction(Word):
+    """Take background traffic away, or let no more appear."""
+
+    word: Literal["stop_traffic"] = "stop_traffic"
+
+    traffic: str = attribute("Id of the traffic; all of it when left out.", default="")

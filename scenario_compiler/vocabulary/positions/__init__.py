@@ -1,0 +1,106 @@
+"""Positions: where an entity stands or a condition looks, as the author writes them and as the plan binds them.
+
+After lowering only `BoundPosition`s are left: world positions and spawn points are bound to a road, a lane, s and an
+offset. Positions relative to an entity and random ones stay what they are: the engine resolves them when a run is
+reset or when they are needed, so that a sweep varies them.
+"""
+
+from scenario_compiler.vocabulary.positions.basic import (
+    AnyOfPosition,
+    BesidePosition,
+    LanePosition,
+    NumberedSpawnPoint,
+    RandomPosition,
+    RandomSpawnPoint,
+    RelativeLanePosition,
+    RoadPosition,
+    SpawnPoint,
+    Surface,
+    WorldPosition,
+)
+from scenario_compiler.vocabulary.positions.relative import (
+    FreePosition,
+    GeoPosition,
+    LanesAwayPosition,
+    RelativeObjectPosition,
+    RelativeRoadPosition,
+    RelativeWorldPosition,
+)
+from scenario_compiler.vocabulary.positions.routes import (
+    Clothoid,
+    ClothoidSegment,
+    ClothoidSpline,
+    ControlPoint,
+    InRouteEntity,
+    InRouteLane,
+    InRouteRoad,
+    Nurbs,
+    Point,
+    Polyline,
+    Route,
+    RoutePosition,
+    Trajectory,
+    TrajectoryPosition,
+    Vertex,
+    Waypoint,
+)
+from scenario_compiler.vocabulary.positions.spawn_points import (
+    NamedPosition,
+    SpawnPoints,
+)
+
+Position = Point | RoutePosition | TrajectoryPosition
+BoundPosition = (
+    LanePosition
+    | RelativeLanePosition
+    | BesidePosition
+    | RandomPosition
+    | AnyOfPosition
+    | FreePosition
+    | LanesAwayPosition
+    | RelativeRoadPosition
+    | RelativeObjectPosition
+    | RelativeWorldPosition
+    | RoutePosition
+    | TrajectoryPosition
+)
+
+__all__ = [
+    "AnyOfPosition",
+    "BesidePosition",
+    "BoundPosition",
+    "Clothoid",
+    "ClothoidSegment",
+    "ClothoidSpline",
+    "ControlPoint",
+    "FreePosition",
+    "GeoPosition",
+    "InRouteEntity",
+    "InRouteLane",
+    "InRouteRoad",
+    "LanePosition",
+    "LanesAwayPosition",
+    "NamedPosition",
+    "NumberedSpawnPoint",
+    "Nurbs",
+    "Point",
+    "Polyline",
+    "Position",
+    "RandomPosition",
+    "RandomSpawnPoint",
+    "RelativeLanePosition",
+    "RelativeObjectPosition",
+    "RelativeRoadPosition",
+    "RelativeWorldPosition",
+    "RoadPosition",
+    "Route",
+    "RoutePosition",
+    "SpawnPoint",
+    "SpawnPoints",
+    "Surface",
+    "Trajectory",
+    "TrajectoryPosition",
+    "Vertex",
+    "Waypoint",
+    "WorldPosition",
+]

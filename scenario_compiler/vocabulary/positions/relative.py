@@ -1,0 +1,91 @@
+"""Positions relative to an entity where it is at that moment, and points of the world off the roads.
+
+The names and meanings are ASAM OpenSCENARIO's (Position and its kinds). `turn` is the heading relative to what the
+position itself gives (the lane, the road, the entity); `heading`, where given, is absolute and takes its place.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.word import Number, Word, attribute
+
+_ENTITY = "Id of the entity that the position is relative to."
+_HEADING = "Heading in the world, degrees, in place of `turn`."
+
+
+class FreePosition(Word):
+    """A point of the world, on a road or off all roads, in OpenDRIVE's axes."""
+
+    word: Literal["free"] = "free"
+
+    x: Number = attribute("x, m.", quantity="length")
+    y: Number = attribute("y, m.", quantity="length")
+    z: Number | None = attribute("z, m; the road's surface when left out.", default=None, quantity="length")
+    heading: Number = attribute("Heading, degrees counter-clockwise from the x axis.", default=0.0, quantity="angle")
+
+
+class GeoPosition(Word):
+    """A point by latitude and longitude, on maps that say how they are projected."""
+
+    word: Literal["geographic"] = "geographic"
+
+    latitude: float = attribute("Latitude (WGS 84), degrees.", minimum=-90, maximum=90)
+    longitude: float = attribute("Longitude (WGS 84), degrees.", minimum=-180, maximum=180)
+    heading: Number = attribute("Heading in the map's axes, degrees.", default=0.0, quantity="angle")
+
+
+class LanesAwayPosition(Word):
+    """A point in a lane counted from an entity's lane, in lane ids: ASAM's RelativeLanePosition."""
+
+    word: Literal["relative_lane"] = "relative_lane"
+
+    entity: str = attribute(_ENTITY, names="entity")
+    lanes: int = attribute("Lanes away, positive towards greater lane ids (the centre lane is not counted).", default=0)
+    distance: Number = attribute("Distance ahead, m.", quantity="length")
+    along: Literal["road", "lane"] = attribute(
+        "Whether the distance is measured on the road's reference line or in the lane.", default="road"
+    )
+    offset: Number = attribute("Distance from the lane's centre, m.", default=0.0, quantity="length")
+    turn: Number = attribute("Heading relative to the lane's, degrees.", default=0.0, quantity="angle")
+    heading: Number | None = attribute(_HEADING, default=None, quantity="angle")
+
+
+class RelativeRoadPosition(Word):
+    """A point on the road that an entity is on, by distances along and across its reference line."""
+
+    word: Literal["relative_road"] = "relative_road"
+
+    entity: str = attribute(_ENTITY, names="entity")
+    ds: Number = attribute("Distance along the road, m.", quantity="length")
+    dt: Number = attribute(
+        "Distance across the road, m, positive to the left in the direction of s.", quantity="length"
+    )
+    turn: Number = attribute("Heading relative to the road's, degrees.", default=0.0, quantity="angle")
+    heading: Number | None = attribute(_HEADING, default=None, quantity="angle")
+
+
+class RelativeObjectPosition(Word):
+    """A point in an entity's own axes: ahead of it and to its left."""
+
+    word: Literal["relative_object"] = "relative_object"
+
+    entity: str = attribute(_ENTITY, names="entity")
+    dx: Number = attribute("Distance ahead, m.", quantity="length")
+    dy: Number = attribute("Distance to the left, m.", quantity="length")
+    dz: Number = attribute("Distance above, m.", default=0.0, quantity="length")
+    turn: Number = attribute("Heading relative to the entity's, degrees.", default=0.0, quantity="angle")
+    heading: Number | None = attribute(_HEADING, default=None, quantity="angle")
+
+
+class RelativeWorldPosition(Word):
+    """A point away from an entity by distances along the world's axes."""
+
+    word: Literal["relative_world"] = "relative_world"
+
+    entity: str = attribute(_ENTITY, names="entity")
+    dx: Number = attribute("Distance along x, m.", quantity="length")
+    dy: Number = attribute("Distance along y, m.", quantity="length")
+    dz: Number = attribute("Distance along z, m.", default=0.0, quantity="length")
+    turn: Number = attribute("Heading relative to the entity's, degrees.", default=0.0, quantity="angle")
+    heading: Number | None = attribute(_HEADING, default=None, quantity="angle")

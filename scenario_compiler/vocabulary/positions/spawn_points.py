@@ -1,0 +1,25 @@
+"""The scenario's own spawn points."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.positions.routes import Point
+from scenario_compiler.vocabulary.word import ENTITY_ID, Word, attribute, child
+
+
+class NamedPosition(Word):
+    """A spawn point of the scenario."""
+
+    word: Literal["point"] = "point"
+
+    name: str = attribute("Its name.", pattern=ENTITY_ID)
+    position: Point = child("Where it is.")
+
+
+class SpawnPoints(Word):
+    """The scenario's own list of spawn points."""
+
+    word: Literal["spawn_points"] = "spawn_points"
+
+    points: tuple[NamedPosition, ...] = child("The spawn points, numbered from 0.")
