@@ -30,7 +30,8 @@ def test_what_executes_a_word_is_there(repository: Path, word: type[Word]) -> No
     execution = EXECUTION[word]
     home = repository.joinpath("scenario_compiler", *execution.module.split("."))
     assert home.is_dir() or home.with_suffix(".py").is_file()
-    program = (repository / "scenario_compiler" / "engine" / "program.py").read_text(encoding="utf-8")
+    programs = (repository / "scenario_compiler" / "engine" / "program").rglob("*.py")
+    program = "".join(file.read_text(encoding="utf-8") for file in programs)
     for code in execution.opcodes:
         assert hasattr(opcodes, code)
         assert f"op.{code}" in program

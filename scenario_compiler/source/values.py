@@ -21,6 +21,7 @@ FieldValue: TypeAlias = Structural | Expression | tuple[Structural, ...]
 SPACE = " \t\r\n"
 """What XML takes for white space."""
 
+_SPACES = re.compile(f"[{SPACE}]+")
 _NUMBER = re.compile(rf"(?:{NUMBER})\Z")
 _INTEGER = re.compile(rf"(?:{INTEGER})\Z")
 
@@ -63,7 +64,7 @@ def _number(
 
 def _structural(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> FieldValue:
     if rule.spelling.separated:
-        words = text.split()
+        words = [word for word in _SPACES.split(text) if word]
         if not words:
             _wrong(text, rule, reading, origin)
         return tuple(_single(word, rule, reading, origin) for word in words)

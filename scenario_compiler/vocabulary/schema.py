@@ -27,6 +27,14 @@ _HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" elementFormDefault="qualified">
 """
 
+_NOTHING = """
+  <xs:element name="nothing" abstract="true">
+    <xs:annotation>
+      <xs:documentation>Never there: where it alone may stand, white space may stand too.</xs:documentation>
+    </xs:annotation>
+  </xs:element>
+"""
+
 _SIMPLE_TYPES = f"""
   <xs:simpleType name="expression">
     <xs:annotation>
@@ -54,7 +62,7 @@ def xsd_of(roots: Iterable[type[Word]]) -> str:
     roots = tuple(roots)
     parts = [_HEAD]
     parts += [f'  <xs:element name="{root.tag()}" type="{root.__name__}"/>\n' for root in roots]
-    parts.append(_SIMPLE_TYPES)
+    parts += [_NOTHING, _SIMPLE_TYPES]
     parts += ["\n" + "\n".join(_complex_type(word)) + "\n" for word in words_below(roots)]
     parts.append("</xs:schema>\n")
     return "".join(parts)
@@ -76,11 +84,12 @@ def _complex_type(word: type[Word]) -> Iterator[str]:
     grammar = grammar_of(word)
     yield f'  <xs:complexType name="{word.__name__}">'
     yield from _documentation(_summary(word), 4)
-    if grammar.children:
-        yield "    <xs:sequence>"
-        for rule in grammar.children:
-            yield from _child(rule)
-        yield "    </xs:sequence>"
+    yield "    <xs:sequence>"
+    if not grammar.children:
+        yield '      <xs:element ref="nothing" minOccurs="0"/>'
+    for rule in grammar.children:
+        yield from _child(rule)
+    yield "    </xs:sequence>"
     for attribute in grammar.attributes.values():
         yield from _attribute(attribute)
     if grammar.others:
