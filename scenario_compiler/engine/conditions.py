@@ -156,7 +156,10 @@ def holds_for(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
         if value >= FAR:
             return 0
     elif op == CONDITION_REACH_POSITION:
-        value = length_of(st.x[i] - st.position_x[other], st.y[i] - st.position_y[other])
+        at = p.condition_position[c]
+        if at < 0:
+            return 0
+        value = length_of(st.x[i] - st.position_x[at], st.y[i] - st.position_y[at])
     elif op == CONDITION_TRAVELED_DISTANCE:
         value = st.odometer[i]
     elif op == CONDITION_STANDSTILL:

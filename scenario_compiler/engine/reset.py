@@ -84,6 +84,8 @@ def reset_story(p: Program, st: State) -> None:
         st.action_span[k] = 0.0
         st.action_from[k] = 0.0
         st.action_change[k] = 0.0
+        st.action_a[k] = 0.0
+        st.action_b[k] = 0.0
 
 
 @compiled

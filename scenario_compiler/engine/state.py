@@ -117,7 +117,9 @@ class State:
     action_span: list[float]
     action_from: list[float]
     action_change: list[float]
-    action_clip: list[float]
+    action_a: list[float]
+    """Free memory of whoever executes the action; so is `action_b`."""
+    action_b: list[float]
     turn_from: list[int]
     """Road at whose end the turn below is taken; NONE before it is drawn. This and what follows is of traffic."""
     turn_to: list[int]
@@ -346,7 +348,8 @@ _ACTION = [
     "action_span",
     "action_from",
     "action_change",
-    "action_clip",
+    "action_a",
+    "action_b",
     "action_x",
     "action_y",
 ]

@@ -137,7 +137,13 @@ class Program:
     condition_edge: list[int] = field(default_factory=list)
     condition_const: list[int] = field(default_factory=list)
     condition_other: list[int] = field(default_factory=list)
-    """The reference entity, position, element, takeover state or side of the lane, by kind."""
+    """The reference entity, element, takeover state or side of the lane, by kind."""
+    condition_mode: list[int] = field(default_factory=list)
+    """A choice between ways to measure, by kind."""
+    condition_flags: list[int] = field(default_factory=list)
+    """Switches as bits, by kind."""
+    condition_position: list[int] = field(default_factory=list)
+    """Position that it speaks of, or NONE."""
     condition_all: list[int] = field(default_factory=list)
     """1 where all triggering entities must fulfil it, 0 where any does."""
     condition_first: list[int] = field(default_factory=lambda: [0])
@@ -149,12 +155,19 @@ class Program:
 
     action_op: list[int] = field(default_factory=list)
     action_entity: list[int] = field(default_factory=list)
+    """The entity that does it, NONE for an action on the run as a whole without an ego."""
     action_shape: list[int] = field(default_factory=list)
     action_dimension: list[int] = field(default_factory=list)
     action_lanes: list[int] = field(default_factory=list)
     """Lanes to the left that a lane change goes."""
     action_other: list[int] = field(default_factory=list)
     """The failure that an action begins, the kind that it ends, the weather or the message; by kind."""
+    action_mode: list[int] = field(default_factory=list)
+    """A choice between ways to do it, by kind."""
+    action_flags: list[int] = field(default_factory=list)
+    """Switches as bits, by kind."""
+    action_position: list[int] = field(default_factory=list)
+    """Position that it speaks of, or NONE."""
     action_const: list[int] = field(default_factory=list)
     action_point: list[int] = field(default_factory=list)
     """First point of a path."""
@@ -248,15 +261,21 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _column("condition_rule", p.condition_rule, conditions, 0, RULE_NOT_EQUAL + 1)
     _column("condition_edge", p.condition_edge, conditions, 0, EDGE_BOTH + 1)
     _column("condition_const", p.condition_const, conditions, 0, len(p.const) + 1)
+    _column("condition_mode", p.condition_mode, conditions, 0, 1 << 30)
+    _column("condition_flags", p.condition_flags, conditions, 0, 1 << 30)
+    _column("condition_position", p.condition_position, conditions, NONE, p.position_count[0])
     _column("condition_all", p.condition_all, conditions, 0, 2)
     _column("condition_ring", p.condition_ring, conditions, NONE, p.ring_count[0])
     _rows("condition_first", p.condition_first, len(p.condition_entity))
     _inside("condition_entity", p.condition_entity, 0, entities)
     _column("action_op", p.action_op, actions, 0, ACTION_STOP + 1)
-    _column("action_entity", p.action_entity, actions, 0, entities)
+    _column("action_entity", p.action_entity, actions, NONE, entities)
     _column("action_shape", p.action_shape, actions, 0, SHAPE_STEP + 1)
     _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
     _column("action_other", p.action_other, actions, NONE, 1 << 30)
+    _column("action_mode", p.action_mode, actions, 0, 1 << 30)
+    _column("action_flags", p.action_flags, actions, 0, 1 << 30)
+    _column("action_position", p.action_position, actions, NONE, p.position_count[0])
     _column("action_const", p.action_const, actions, 0, len(p.const) + 1)
     _column("action_point", p.action_point, actions, 0, len(p.point_position) + 1)
     _column("action_points", p.action_points, actions, 0, len(p.point_position) + 1)

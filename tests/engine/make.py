@@ -204,6 +204,7 @@ class Draft:
         rule: int = op.RULE_GREATER_OR_EQUAL,
         entities: tuple[int, ...] = (),
         other: int = op.NONE,
+        position: int = op.NONE,
         edge: int = op.EDGE_NONE,
         delay: float = 0.0,
         every: bool = False,
@@ -214,6 +215,9 @@ class Draft:
         p.condition_rule.append(rule)
         p.condition_edge.append(edge)
         p.condition_other.append(other)
+        p.condition_mode.append(0)
+        p.condition_flags.append(0)
+        p.condition_position.append(position)
         p.condition_all.append(1 if every else 0)
         p.condition_ring.append(p.ring_count[0] if delay > 0.0 else op.NONE)
         p.ring_count[0] += 1 if delay > 0.0 else 0
@@ -303,6 +307,9 @@ class Draft:
         p.action_dimension.append(dimension)
         p.action_lanes.append(lanes)
         p.action_other.append(op.NONE)
+        p.action_mode.append(0)
+        p.action_flags.append(0)
+        p.action_position.append(op.NONE)
         p.action_const.append(self.block(target, value))
         p.action_point.append(0)
         p.action_points.append(0)

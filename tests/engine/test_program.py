@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -10,13 +11,17 @@ from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
 from scenario_compiler.engine.build import Interpreted
 from scenario_compiler.engine.program import build_program, rows
+from scenario_compiler.engine.program.actions import ACTIONS, add_action
+from scenario_compiler.engine.program.conditions import CONDITIONS as CONDITION_ROWS
+from scenario_compiler.engine.program.draft import Draft as ProgramDraft
+from scenario_compiler.engine.program.positions import POSITIONS, add_position
 from scenario_compiler.engine.state import make_draws, new_state
 from scenario_compiler.engine.sweep import SUMMARY, SUMMARY_SIZE
 from scenario_compiler.engine.tables import validate
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.plan.model import Entity, MapReference, Plan
 from scenario_compiler.roads import Network
-from scenario_compiler.vocabulary.actions import LaneChangeAction, SensorNoiseAction, SpeedAction
+from scenario_compiler.vocabulary.actions import Action, LaneChangeAction, SensorNoiseAction, SpeedAction
 from scenario_compiler.vocabulary.conditions import (
     Condition,
     DistanceCondition,
@@ -31,7 +36,12 @@ from scenario_compiler.vocabulary.conditions import (
 )
 from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import Markings
-from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
+from scenario_compiler.vocabulary.positions import (
+    BoundPosition,
+    LanePosition,
+    RelativeLanePosition,
+    RoadPosition,
+)
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import (
@@ -48,6 +58,7 @@ from scenario_compiler.vocabulary.storyboard import (
 )
 from scenario_compiler.vocabulary.takeover import Cause, DriverModel, Takeover
 from scenario_compiler.vocabulary.weather import Weather
+from scenario_compiler.vocabulary.word import Word
 from tests.engine.make import Draft, highway
 
 CAR = Vehicle(name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4)
@@ -208,3 +219,87 @@ def test_an_int_among_the_numbers_is_found() -> None:
     draft.program.const[0] = 1
     with pytest.raises(ValueError, match="const"):
         validate(draft.program, 1)
+
+
+WITHOUT_ROW: dict[str, set[str]] = {
+    "action": {
+        "RelativeSpeedAction",
+        "SpeedProfileAction",
+        "LongitudinalDistanceAction",
+        "LaneChangeToAction",
+        "LimitedLaneOffsetAction",
+        "LateralDistanceAction",
+        "TeleportAction",
+        "AssignRouteAction",
+        "AcquirePositionAction",
+        "RandomRouteAction",
+        "FollowTrajectoryAction",
+        "SynchronizeAction",
+        "VisibilityAction",
+        "ConnectTrailerAction",
+        "DisconnectTrailerAction",
+        "ActivateControllerAction",
+        "AssignControllerAction",
+        "OverrideControllerAction",
+        "LightAction",
+        "AnimationAction",
+        "AddEntityAction",
+        "DeleteEntityAction",
+        "SetVariableAction",
+        "ModifyVariableAction",
+        "TrafficSignalStateAction",
+        "TrafficSignalControllerAction",
+        "CommandAction",
+        "EnvironmentAction",
+        "StopTrafficAction",
+    },
+    "condition": {
+        "PositionDistanceCondition",
+        "RelativeSpeedCondition",
+        "AccelerationCondition",
+        "CollisionCondition",
+        "OffroadCondition",
+        "EndOfRoadCondition",
+        "RelativeClearanceCondition",
+        "AngleCondition",
+        "RelativeAngleCondition",
+        "ElementStateCondition",
+        "TimeOfDayCondition",
+        "VariableCondition",
+        "UserDefinedValueCondition",
+        "TrafficSignalCondition",
+        "TrafficSignalControllerCondition",
+    },
+    "position": {
+        "FreePosition",
+        "LanesAwayPosition",
+        "RelativeRoadPosition",
+        "RelativeObjectPosition",
+        "RelativeWorldPosition",
+        "RoutePosition",
+        "TrajectoryPosition",
+    },
+}
+"""Words that no program has a row for yet."""
+
+
+@pytest.mark.parametrize(
+    ("family", "words", "table"),
+    [
+        ("action", Action, ACTIONS),
+        ("condition", Condition, CONDITION_ROWS),
+        ("position", BoundPosition, POSITIONS),
+    ],
+)
+def test_every_word_of_the_storyboard_has_a_row(family: str, words: object, table: dict[type[Word], object]) -> None:
+    missing = {word.__name__ for word in get_args(words) if word not in table}
+    assert missing == WITHOUT_ROW[family]
+
+
+def test_a_word_without_a_row_is_named() -> None:
+    network = highway()
+    draft = ProgramDraft(plan_on(network), network)
+    with pytest.raises(ValueError, match="position <road>"):
+        add_position(draft, RoadPosition(road="1", s=1.0, t=0.0))
+    with pytest.raises(ValueError, match="action <weather>"):
+        add_action(draft, Weather(), 0)

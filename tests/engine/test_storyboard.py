@@ -139,7 +139,7 @@ def test_reached_and_traveled_and_any_or_all_entities() -> None:
     draft, car = with_car()
     other = draft.moving(-1, 100.0, 10.0)
     place = draft.position(0, -2, 140.0)
-    draft.condition(op.CONDITION_REACH_POSITION, 5.0, rule=op.RULE_LESS, entities=(car,), other=place)
+    draft.condition(op.CONDITION_REACH_POSITION, 5.0, rule=op.RULE_LESS, entities=(car,), position=place)
     reached = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))
     draft.condition(op.CONDITION_TRAVELED_DISTANCE, 40.0, entities=(car, other), every=True)
     both = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))

@@ -189,9 +189,9 @@ def add_condition(draft: Draft, dice: Dice, before: list[int]) -> None:
         op.CONDITION_REACH_POSITION: 30.0,
         op.CONDITION_TRAVELED_DISTANCE: dice.between(0.0, 80.0),
     }
-    other = dice.pick(0, 1)
+    other, position = dice.pick(0, 1), op.NONE
     if kind == op.CONDITION_REACH_POSITION:
-        other = draft.position(0, -1, dice.between(40.0, 110.0))
+        position = draft.position(0, -1, dice.between(40.0, 110.0))
     elif kind == op.CONDITION_TAKEOVER_STATE:
         other = dice.pick(op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING, op.TAKEOVER_REQUEST, op.TAKEOVER_MANUAL)
     elif kind == op.CONDITION_ELEMENT_STATE:
@@ -202,6 +202,7 @@ def add_condition(draft: Draft, dice: Dice, before: list[int]) -> None:
         rule=dice.pick(*range(op.RULE_LESS, op.RULE_NOT_EQUAL + 1)),
         entities=(0,) if dice.unit() < 0.5 else (0, 1),
         other=other,
+        position=position,
         edge=dice.pick(*range(op.EDGE_NONE, op.EDGE_BOTH + 1)),
         delay=dice.between(0.0, 2.0) if dice.unit() < 0.3 else 0.0,
         every=dice.unit() < 0.5,

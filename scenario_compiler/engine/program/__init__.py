@@ -1,0 +1,10 @@
+"""From a plan to a program: indices for ids, codes for words, and one slot for every number.
+
+`build` goes through the plan; what a word becomes stands in a table by the word's type: `positions.POSITIONS`,
+`actions.ACTIONS` and `conditions.CONDITIONS`, each entry a small function that returns the word's row.
+"""
+
+from scenario_compiler.engine.program.build import build_program, rows
+from scenario_compiler.engine.tables import Program
+
+__all__ = ["Program", "build_program", "rows"]

@@ -1,0 +1,86 @@
+"""Entities: how they move, their vehicles, where they start and in which order they are placed."""
+
+from __future__ import annotations
+
+from math import radians
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine.conflicts import conflicts_of
+from scenario_compiler.engine.program.draft import Draft, Slot
+from scenario_compiler.engine.program.positions import add_position
+from scenario_compiler.plan.model import Entity
+
+MOTIONS = {
+    "ego": op.MOTION_BICYCLE,
+    "static": op.MOTION_STATIC,
+    "dynamic": op.MOTION_SCRIPTED,
+    "traffic": op.MOTION_TRAFFIC,
+    "walker": op.MOTION_WALKER,
+}
+
+FOLLOW_EGO = (1.5, 2.0, 1.5, 2.0)
+"""Car following of the automation: time gap s, gap at standstill m, acceleration and comfortable deceleration m/s2. Our
+choice, the same as the defaults of `vocabulary.entities.Follow`."""
+
+
+def add_entities(draft: Draft, *, posed: bool) -> None:
+    """Append all entities; `posed` leaves the ego's motion to another program.
+
+    Raises:
+        ValueError: Starts are relative to each other.
+    """
+    p = draft.program
+    for entity in draft.plan.entities:
+        _add_entity(draft, entity, posed)
+    p.entity_count[0] = len(p.entity_motion)
+    if draft.plan.entities and draft.plan.entities[0].kind == "ego":
+        p.ego[0] = 0
+    p.entity_order = _start_order(draft)
+    p.traffic_count[0] = sum(1 for motion in p.entity_motion if motion in (op.MOTION_TRAFFIC, op.MOTION_WALKER))
+    if p.traffic_count[0] > 0:
+        p.conflict_first, p.conflict_road = conflicts_of(draft.network)
+
+
+def _add_entity(draft: Draft, entity: Entity, posed: bool) -> None:
+    p, vehicle = draft.program, entity.vehicle
+    motion = MOTIONS[entity.kind]
+    if posed and motion == op.MOTION_BICYCLE:
+        motion = op.MOTION_POSED
+    follow: tuple[Slot, Slot, Slot, Slot] = FOLLOW_EGO
+    if entity.follow is not None:
+        one = entity.follow
+        follow = (one.time_gap, one.minimum_gap, one.acceleration, one.deceleration)
+    p.entity_motion.append(motion)
+    p.entity_follows.append(0 if entity.follow is None else 1)
+    p.entity_position.append(add_position(draft, entity.start, entity.kind))
+    p.entity_leg_first.append(len(p.leg_road))
+    for leg in entity.route:
+        road = draft.network.road_index(leg.road)
+        if len(p.leg_road) == p.entity_leg_first[-1] or p.leg_road[-1] != road:
+            p.leg_road.append(road)
+    p.entity_leg_last.append(len(p.leg_road))
+    p.entity_seed.append(op.NONE if entity.seed is None else entity.seed)
+    p.entity_const.append(
+        draft.block(
+            *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
+            *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration),
+            *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow, entity.share),
+        )
+    )
+
+
+def _start_order(draft: Draft) -> list[int]:
+    """Return the entities so that each comes after the one that its start is relative to, random ones last."""
+    p = draft.program
+    order: list[int] = []
+    waiting = list(range(len(p.entity_motion)))
+    while waiting:
+        ready = [i for i in waiting if p.position_entity[p.entity_position[i]] in (op.NONE, *order)]
+        fixed = [i for i in ready if p.position_op[p.entity_position[i]] != op.POSITION_RANDOM]
+        ready = fixed or ready
+        if not ready:
+            names = ", ".join(draft.plan.entities[i].id for i in waiting)
+            raise ValueError(f"the starts of {names} are relative to each other")
+        order.extend(ready)
+        waiting = [i for i in waiting if i not in ready]
+    return order

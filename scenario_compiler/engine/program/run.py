@@ -1,0 +1,72 @@
+"""What concerns the run as a whole: step, duration, camera, weather, the ego's way and the paint."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine import slots
+from scenario_compiler.engine.program.draft import Draft
+from scenario_compiler.vocabulary.sensors import Failure, FailureKind
+from scenario_compiler.vocabulary.weather import Weather, weather_numbers
+
+FAILURE_CODES: dict[FailureKind, int] = {
+    "noise": op.FAILURE_NOISE,
+    "dropout": op.FAILURE_DROPOUT,
+    "freeze": op.FAILURE_FREEZE,
+    "blackout": op.FAILURE_BLACKOUT,
+    "blur": op.FAILURE_BLUR,
+    "dirt": op.FAILURE_DIRT,
+}
+
+
+def add_run(draft: Draft) -> None:
+    """Write the run's numbers, its camera and weather, and the ego's way."""
+    plan, p, k = draft.plan, draft.program, draft.numbers
+    k[slots.K_STEP] = plan.step
+    k[slots.K_DURATION] = plan.duration
+    k[slots.K_NOISE] = plan.camera.sensor_noise
+    for failure in plan.camera.failures:
+        add_failure(draft, failure, waits=False)
+    add_weather(draft, plan.weather)
+    p.control_every[0] = plan.control_every
+    p.perception[0] = op.PERCEPTION_CAMERA if plan.perception == "camera" else op.PERCEPTION_IDEAL
+    if plan.destination is not None:
+        p.destination_road[0] = draft.network.road_index(plan.destination.road)
+        p.destination_lane[0] = plan.destination.lane
+        k[slots.K_DESTINATION_S] = plan.destination.s
+        k[slots.K_DESTINATION_OFFSET] = plan.destination.offset
+    for leg in plan.route:
+        road = draft.network.road_index(leg.road)
+        if not p.route_road or p.route_road[-1] != road:
+            p.route_road.append(road)
+    p.route_count[0] = len(p.route_road)
+
+
+def add_failure(draft: Draft, failure: Failure, *, waits: bool) -> int:
+    """Append a failure of the camera, which `waits` for its action or counts from the start; return its row."""
+    p = draft.program
+    duration = -1.0 if failure.duration is None else failure.duration
+    p.failure_kind.append(FAILURE_CODES[failure.kind])
+    p.failure_waits.append(1 if waits else 0)
+    p.failure_const.append(draft.block(failure.onset, duration, failure.ramp, failure.amount))
+    p.failure_count[0] = len(p.failure_kind)
+    return p.failure_count[0] - 1
+
+
+def add_weather(draft: Draft, weather: Weather) -> int:
+    """Append a weather; return its row."""
+    p = draft.program
+    p.weather_const.append(draft.block(*weather_numbers(weather)))
+    p.weather_count[0] = len(p.weather_const)
+    return p.weather_count[0] - 1
+
+
+def add_markings(draft: Draft) -> None:
+    """Append the stretches where the paint differs from the map's."""
+    p = draft.program
+    for stretch in draft.plan.markings:
+        begin = -1.0 if stretch.quality is None else stretch.quality
+        end = begin if stretch.quality_to is None else stretch.quality_to
+        p.stretch_road.append(draft.network.road_index(stretch.road))
+        p.stretch_lane.append(op.ALL_MARKS if stretch.lane is None else stretch.lane)
+        p.stretch_const.append(draft.block(stretch.s_from, stretch.s_to, begin, end, stretch.coverage))
+    p.stretch_count[0] = len(p.stretch_road)
