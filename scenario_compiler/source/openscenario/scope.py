@@ -1,0 +1,143 @@
+"""Parameters in scope: what `$name` and `${expression}` stand for at a place of an OpenSCENARIO file.
+
+A numeric parameter of the scenario stays open where a number uses it, so that a sweep varies it in one plan. What
+decides structure takes the parameter's present value, and the name is remembered as structural.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value, parse_expression
+from scenario_compiler.source.environment import UnknownNameError
+
+NUMERIC = ("double", "integer", "int", "unsignedInt", "unsignedShort")
+"""Types whose parameters are numbers; `integer` is the spelling of 1.0."""
+
+_NAME = re.compile(r"\$([^\s${}]+)\Z")
+_EXPRESSION = re.compile(r"\$\{(.*)\}\Z", re.DOTALL)
+_OPEN_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What a parameter stands for.
+
+    Attributes:
+        type: Its ParameterType.
+        text: Its present value as an attribute would write it.
+        expression: Its value over the scenario's open parameters, for a number that depends on some; else None.
+    """
+
+    type: str
+    text: str
+    expression: Expression | None = None
+
+    @property
+    def value(self) -> Value:
+        """The present value: a number, true or false, or a text."""
+        if self.type in NUMERIC:
+            number = literal_number(self.text)
+            return self.text if number is None else number
+        if self.type == "boolean":
+            return self.text in ("true", "1")
+        return self.text
+
+
+@dataclass(frozen=True)
+class Scope:
+    """The parameters that an element may use.
+
+    Attributes:
+        bound: By name.
+        values: Present values of the scenario's open parameters.
+        structural: Open parameters that something other than a number turned out to depend on; filled while reading.
+    """
+
+    bound: Mapping[str, Bound] = field(default_factory=dict)
+    values: Mapping[str, Value] = field(default_factory=dict)
+    structural: set[str] = field(default_factory=set)
+
+    def inner(self, more: Mapping[str, Bound]) -> Scope:
+        """Return the scope in which more parameters are known; they hide others of the same names."""
+        return Scope({**self.bound, **more}, self.values, self.structural) if more else self
+
+    def only(self, bound: Mapping[str, Bound]) -> Scope:
+        """Return the scope in which these parameters alone are known, as in an entry of a catalog."""
+        return Scope(bound, self.values, self.structural)
+
+    def symbolic(self, text: str) -> Expression | str:
+        """Return what a text stands for: itself, a parameter's text, or an expression over open parameters.
+
+        Raises:
+            ExpressionError: An expression is malformed, or a name is not known; the offset is into `text`.
+        """
+        stripped = text.strip()
+        lead = text.find(stripped)
+        name = _NAME.match(stripped)
+        if name is not None:
+            one = self._find(name.group(1), lead + 1)
+            return one.text if one.expression is None else one.expression
+        inner = _EXPRESSION.match(stripped)
+        if inner is None:
+            return text.replace("\\$", "$")
+        start = lead + inner.start(1)
+        try:
+            expression = parse_expression(inner.group(1))
+        except ExpressionError as error:
+            raise ExpressionError(str(error), error.offset + start) from None
+        replacements: dict[str, Expression | Value] = {}
+        for used in expression.names:
+            one = self._find(used, start + max(0, inner.group(1).find(used)))
+            replacements[used] = one.value if one.expression is None else one.expression
+        expression = expression.substitute(replacements)
+        return expression if expression.names else format_value(expression.evaluate({}))
+
+    def text(self, text: str) -> str:
+        """Return the present text; open parameters that it depends on become structural. Raises as `symbolic` does."""
+        found = self.symbolic(text)
+        if isinstance(found, str):
+            return found
+        self.structural.update(found.names)
+        return format_value(found.evaluate(self.values))
+
+    def _find(self, name: str, offset: int) -> Bound:
+        if name not in self.bound:
+            error = UnknownNameError(name, offset, {})
+            error.hint = did_you_mean(name, self.bound) or "declare it in <ParameterDeclarations>"
+            raise error
+        return self.bound[name]
+
+
+def literal_number(text: str) -> float | None:
+    """Return the finite number that a text writes, XML Schema's INF as 1e10; None when it writes none."""
+    stripped = text.strip()
+    if stripped in ("INF", "+INF", "-INF", "inf", "-inf"):
+        return -LARGE if stripped.startswith("-") else LARGE
+    if not _NUMBER.match(stripped):
+        return None
+    number = float(stripped)
+    return number if abs(number) <= MOST else None
+
+
+LARGE = 1.0e10
+"""What stands for an infinite limit."""
+
+MOST = 1.0e300
+"""Largest number that is read: sums and products of a few of them stay finite where it matters."""
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")
+
+
+def opened(declared: Mapping[str, Bound], settled: Iterable[str]) -> dict[str, Bound]:
+    """Return the scenario's parameters with those left open that are numbers and not settled."""
+    closed = frozenset(settled)
+    return {
+        name: Bound(one.type, one.text, parse_expression(f"${name}"))
+        if one.type in NUMERIC and name not in closed and _OPEN_NAME.match(name) and isinstance(one.value, float)
+        else one
+        for name, one in declared.items()
+    }
