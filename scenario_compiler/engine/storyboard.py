@@ -9,12 +9,9 @@ triggers' pass by what comes later in it, in the actions' pass by the next frame
 from __future__ import annotations
 
 from scenario_compiler.engine.conditions import condition_fires
+from scenario_compiler.engine.domains import holds_lane, holds_speed
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.opcodes import (
-    ACTION_FOLLOW_PATH,
-    ACTION_LANE_CHANGE,
-    ACTION_LANE_OFFSET,
-    ACTION_SPEED,
     COMPLETE,
     ELEMENT_ACT,
     ELEMENT_ACTION,
@@ -22,7 +19,6 @@ from scenario_compiler.engine.opcodes import (
     ELEMENT_GROUP,
     EVENT_STORYBOARD_END,
     EVENT_STORYBOARD_START,
-    NONE,
     PRIORITY_OVERRIDE,
     PRIORITY_SKIP,
     RUNNING,
@@ -131,14 +127,16 @@ def action_done(p: Program, st: State, k: int, frame: int) -> None:
 
 @compiled
 def displace(p: Program, st: State, k: int, frame: int) -> None:
-    """End the action that runs on the domain (speed or lane) of the entity that action k is about to take."""
+    """End what runs on the domains (speed, lane) of the entity that action k is about to take."""
     i = p.action_entity[k]
-    older = NONE
-    if p.action_op[k] == ACTION_SPEED:
-        older = st.longitudinal[i]
-    if p.action_op[k] in (ACTION_LANE_CHANGE, ACTION_LANE_OFFSET, ACTION_FOLLOW_PATH):
-        older = st.lateral[i]
-    if older >= 0:
+    if i < 0:
+        return
+    op = p.action_op[k]
+    older = st.longitudinal[i]
+    if holds_speed(op) == 1 and older >= 0 and older != k:
+        action_done(p, st, older, frame)
+    older = st.lateral[i]
+    if holds_lane(op) == 1 and older >= 0 and older != k and older < p.action_count[0]:
         action_done(p, st, older, frame)
 
 

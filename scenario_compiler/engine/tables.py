@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 
 from scenario_compiler.engine.opcodes import (
-    ACTION_STOP,
+    ACTION_KINDS,
     ALL_MARKS,
     CAUSES,
     CONDITION_SENSOR_HEALTH,
@@ -268,7 +268,7 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _column("condition_ring", p.condition_ring, conditions, NONE, p.ring_count[0])
     _rows("condition_first", p.condition_first, len(p.condition_entity))
     _inside("condition_entity", p.condition_entity, 0, entities)
-    _column("action_op", p.action_op, actions, 0, ACTION_STOP + 1)
+    _column("action_op", p.action_op, actions, 0, ACTION_KINDS)
     _column("action_entity", p.action_entity, actions, NONE, entities)
     _column("action_shape", p.action_shape, actions, 0, SHAPE_STEP + 1)
     _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
