@@ -13,7 +13,7 @@ from scenario_compiler.engine.opcodes import (
     ACTION_KINDS,
     ALL_MARKS,
     CAUSES,
-    CONDITION_SENSOR_HEALTH,
+    CONDITION_KINDS,
     DIMENSION_DISTANCE,
     DRIVER_FIXED,
     EDGE_BOTH,
@@ -257,7 +257,7 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _inside("stop_trigger", p.stop_trigger, NONE, triggers)
     _rows("trigger_first", p.trigger_first, len(p.group_first) - 1)
     _rows("group_first", p.group_first, conditions)
-    _column("condition_op", p.condition_op, conditions, 0, CONDITION_SENSOR_HEALTH + 1)
+    _column("condition_op", p.condition_op, conditions, 0, CONDITION_KINDS)
     _column("condition_rule", p.condition_rule, conditions, 0, RULE_NOT_EQUAL + 1)
     _column("condition_edge", p.condition_edge, conditions, 0, EDGE_BOTH + 1)
     _column("condition_const", p.condition_const, conditions, 0, len(p.const) + 1)
