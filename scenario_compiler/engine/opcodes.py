@@ -27,6 +27,23 @@ POSITION_LANE = 0
 POSITION_RELATIVE = 1
 POSITION_BESIDE = 2
 POSITION_RANDOM = 3
+POSITION_FREE = 4
+POSITION_LANES_AWAY = 5
+POSITION_RELATIVE_ROAD = 6
+POSITION_RELATIVE_OBJECT = 7
+POSITION_RELATIVE_WORLD = 8
+POSITION_ON_ROUTE = 9
+POSITION_ON_TRAJECTORY = 10
+POSITION_KINDS = 11
+"""Number of kinds of positions."""
+
+# Switches of positions, as bits.
+POSITION_ABSOLUTE = 1
+"""The heading is the world's, not relative to what the position gives."""
+POSITION_ALONG_LANE = 2
+"""Distances go with the lane's travel, not with the road's s."""
+POSITION_WITH_HEIGHT = 4
+"""z is given: of roads above each other the one nearest in height is meant."""
 
 # Storyboard elements and their states.
 ELEMENT_STORY = 0
@@ -129,7 +146,13 @@ ACTION_ACTIVATE_CONTROLLER = 25
 ACTION_ASSIGN_CONTROLLER = 26
 ACTION_OVERRIDE_CONTROLLER = 27
 ACTION_STOP_TRAFFIC = 28
-ACTION_KINDS = 29
+ACTION_TELEPORT = 29
+ACTION_ADD_ENTITY = 30
+ACTION_DELETE_ENTITY = 31
+ACTION_VISIBILITY = 32
+ACTION_CONNECT_TRAILER = 33
+ACTION_DISCONNECT_TRAILER = 34
+ACTION_KINDS = 35
 """Number of kinds of actions."""
 
 # Failures of the camera.

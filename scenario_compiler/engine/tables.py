@@ -22,7 +22,7 @@ from scenario_compiler.engine.opcodes import (
     MOTION_WALKER,
     NONE,
     PERCEPTION_CAMERA,
-    POSITION_RANDOM,
+    POSITION_KINDS,
     PRIORITY_SKIP,
     RULE_NOT_EQUAL,
     SHAPE_STEP,
@@ -60,7 +60,7 @@ class Program:
     entity_const: list[int] = field(default_factory=list)
     """First slot of the entity's block."""
     entity_position: list[int] = field(default_factory=list)
-    """Position that it starts at."""
+    """Position that it starts at, or NONE: off every road."""
     entity_follows: list[int] = field(default_factory=list)
     """1 where it follows the vehicle ahead."""
     entity_leg_first: list[int] = field(default_factory=list)
@@ -85,6 +85,8 @@ class Program:
     """Lane id; for relative positions the number of lanes to the left."""
     position_entity: list[int] = field(default_factory=list)
     position_const: list[int] = field(default_factory=list)
+    position_flags: list[int] = field(default_factory=list)
+    """Switches as bits: POSITION_ABSOLUTE and those after it."""
     position_seed: list[int] = field(default_factory=list)
     """Seed of a random position, or NONE for the run's."""
     position_first: list[int] = field(default_factory=list)
@@ -205,7 +207,7 @@ def validate(program: Program, roads: int) -> None:
     _inside("destination_road", p.destination_road, NONE, roads)
     _column("entity_motion", p.entity_motion, entities, 0, MOTION_WALKER + 1)
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
-    _column("entity_position", p.entity_position, entities, 0, positions)
+    _column("entity_position", p.entity_position, entities, NONE, positions)
     _column("entity_follows", p.entity_follows, entities, 0, 2)
     _column("entity_leg_first", p.entity_leg_first, entities, 0, len(p.leg_road) + 1)
     _column("entity_leg_last", p.entity_leg_last, entities, 0, len(p.leg_road) + 1)
@@ -216,7 +218,8 @@ def validate(program: Program, roads: int) -> None:
     if p.traffic_count[0] > 0:
         _column("conflict_first", p.conflict_first, roads + 1, 0, len(p.conflict_road) + 1)
     _column("entity_order", p.entity_order, entities, 0, entities)
-    _column("position_op", p.position_op, positions, 0, POSITION_RANDOM + 1)
+    _column("position_op", p.position_op, positions, 0, POSITION_KINDS)
+    _column("position_flags", p.position_flags, positions, 0, 1 << 30)
     _column("position_road", p.position_road, positions, NONE, roads)
     _column("position_entity", p.position_entity, positions, NONE, entities)
     _column("position_const", p.position_const, positions, 0, len(p.const) + 1)

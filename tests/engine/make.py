@@ -152,6 +152,7 @@ class Draft:
         p.position_lane.append(lane)
         p.position_entity.append(entity)
         p.position_const.append(self.block(s, offset, turn))
+        p.position_flags.append(0)
         p.position_seed.append(op.NONE)
         p.position_first.append(0)
         p.position_last.append(0)

@@ -36,6 +36,7 @@ class PositionRow:
         road: Index of its road, or NONE.
         lane: Id of the lane, or a number of lanes.
         entity: Entity that it is relative to, or NONE.
+        flags: Switches as bits: POSITION_ABSOLUTE and those after it.
         seed: Seed of a random position, or NONE for the run's.
         spans: First stretch that a random position is drawn from, and the one after its last.
     """
@@ -45,6 +46,7 @@ class PositionRow:
     road: int = NONE
     lane: int = 0
     entity: int = NONE
+    flags: int = 0
     seed: int = NONE
     spans: tuple[int, int] = (0, 0)
 
@@ -154,6 +156,7 @@ class Draft:
         p.position_lane.append(row.lane)
         p.position_entity.append(row.entity)
         p.position_const.append(self.block(*row.const))
+        p.position_flags.append(row.flags)
         p.position_seed.append(row.seed)
         p.position_first.append(row.spans[0])
         p.position_last.append(row.spans[1])
