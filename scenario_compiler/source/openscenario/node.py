@@ -106,7 +106,9 @@ class Node:
 
     def text(self, attribute: str, default: str | None = None) -> str:
         """Return an attribute's text with parameters resolved; without a default it must be there."""
-        found = self._present(attribute, required=default is None)
+        raw = self._raw(attribute)
+        together = None if raw is None else self.scope.joined(raw)
+        found = together or self._present(attribute, required=default is None)
         return (default or "") if found is None else found
 
     def number(self, attribute: str, default: Real | None = None) -> Real | Expression:

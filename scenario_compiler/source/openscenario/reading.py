@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Place
 from scenario_compiler.document import Document, Origin
+
+if TYPE_CHECKING:
+    from scenario_compiler.source.openscenario.catalogs import CatalogFolders
 
 ObjectType = Literal["vehicle", "pedestrian", "miscellaneous", "external"]
 
@@ -24,12 +27,14 @@ class Known:
         selections: Members of each EntitySelection.
         variables: Type of each variable, and of each parameter, that conditions and actions may name.
         signal_controllers: Names of the phases of each traffic signal controller.
+        catalogs: The catalogs in the folders that the scenario lists.
     """
 
     entities: dict[str, ObjectType] = field(default_factory=dict)
     selections: dict[str, tuple[str, ...]] = field(default_factory=dict)
     variables: dict[str, str] = field(default_factory=dict)
     signal_controllers: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    catalogs: CatalogFolders | None = None
 
     def members(self, name: str) -> tuple[str, ...]:
         """Return the entities that a name stands for: a selection's members, or the entity itself."""

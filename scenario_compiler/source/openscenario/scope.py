@@ -7,7 +7,7 @@ decides structure takes the parameter's present value, and the name is remembere
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from scenario_compiler.diagnostics import did_you_mean
@@ -53,12 +53,12 @@ class Scope:
 
     Attributes:
         bound: By name.
-        values: Present values of the scenario's open parameters.
+        values: Present values of the scenario's open parameters; filled as they are declared.
         structural: Open parameters that something other than a number turned out to depend on; filled while reading.
     """
 
     bound: Mapping[str, Bound] = field(default_factory=dict)
-    values: Mapping[str, Value] = field(default_factory=dict)
+    values: dict[str, Value] = field(default_factory=dict)
     structural: set[str] = field(default_factory=set)
 
     def inner(self, more: Mapping[str, Bound]) -> Scope:
@@ -104,6 +104,25 @@ class Scope:
         self.structural.update(found.names)
         return format_value(found.evaluate(self.values))
 
+    def joined(self, text: str) -> str | None:
+        """Return the texts and parameters of `${a + b}` one after the other, as names are put together in real files.
+
+        None for other texts, and where a parameter is not known.
+        """
+        inner = _EXPRESSION.match(text.strip())
+        parts = [part.strip() for part in inner.group(1).split("+")] if inner else []
+        if not parts or any("$" in part and part[1:] not in self.bound for part in parts):
+            return None
+        return "".join(self.bound[part[1:]].text if part.startswith("$") else part for part in parts)
+
+    def opened(self, name: str, one: Bound) -> Bound:
+        """Return the scenario's parameter left open, if it is a number of its own and expressions know its name."""
+        value = one.value
+        if one.expression is not None or not isinstance(value, float) or not _OPEN_NAME.match(name):
+            return one
+        self.values[name] = value
+        return Bound(one.type, one.text, parse_expression(f"${name}"))
+
     def _find(self, name: str, offset: int) -> Bound:
         if name not in self.bound:
             error = UnknownNameError(name, offset, {})
@@ -130,14 +149,3 @@ MOST = 1.0e300
 """Largest number that is read: sums and products of a few of them stay finite where it matters."""
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")
-
-
-def opened(declared: Mapping[str, Bound], settled: Iterable[str]) -> dict[str, Bound]:
-    """Return the scenario's parameters with those left open that are numbers and not settled."""
-    closed = frozenset(settled)
-    return {
-        name: Bound(one.type, one.text, parse_expression(f"${name}"))
-        if one.type in NUMERIC and name not in closed and _OPEN_NAME.match(name) and isinstance(one.value, float)
-        else one
-        for name, one in declared.items()
-    }
