@@ -1,0 +1,41 @@
+"""Controllers of traffic signals: phases that follow one another, each with the states of its signals."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from scenario_compiler.vocabulary.word import Number, Word, attribute, child
+
+
+class SignalState(Word):
+    """The state of a traffic signal in a phase."""
+
+    word: Literal["signal_state"] = "signal_state"
+
+    signal: str = attribute("Id of the signal in the map.")
+    state: str = attribute("Its state.")
+
+
+class SignalPhase(Word):
+    """A phase of a controller of traffic signals."""
+
+    word: Literal["phase"] = "phase"
+
+    name: str = attribute("Name of the phase.")
+    duration: Number = attribute("How long it lasts, s.", quantity="time", minimum=0)
+    states: tuple[SignalState, ...] = child("States of its signals.", default=())
+
+
+class SignalController(Word):
+    """A controller of traffic signals: it goes through its phases from the start on, again and again."""
+
+    word: Literal["signal_controller"] = "signal_controller"
+
+    name: str = attribute("Name of the controller.")
+    delay: Number = attribute(
+        "How much later than the controller `reference` it begins, s.", default=0.0, quantity="time", minimum=0
+    )
+    reference: str = attribute(
+        "Name of the controller that the delay counts from; the run's start without.", default=""
+    )
+    phases: tuple[SignalPhase, ...] = child("Its phases, in order.", default=())

@@ -1,0 +1,55 @@
+"""Variables: values with a name and a type that actions change and conditions read while a scenario runs."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+from typing import Literal
+
+from scenario_compiler.vocabulary.word import Word, attribute
+
+VariableType = Literal["double", "integer", "unsignedInt", "unsignedShort", "boolean", "string", "dateTime"]
+"""ASAM's types of parameters and variables."""
+
+NUMBERS: tuple[VariableType, ...] = ("double", "integer", "unsignedInt", "unsignedShort")
+"""The types that one can add to and multiply."""
+
+
+class Variable(Word):
+    """A variable, or a parameter that actions change: its value at the start."""
+
+    word: Literal["variable"] = "variable"
+
+    name: str = attribute("Name that actions and conditions give.")
+    type: VariableType = attribute("What it holds.", default="double")
+    value: str = attribute("Its value at the start.", default="")
+
+
+def seconds_of(text: str) -> float:
+    """Return an ISO 8601 date and time as seconds since 1970; without a zone it is taken as universal time.
+
+    Raises:
+        ValueError: The text is none.
+    """
+    text = text.strip()
+    if text.endswith(("Z", "z")):
+        text = text[:-1] + "+00:00"
+    if len(text) > 5 and text[-5] in "+-" and text[-4:].isdigit():
+        text = f"{text[:-2]}:{text[-2:]}"
+    head, point, tail = text.partition(".")
+    if point:
+        digits = len(tail) - len(tail.lstrip("0123456789"))
+        text = f"{head}.{(tail[:digits] + '000000')[:6]}{tail[digits:]}"
+    moment = datetime.fromisoformat(text)
+    if moment.tzinfo is None:
+        moment = moment.replace(tzinfo=timezone.utc)
+    return moment.timestamp()
+
+
+def number_of(kind: VariableType, text: str) -> float | None:
+    """Return a value of a variable as a number: 0 and 1 for booleans, seconds for dates; None for text that is none."""
+    try:
+        if kind == "boolean":
+            return {"true": 1.0, "1": 1.0, "false": 0.0, "0": 0.0}[text.strip()]
+        return seconds_of(text) if kind == "dateTime" else float(text)
+    except (ValueError, KeyError, OverflowError):
+        return None
