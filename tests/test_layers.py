@@ -1,6 +1,6 @@
 """The layer rule: who imports whom, read from the source of every module, imports inside functions included.
 
-A row imports from the rows below it only, never sideways or up; the flat modules of the hall import only
+A row imports from the rows below it only, never sideways or up; the modules of the hall import only
 each other; a heavy package is imported in the one place that needs it. A new package gets its row in `ROWS`.
 """
 
@@ -34,7 +34,17 @@ ROWS = (
     ("vocabulary",),
     ("roads",),
 )
-HALL = ("diagnostic_formats", "diagnostics", "document", "expressions", "frames", "marker", "randomness", "resources")
+HALL = (
+    "diagnostic_formats",
+    "diagnostics",
+    "document",
+    "expressions",
+    "frames",
+    "marker",
+    "randomness",
+    "resources",
+    "structure",
+)
 LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for room in row}
 
 KEPT_APART = {

@@ -10,6 +10,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
 from scenario_compiler.document import Document
 from scenario_compiler.roads.tables import NO_SPEED, RoadTables
+from scenario_compiler.structure.findings import MANY_FINDINGS
 
 BAD_NUMBER = Code(
     "SC305",
@@ -26,12 +27,6 @@ UNSORTED = Code(
     "Records along a road (geometries, elevations, lane sections, widths, marks) should stand in ascending "
     "order of s. They "
     "are sorted before they are used.",
-    Severity.WARNING,
-)
-MANY_FINDINGS = Code(
-    "SC307",
-    "many-road-findings",
-    "The road file has so many faults that the rest of them is not listed.",
     Severity.WARNING,
 )
 

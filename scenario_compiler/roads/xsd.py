@@ -16,8 +16,8 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
 from scenario_compiler.document import Document
-from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.structure import road_version
+from scenario_compiler.structure.findings import Findings
 
 if TYPE_CHECKING:
     from xmlschema import XMLSchema11

@@ -10,8 +10,7 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import parse_document, read_document
 from scenario_compiler.roads.structure import check_structure
-from scenario_compiler.roads.structure.content import Choice, Content, Name, Repeat, Sequence
-from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, declarations, versions_of, words
+from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, OPENDRIVE, declarations
 from scenario_compiler.roads.structure.words import KINDS, WORDS
 
 VERSIONS = range(FIRST_MINOR, LAST_MINOR + 1)
@@ -137,31 +136,12 @@ def test_the_tables_hang_together() -> None:
 
 
 def test_versions_of_elements_attributes_and_words() -> None:
-    assert versions_of("paramPoly3") == [4, 5, 6, 7, 8]
-    assert versions_of("crossfall") == [1, 2, 3, 4, 5]
-    assert versions_of("road", "rule") == [5, 6, 7, 8]
-    assert versions_of("connection", "linkedRoad") == [7, 8]
-    assert "slipLane" in words("lane_type", 8)
-    assert "slipLane" not in words("lane_type", 7)
-
-
-def test_content_models() -> None:
-    a, b, c = (Name(tag, tag) for tag in "abc")
-    content = Content.of(Sequence((a, Repeat(Choice((b, c)), 0, None), Repeat(a, 2, 3))))
-
-    def accepts(tags: str) -> bool:
-        state = content.start
-        for tag in tags:
-            state = content.move(state, tag)
-        return content.complete(state)
-
-    assert [tags for tags in ("a", "aaa", "abcbaa", "aaaa", "aaaaa", "aba", "aa", "") if accepts(tags)] == [
-        *("aaa", "abcbaa", "aaaa"),
-    ]
-    after = content.move(content.start, "a")
-    assert content.missing(after, None) is not None
-    assert content.missing(after, None)[0] == ["a", "a"]  # type: ignore[index]
-    assert content.missing(content.start, "b") == (["a"], content.move(after, "b"))
+    assert OPENDRIVE.versions_of("paramPoly3") == [4, 5, 6, 7, 8]
+    assert OPENDRIVE.versions_of("crossfall") == [1, 2, 3, 4, 5]
+    assert OPENDRIVE.versions_of("road", "rule") == [5, 6, 7, 8]
+    assert OPENDRIVE.versions_of("connection", "linkedRoad") == [7, 8]
+    assert "slipLane" in OPENDRIVE.words_of("lane_type", 8)
+    assert "slipLane" not in OPENDRIVE.words_of("lane_type", 7)
 
 
 DIFFERENT = {

@@ -23,10 +23,10 @@ from scenario_compiler.roads.check.objects import check_objects
 from scenario_compiler.roads.check.shapes import check_shapes
 from scenario_compiler.roads.check.traffic import check_traffic
 from scenario_compiler.roads.check.unread import Unread, unread
-from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.parse import drop_namespace
 from scenario_compiler.roads.structure import check_structure
+from scenario_compiler.structure.findings import Findings
 
 CHECKS = (
     check_road_links,

@@ -21,10 +21,10 @@ from scenario_compiler.roads.check.filed import (
     number,
 )
 from scenario_compiler.roads.check.junctions import touched_ends
-from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.geometry import piece_point, road_elevation, road_reference, wrap_angle
 from scenario_compiler.roads.lanes import lane_row_in, row_inner_border, row_width
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.structure.findings import Findings
 
 GAP = Code(
     "SC344",

@@ -12,8 +12,8 @@ from scenario_compiler.roads.check.filed import (
     Filed,
     Road,
 )
-from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.lane_types import LANE_TYPE_CODES, is_drivable
+from scenario_compiler.structure.findings import Findings
 
 LOST_CONNECTION = Code(
     "SC338",

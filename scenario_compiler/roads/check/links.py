@@ -18,8 +18,8 @@ from scenario_compiler.roads.check.filed import (
     Section,
     lane_links,
 )
-from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.lanes import lane_row_in, row_width
+from scenario_compiler.structure.findings import Findings
 
 ONE_SIDED_LINK = Code(
     "SC333",

@@ -6,7 +6,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.check.filed import Filed, Road, number, whole
-from scenario_compiler.roads.findings import Findings
+from scenario_compiler.structure.findings import Findings
 
 OFF_ROAD = Code(
     "SC355",

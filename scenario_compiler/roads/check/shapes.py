@@ -8,9 +8,9 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.roads.check.filed import Filed, Road, Section, number, whole
-from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.lanes import lane_row_in
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.structure.findings import Findings
 
 NEGATIVE_WIDTH = Code(
     "SC346",

@@ -14,8 +14,8 @@ from scenario_compiler.roads.check.filed import (
     number,
 )
 from scenario_compiler.roads.check.junctions import touched_ends
-from scenario_compiler.roads.findings import Findings
 from scenario_compiler.roads.reading import SPEED_UNITS
+from scenario_compiler.structure.findings import Findings
 
 MIXED_ACCESS = Code(
     "SC354",

@@ -1,8 +1,8 @@
 """Whether a road file has the structure that its version of OpenDRIVE demands.
 
 What enters: a document. What leaves: a verdict and diagnostics with line and column (`check_structure`). The tables
-of elements (`road_elements`, `object_elements`) and words are the facts, for versions 1.1 to 1.8; `grammar` makes
-declarations of one version from them, `content` their automata, `check` walks. Imports the hall and `roads.findings`.
+of elements (`road_elements`, `object_elements`) and words are the facts, for versions 1.1 to 1.8; `grammar` binds them
+into OpenDRIVE's grammar, `check` holds a file to it. Imports the hall.
 """
 
 from scenario_compiler.roads.structure.check import check_structure, road_version

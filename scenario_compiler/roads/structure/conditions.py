@@ -5,14 +5,13 @@ Source: the assertions in the schema of its revision 1.8.1.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from lxml import etree
 
-FIRST_MINOR_WITH_CONDITIONS = 8
+from scenario_compiler.structure.grammar import Condition
 
-Condition = Callable[[etree._Element], Iterator[str]]
-"""Yields what is wrong with an element."""
+FIRST_MINOR_WITH_CONDITIONS = 8
 
 NOT_WITH_TYPE = {
     "barrier": "radius material surface parkingSpace skeleton",

@@ -1,6 +1,6 @@
 """The values that OpenDRIVE's attributes may have: kinds of numbers, and words with the versions that know them.
 
-A word is followed by the versions that know it as in `grammar` ("curb@1.6-"). Words are checked since 1.4 (before, the
+A word is followed by the versions that know it ("curb@1.6-"). Words are checked since 1.4 (before, the
 standard's schema took any text), limits of numbers since 1.5.
 """
 
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+
+from scenario_compiler.structure.values import Kind, Test, is_integer, is_number
 
 WORDS = {
     "access": "simulator | autonomous traffic@1.4 | autonomousTraffic@1.5- | pedestrian | passengerCar@1.5- | "
@@ -87,19 +89,13 @@ WORDS = {
 COUNTRIES = {"OpenDRIVE", "Austria", "Brazil", "China", "France", "Germany", "Italy", "Switzerland", "USA"}
 """Names of countries that 1.4 used; later versions keep them beside the codes of ISO 3166."""
 
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?|-?INF|NaN")
-_INTEGER = re.compile(r"[+-]?\d+")
-
-Test = Callable[[str, int], bool]
-"""Tells whether a text, without blanks around it, is fine in a minor version."""
-
 
 def _number(text: str, _: int) -> bool:
-    return _NUMBER.fullmatch(text) is not None
+    return is_number(text)
 
 
 def _integer(text: str, _: int) -> bool:
-    return _INTEGER.fullmatch(text) is not None
+    return is_integer(text)
 
 
 def _limited(test: Test, fits: Callable[[float], bool]) -> Test:
@@ -138,20 +134,20 @@ def _header_version(text: str, minor: int) -> bool:
     return minor > 5 or _number(text, minor)
 
 
-KINDS: dict[str, tuple[str, Test]] = {
-    "number": ("a number", _number),
-    "not_negative": ("a number of at least 0", _limited(_number, lambda value: value >= 0.0)),
-    "above_zero": ("a number above 0", _limited(_number, lambda value: value > 0.0)),
-    "positive": ("a number above 0", _positive),
-    "fraction": ("a number from 0 to 1", _limited(_number, lambda value: 0.0 <= value <= 1.0)),
-    "int": ("an integer", _integer),
-    "count": ("an integer of at least 0", _limited(_integer, lambda value: value >= 0.0)),
-    "zero_int": ("0", _limited(_integer, lambda value: value == 0.0)),
-    "positive_int": ("an integer above 0", _limited(_integer, lambda value: value > 0.0)),
-    "negative_int": ("an integer below 0", _limited(_integer, lambda value: value < 0.0)),
-    "road_speed": ("a speed, 'no limit' or 'undefined'", _road_speed),
-    "country": ("a country's code by ISO 3166", _country),
-    "boundary_station": ("a number above 0, 'start' or 'end'", _boundary_station),
-    "header_version": ("a version like 1.00", _header_version),
+KINDS: dict[str, Kind] = {
+    "number": Kind("a number", _number),
+    "not_negative": Kind("a number of at least 0", _limited(_number, lambda value: value >= 0.0)),
+    "above_zero": Kind("a number above 0", _limited(_number, lambda value: value > 0.0)),
+    "positive": Kind("a number above 0", _positive),
+    "fraction": Kind("a number from 0 to 1", _limited(_number, lambda value: 0.0 <= value <= 1.0)),
+    "int": Kind("an integer", _integer),
+    "count": Kind("an integer of at least 0", _limited(_integer, lambda value: value >= 0.0)),
+    "zero_int": Kind("0", _limited(_integer, lambda value: value == 0.0)),
+    "positive_int": Kind("an integer above 0", _limited(_integer, lambda value: value > 0.0)),
+    "negative_int": Kind("an integer below 0", _limited(_integer, lambda value: value < 0.0)),
+    "road_speed": Kind("a speed, 'no limit' or 'undefined'", _road_speed),
+    "country": Kind("a country's code by ISO 3166", _country),
+    "boundary_station": Kind("a number above 0, 'start' or 'end'", _boundary_station),
+    "header_version": Kind("a version like 1.00", _header_version),
 }
 """What each kind of value is called, and its test."""

@@ -1,26 +1,37 @@
-"""Where the checks of a road file report: findings at elements, with a bound on how many of one code are listed."""
+"""Where the checks of a file report: findings at elements, with a bound on how many of one code are listed."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
 from scenario_compiler.document import Document
-from scenario_compiler.roads.reading import MANY_FINDINGS
+
+MANY_FINDINGS = Code(
+    "SC307",
+    "many-findings",
+    "The file has so many faults that the rest of them is not listed.",
+    Severity.WARNING,
+)
 
 SHOWN_OF_A_CODE = 100
 """Most findings of one code that are listed of one file; the rest is counted."""
 
 
+Mild = Callable[[Code, etree._Element], bool]
+
+
 class Findings:
     """Reports into a sink what is wrong in one document."""
 
-    def __init__(self, document: Document, sink: Diagnostics) -> None:
-        """Start with no finding."""
+    def __init__(self, document: Document, sink: Diagnostics, mild: Mild | None = None) -> None:
+        """Start with no finding; `mild` tells which findings are warnings here, by code and element."""
         self.document = document
         self._sink = sink
+        self._mild = mild
         self._counts: Counter[str] = Counter()
 
     def report(
@@ -36,6 +47,8 @@ class Findings:
     ) -> None:
         """Report a finding at an element, at the value of one of its attributes, or at the attribute's name."""
         self._counts[code.id] += 1
+        if severity is None and self._mild is not None and self._mild(code, element):
+            severity = Severity.WARNING
         if self._counts[code.id] <= SHOWN_OF_A_CODE:
             origin = self.document.origin(element, attribute)
             place = origin.name_of(attribute) if by_name and attribute is not None else origin

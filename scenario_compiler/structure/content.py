@@ -1,7 +1,8 @@
 """The order and number of an element's children, as an automaton over tags.
 
 A content model is a tree: a name, a sequence, a choice, a repetition. Its automaton is Glushkov's: one position for
-each name in the model, and for each position those that may follow. States are built when they are first met.
+each name in the model, and for each position those that may follow. States are built when they are first met. Children
+in any order, each once, have an automaton of their own: its states are the positions that were met.
 
 Source: V. M. Glushkov, The abstract theory of automata, Russian Mathematical Surveys 16 (1961).
 """
@@ -9,6 +10,7 @@ Source: V. M. Glushkov, The abstract theory of automata, Russian Mathematical Su
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -97,9 +99,21 @@ class Content:
             self._moves[key] = found
         return found
 
+    def expected(self, state: State) -> list[str]:
+        """Return the tags of the children that may come next, each once, in the order of the model."""
+        return [tag for tag in self.tags() if self.move(state, tag)]
+
     def complete(self, state: State) -> bool:
         """Tell whether the children may end here."""
         return not self._last.isdisjoint(state)
+
+    def fits_sorted(self, tags: Iterable[str]) -> bool:
+        """Tell whether these children, known ones, would be all that is needed if they stood in the model's order."""
+        first = {name.tag: at for at, name in reversed(list(enumerate(self.names)))}
+        state = self.start
+        for tag in sorted(tags, key=lambda tag: first[tag]):
+            state = self.move(state, tag)
+        return self.complete(state)
 
     def missing(self, state: State, tag: str | None) -> tuple[list[str], State] | None:
         """Return the fewest children missing before `tag` (None: before the end), and the state after all of them."""
@@ -160,3 +174,37 @@ class Content:
             for at in copies[-1].last:
                 self._follow[at] |= copies[-1].first
         return self._chain(copies)
+
+
+@dataclass
+class AnyOrder(Content):
+    """The automaton of children that stand in any order, each at most once: a state is what was met."""
+
+    _needed: frozenset[int] = frozenset()
+
+    @classmethod
+    def of_parts(cls, parts: Iterable[tuple[Name, bool]]) -> AnyOrder:
+        """Build it from the children, each with whether it must be there."""
+        content = cls()
+        needed = set()
+        for name, required in parts:
+            content.names.append(name)
+            if required:
+                needed.add(len(content.names) - 1)
+        content._needed = frozenset(needed)
+        return content
+
+    def move(self, state: State, tag: str) -> State:
+        """Return the state after one more child, empty when it was there before or is unknown."""
+        at = next((at for at, name in enumerate(self.names) if at and name.tag == tag), 0)
+        return state | {at} if at and at not in state else frozenset()
+
+    def complete(self, state: State) -> bool:
+        """Tell whether all is there that must be."""
+        return self._needed <= state
+
+    def _shortest(self, state: State, tag: str | None) -> tuple[list[str], State] | None:
+        if tag is not None:
+            return None
+        lacking = self._needed - state
+        return [self.names[at].tag for at in sorted(lacking)], state | lacking

@@ -1,0 +1,272 @@
+"""Walks a file along its version's declarations and reports every fault of structure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import cast
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, did_you_mean
+from scenario_compiler.structure.content import Content, State
+from scenario_compiler.structure.findings import Findings
+from scenario_compiler.structure.grammar import Attribute, Declaration, Grammar
+
+_XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
+
+
+def check_elements(findings: Findings, grammar: Grammar, minor: int) -> None:
+    """Report the faults of a document's elements, attributes and values in version 1.`minor` of a format."""
+    _Walk(findings, grammar, minor).run(findings.document.root)
+
+
+def local_name(element: etree._Element) -> str:
+    """Return an element's tag without its namespace."""
+    return etree.QName(element).localname
+
+
+class _Walk:
+    """One pass over one document.
+
+    An element that only another version knows is walked along that version's declarations, where the format tells such
+    elements from others.
+    """
+
+    def __init__(self, findings: Findings, grammar: Grammar, minor: int) -> None:
+        self.findings = findings
+        self.grammar = grammar
+        self.minor = minor
+        self.faults = grammar.faults
+        self._fine: set[tuple[str, str, int]] = set()
+
+    def run(self, root: etree._Element) -> None:
+        """Check the root and all below it."""
+        if root.tag != self.grammar.root and self.minor > self.grammar.namespace_until:
+            message = f"{self.grammar.name} 1.{self.minor} has no namespace"
+            self.findings.report(self.faults.unknown_element, message, root)
+        pending = [(root, self.grammar.root, self.minor)]
+        while pending:
+            element, name, minor = pending.pop()
+            declaration = self.grammar.declaration(name, minor)
+            if declaration.switch is not None:
+                attribute, cases = declaration.switch
+                declaration = self.grammar.declaration(cases.get(element.get(attribute, ""), name), minor)
+            self._attributes(element, declaration, minor)
+            self._conditions(element, declaration, minor)
+            if not declaration.anything:
+                pending.extend(reversed(_Children(self, element, declaration, minor).check()))
+            elif declaration.text is None:
+                self.no_text(element, declaration)
+
+    def _conditions(self, element: etree._Element, declaration: Declaration, minor: int) -> None:
+        condition = self.grammar.conditions.get(declaration.name)
+        if condition is not None and minor >= self.grammar.conditions_since and self.faults.excluded is not None:
+            for fault in condition(element):
+                self.findings.report(self.faults.excluded, f"<{local_name(element)}> {fault}", element)
+
+    def _attributes(self, element: etree._Element, declaration: Declaration, minor: int) -> None:
+        given = cast(Mapping[str, str], element.attrib)
+        for name, value in given.items():
+            attribute = declaration.attributes.get(name)
+            if attribute is None:
+                if not name.startswith(_XSI):
+                    self._unknown_attribute(element, name, declaration, minor)
+            elif attribute.kind and (attribute.kind, value, minor) not in self._fine:
+                self.value(element, name, value, attribute, minor)
+        for name, attribute in declaration.attributes.items():
+            if attribute.required and name not in given:
+                self._missing_attribute(element, name, declaration)
+
+    def _unknown_attribute(self, element: etree._Element, name: str, declaration: Declaration, minor: int) -> None:
+        tag = local_name(element)
+        code, hint = self.faults.unknown_attribute, ""
+        if self._names_other_versions(code):
+            if self.faults.other_version is None:
+                knowing = self.grammar.versions_of(tag, name)
+            else:
+                knowing = self._versions(lambda minor: name in self._declared(declaration, minor).attributes)
+            code, hint = self._elsewhere(code, knowing)
+            if not hint:
+                hint = did_you_mean(name, declaration.attributes)
+        shown = name if not name.startswith("{") else etree.QName(name).localname
+        self.findings.report(code, f"<{tag}> has no attribute {shown[:60]}", element, name, by_name=True, hint=hint)
+
+    def _missing_attribute(self, element: etree._Element, name: str, declaration: Declaration) -> None:
+        code, hint = self.faults.missing_attribute, ""
+        if self.faults.other_version is not None:
+
+            def without(minor: int) -> bool:
+                attribute = self._declared(declaration, minor).attributes.get(name)
+                return attribute is None or not attribute.required
+
+            code, hint = self._elsewhere(code, self._versions(without), "it may be left out in")
+        self.findings.report(code, f"<{local_name(element)}> lacks {name}", element, hint=hint)
+
+    def value(self, element: etree._Element, name: str | None, value: str, attribute: Attribute, minor: int) -> None:
+        """Check a value; `name` None: the element's text."""
+        kind = attribute.kind
+        if self.grammar.is_value(kind, value, minor):
+            self._fine.add((kind, value, minor))
+            return
+        code, hint = self.faults.bad_value, ""
+        words = self.grammar.words_of(kind, minor) if kind in self.grammar.words else None
+        expected = "none of its words" if words is not None else f"not {self.grammar.kinds[kind].described}"
+        if self._names_other_versions(code) and (words is not None or self.faults.other_version is not None):
+            checked = [one for one in self.grammar.minors if one >= self.grammar.words_since]
+            code, hint = self._elsewhere(code, [one for one in checked if self.grammar.is_value(kind, value, one)])
+        meant = None if hint else self.grammar.loosely(kind, value, minor)
+        if meant is not None and self.faults.loose is not None:
+            code, hint = self.faults.loose, f"write '{meant}'"
+        elif not hint and words is not None and self.findings.lists(code):
+            hint = did_you_mean(value[:80], words)
+        where = f"the text of <{local_name(element)}>" if name is None else f"{name} of <{local_name(element)}>"
+        self.findings.report(code, f"{where} is '{value[:40]}', {expected}", element, name, hint=hint)
+
+    def no_text(self, element: etree._Element, declaration: Declaration) -> None:
+        """Report text where there may be none."""
+        texts = [text for text in (element.text, *(child.tail for child in element)) if text]
+        stray = next((text for text in texts if not text.isspace()), None)
+        if stray is not None:
+            message = f"text in <{local_name(element)}>: '{stray.strip()[:40]}'"
+            self.findings.report(self.faults.stray_text, message, element)
+        elif declaration.empty and texts and self.faults.blank is not None:
+            message = f"blanks in <{local_name(element)}>, in which nothing may stand"
+            self.findings.report(self.faults.blank, message, element)
+
+    def unknown_element(
+        self, child: etree._Element, parent: etree._Element, declaration: Declaration, minor: int
+    ) -> tuple[str, int] | None:
+        """Report a child that is not known here; return its declaration and version when another version has it."""
+        tag = local_name(child)
+        code, hint = self.faults.unknown_element, ""
+        found = None
+        if self._names_other_versions(code):
+            knowing = self._versions(
+                lambda minor: self._declared(declaration, minor).content.declaration(tag) is not None
+            )
+            code, hint = self._elsewhere(code, knowing)
+            if hint and self.faults.other_version is not None:
+                nearest = min(knowing, key=lambda one: abs(one - self.minor))
+                known = self._declared(declaration, nearest).content.declaration(tag)
+                found = None if known is None else (known, nearest)
+            hint = hint or did_you_mean(tag, self._declared(declaration, minor).content.tags())
+        self.findings.report(code, f"<{local_name(parent)}> has no child <{tag[:60]}>", child, hint=hint)
+        return found
+
+    def elsewhere(self, code: Code, declaration: Declaration, tags: list[str]) -> tuple[Code, str]:
+        """Return the code and hint for children that another version would take as they are, else `code`."""
+        if self.faults.other_version is None:
+            return code, ""
+        return self._elsewhere(code, self._versions(lambda minor: _fits(self._declared(declaration, minor), tags)))
+
+    def _declared(self, declaration: Declaration, minor: int) -> Declaration:
+        return self.grammar.declaration(declaration.name, minor)
+
+    def _versions(self, fits: Callable[[int], bool]) -> list[int]:
+        return [minor for minor in self.grammar.minors if fits(minor)]
+
+    def _names_other_versions(self, code: Code) -> bool:
+        return self.faults.other_version is not None or self.findings.lists(code)
+
+    def _elsewhere(self, code: Code, minors: list[int], says: str = "it belongs to") -> tuple[Code, str]:
+        """Return the code and the hint for something that these versions know and the file's perhaps does not."""
+        if not minors or self.minor in minors:
+            return code, ""
+        others = ", ".join(f"1.{minor}" for minor in minors)
+        hint = f"{says} {self.grammar.name} {others}; the file says 1.{self.minor}"
+        return self.faults.other_version or code, hint
+
+
+def _fits(declaration: Declaration, tags: list[str]) -> bool:
+    state = declaration.content.start
+    for tag in tags:
+        state = declaration.content.move(state, tag)
+        if not state:
+            return False
+    return declaration.content.complete(state)
+
+
+class _Children:
+    """The children of one element, checked from the first to the last."""
+
+    def __init__(self, walk: _Walk, element: etree._Element, declaration: Declaration, minor: int) -> None:
+        self.walk = walk
+        self.element = element
+        self.declaration = declaration
+        self.content: Content = declaration.content
+        self.minor = minor
+        self.known: list[tuple[etree._Element, str]] = []
+        self.found: list[tuple[etree._Element, str, int]] = []
+
+    def check(self) -> list[tuple[etree._Element, str, int]]:
+        """Check their order and number; return those that are declared, with declaration and version."""
+        for child in self.element.iterchildren(etree.Element):
+            tag = local_name(child) if self.minor <= self.walk.grammar.namespace_until else child.tag
+            name = self.content.declaration(tag)
+            if name is None:
+                other = self.walk.unknown_element(child, self.element, self.declaration, self.minor)
+                if other is not None:
+                    self.found.append((child, *other))
+            else:
+                self.known.append((child, tag))
+                self.found.append((child, name, self.minor))
+        self._order()
+        if self.declaration.text is None:
+            self.walk.no_text(self.element, self.declaration)
+        elif self.declaration.text:
+            attribute = Attribute(self.declaration.text, True)
+            self.walk.value(self.element, None, self.element.text or "", attribute, self.minor)
+        return self.found
+
+    def _order(self) -> None:
+        """Report children in a wrong place, and missing ones."""
+        tags = [tag for _, tag in self.known]
+        if _fits(self.declaration, tags):
+            return
+        if self.content.fits_sorted(tags):
+            self._disorder()
+            return
+        state = self.content.start
+        for child, tag in self.known:
+            state = self._step(state, child, tag)
+        if not self.content.complete(state) and (lacking := self.content.missing(state, None)) is not None:
+            self._report(
+                self.walk.faults.missing_element, f"<{self._name()}> lacks {_listed(lacking[0])}", self.element
+            )
+
+    def _step(self, state: State, child: etree._Element, tag: str) -> State:
+        after = self.content.move(state, tag)
+        if after:
+            return after
+        lacking = self.content.missing(state, tag)
+        if lacking is not None:
+            message = f"<{self._name()}> lacks {_listed(lacking[0])} before <{tag}>"
+            self._report(self.walk.faults.missing_element, message, child)
+            return lacking[1]
+        often = "too often or too late" if [one for _, one in self.known].count(tag) > 1 else "too late"
+        expected = self.content.expected(state)
+        hint = f"here may stand: {', '.join(expected)}" if 0 < len(expected) <= 12 else ""
+        self._report(self.walk.faults.misplaced, f"<{tag}> stands {often} in <{self._name()}>", child, hint)
+        return state
+
+    def _disorder(self) -> None:
+        """Report the first child that comes too early or too late, of children that are complete."""
+        state = self.content.start
+        child, tag = self.known[0]
+        for child, tag in self.known:  # noqa: B007 - the last one looked at is the one that is reported
+            state = self.content.move(state, tag)
+            if not state:
+                break
+        hint = f"the order is: {', '.join(self.content.tags())}"
+        self._report(self.walk.faults.order, f"<{tag}> stands in the wrong place in <{self._name()}>", child, hint)
+
+    def _report(self, code: Code, message: str, element: etree._Element, hint: str = "") -> None:
+        code, other = self.walk.elsewhere(code, self.declaration, [tag for _, tag in self.known])
+        self.walk.findings.report(code, message, element, hint=other or hint)
+
+    def _name(self) -> str:
+        return local_name(self.element)
+
+
+def _listed(tags: list[str]) -> str:
+    return " and ".join(f"<{tag}>" for tag in tags)
