@@ -89,9 +89,10 @@ def test_the_parked_car_leaves_the_lane_passable(file: Path, maps: Path) -> None
     assert _first(recording, "collision") is None
 
 
-def test_rain_hides_the_lanes_only_when_it_rains(file: Path, maps: Path) -> None:
-    dry, _ = _played(f"{file}#vanishinglanes_weather", maps, "camera", 6.0)
-    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, "camera", 6.0, WeatherId="10")
+@pytest.mark.parametrize("perception", ["camera", "ideal"])
+def test_rain_hides_the_lanes_only_when_it_rains(file: Path, maps: Path, perception: Perception) -> None:
+    dry, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 6.0)
+    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 6.0, WeatherId="10")
     assert _first(dry, "request") is None
     assert _first(wet, "warning") is not None
 

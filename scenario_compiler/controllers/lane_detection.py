@@ -81,17 +81,14 @@ class LaneDetectionController(ControllerModel):
         self._path: list[Point] = []
         self._bend = 0.0
         self._lanes: LaneResult | None = None
+        self._seen_at = 0.0
 
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
         """Detect the lane, follow its middle and hold the desired speed."""
-        lanes = self._detect(sensor_data, self._travelled(vehicle))
-        ahead = vehicle.center + sensor_data.camera.x
-        path = _to_vehicle(self._path, vehicle)
-        middle = self._middle(lanes)
-        if middle is not None:
-            seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
-            path = _blend(path, seen, ahead + NEAREST, max(lanes.left.p_geom, lanes.right.p_geom), self._bend)
-            self._path = _to_world(path, vehicle)
+        if self._lanes is None or sensor_data.t > self._seen_at:
+            self._look(sensor_data, vehicle)
+        assert self._lanes is not None
+        lanes, path = self._lanes, _to_vehicle(self._path, vehicle)
         reach = min(max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max)
         x, y = _target(path, reach, self._bend)
         curvature = 2.0 * y / (x * x + y * y)
@@ -109,6 +106,18 @@ class LaneDetectionController(ControllerModel):
             sensor_health=lanes.sensor_health,
             lanes=lanes,
         )
+
+    def _look(self, sensor_data: SensorData, vehicle: VehicleState) -> None:
+        """Detect the lane in a new image and draw the remembered path towards it."""
+        self._seen_at = sensor_data.t
+        lanes = self._detect(sensor_data, self._travelled(vehicle))
+        middle = self._middle(lanes)
+        if middle is not None:
+            ahead = vehicle.center + sensor_data.camera.x
+            seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
+            trust = max(lanes.left.p_geom, lanes.right.p_geom)
+            path = _blend(_to_vehicle(self._path, vehicle), seen, ahead + NEAREST, trust, self._bend)
+            self._path = _to_world(path, vehicle)
 
     def _pedals(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> tuple[float, float]:
         """Return throttle and brake that hold the desired speed, or the gap to whatever is ahead."""

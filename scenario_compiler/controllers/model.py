@@ -48,7 +48,7 @@ class SensorData:
     """What the sensors deliver at a control step.
 
     Attributes:
-        t: Time, s.
+        t: Time of the image, s: that of the step before while the camera has taken no other.
         image: (height, width, 3) uint8, BGR.
         camera: The camera that took it.
         lead_gap: Distance from the front bumper to whatever the forward sensor sees in the car's own way, m; None

@@ -110,7 +110,8 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
     if p.perception[0] == PERCEPTION_IDEAL:
-        ideal_confidence(n, p, st)
+        if (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
+            ideal_confidence(n, p, st)
     else:
         trust_steering(p, st)
         if driven_by_hand(st) == 0 and st.merging[0] == 0:

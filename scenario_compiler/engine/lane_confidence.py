@@ -1,4 +1,4 @@
-"""Lane confidence without a camera: how well the marks on both sides can be seen, and the sensor's health."""
+"""Lane confidence without a camera: the marks on both sides, the weather between, and the sensor's health."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from scenario_compiler.engine.path import advance_routed
 from scenario_compiler.engine.slots import M_COVERAGE, M_FROM, M_QUALITY, M_QUALITY_TO, M_TO
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.visibility import weather_visibility
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.marks import MARK_NONE, mark_at
@@ -62,5 +63,6 @@ def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
             else:
                 left += inner_quality
                 right += outer_quality
-    st.conf_left[0] = health * left / LOOK_COUNT
-    st.conf_right[0] = health * right / LOOK_COUNT
+    seen = health * weather_visibility(st)
+    st.conf_left[0] = seen * left / LOOK_COUNT
+    st.conf_right[0] = seen * right / LOOK_COUNT

@@ -42,6 +42,8 @@ class Program:
     """Number of the vehicle that the takeover is about, or NONE."""
     perception: list[int] = field(default_factory=lambda: [0])
     control_every: list[int] = field(default_factory=lambda: [1])
+    image_every: list[int] = field(default_factory=lambda: [1])
+    """Number of time steps between two images of the camera, whole control steps."""
     driver_kind: list[int] = field(default_factory=lambda: [0])
     hazard_lights: list[int] = field(default_factory=lambda: [1])
     """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
@@ -202,6 +204,7 @@ def validate(program: Program, roads: int) -> None:
     _inside("ego", p.ego, NONE, entities)
     _inside("perception", p.perception, 0, PERCEPTION_CAMERA + 1)
     _inside("control_every", p.control_every, 1, 1 << 30)
+    _inside("image_every", p.image_every, 1, 1 << 30)
     _inside("driver_kind", p.driver_kind, 0, DRIVER_FIXED + 1)
     _inside("hazard_lights", p.hazard_lights, 0, 2)
     _inside("destination_road", p.destination_road, NONE, roads)

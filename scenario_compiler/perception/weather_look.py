@@ -2,17 +2,7 @@
 
 The image is a model, tuned so that its order is right (rain hides paint more than a wet road does, a low sun
 over a wet road more than a high one), not a photometric simulation. The one curve that decides takeovers is
-`paint_contrast`:
-
-    contrast = (1 - 0.25 wet) (1 - 0.42 rain) (1 - 0.86 wet rain^1.5 glare)
-
-    wet    water on the road, 0-1: the largest of wetness, precipitation deposits and precipitation, / 100
-    rain   precipitation / 100
-    glare  sun between -2 and 35 degrees of altitude: 1 up to 15, falling linearly to 0 at 35
-
-The first factor is the water film that fills the paint's texture, the second the spray in the air before and
-on the road, the third the sky's reflection in a wet road against a low sun, which makes the asphalt as
-bright as the paint. CARLA's presets give:
+`engine.visibility.paint_contrast`, for what is drawn and for ideal perception. CARLA's presets give:
 
     ClearNoon 1.00    WetNoon 0.88    SoftRainNoon 0.76    MidRainyNoon 0.64   HardRainNoon 0.44
     ClearSunset 1.00  WetSunset 0.88  SoftRainSunset 0.71  MidRainSunset 0.48  HardRainSunset 0.06
@@ -27,6 +17,8 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from scenario_compiler.engine.visibility import haze_extinction, paint_contrast
 
 
 class WeatherNumbers(Protocol):
@@ -104,8 +96,6 @@ def look_of(weather: WeatherNumbers) -> Look:
     dust = _share(weather.dust_storm, 0.0)
     altitude = 45.0 if weather.sun_altitude_angle == -1.0 else float(weather.sun_altitude_angle)
     azimuth = 0.0 if weather.sun_azimuth_angle == -1.0 else float(weather.sun_azimuth_angle)
-    falloff = min(max(float(weather.fog_falloff), 0.0), 5.0)
-    fog = _share(weather.fog_density, 0.0) * math.exp(-1.3 * falloff)
     warmth = min(max(1.0 - abs(altitude - 5.0) / 16.0, 0.0), 1.0) * (1.0 - 0.55 * cloud)
     day = min(max((altitude + 4.0) / 30.0, 0.0), 1.0)
     dimmed = (1.0 - 0.35 * cloud * (1.0 - 0.3 * warmth)) * (1.0 - 0.2 * rain) * (1.0 - 0.3 * dust)
@@ -116,7 +106,7 @@ def look_of(weather: WeatherNumbers) -> Look:
         rain=rain,
         wind=_share(weather.wind_intensity, 0.1),
         wet=wet,
-        fog=0.035 * fog**1.5 + 0.03 * dust,
+        fog=haze_extinction(_share(weather.fog_density, 0.0), float(weather.fog_falloff), dust),
         fog_start=max(float(weather.fog_distance), 0.0),
         spray=0.0005 + 0.010 * rain,
         dust=dust,
@@ -124,18 +114,6 @@ def look_of(weather: WeatherNumbers) -> Look:
         luminance=(0.05 + 0.95 * day**0.6) * dimmed,
         warmth=warmth,
     )
-
-
-def paint_contrast(wet: float, rain: float, sun_altitude: float) -> float:
-    """Return the share of a mark's contrast with the asphalt that survives, 0-1: the curve above.
-
-    Args:
-        wet: Water on the road, 0-1.
-        rain: Precipitation, 0-1.
-        sun_altitude: Altitude of the sun, degrees.
-    """
-    glare = min(max((35.0 - sun_altitude) / 20.0, 0.0), 1.0) if sun_altitude > -2.0 else 0.0
-    return (1.0 - 0.25 * wet) * (1.0 - 0.42 * rain) * (1.0 - 0.86 * wet * rain * math.sqrt(rain) * glare)
 
 
 def _share(percent: float, unset: float) -> float:

@@ -155,8 +155,10 @@ class _Execution:
         const = self.program.const
         look_ahead(self.tables, self.program, st, 0, const[K_SENSOR_RANGE], const[K_FIELD_OF_VIEW])
         gap, lead = leader_gap(self.program, st, 0, 0.0, 1, -FAR)
-        seen = self.world.observe(self.snapshot())
-        self.seen = seen if gap >= FAR else replace(seen, lead_gap=gap, lead_speed=lead)
+        seen = self.seen
+        if seen is None or st.frame[0] % self.program.image_every[0] == 0:
+            seen = self.world.observe(self.snapshot())
+        self.seen = replace(seen, lead_gap=None if gap >= FAR else gap, lead_speed=0.0 if gap >= FAR else lead)
         vehicle = VehicleState(
             x=st.x[0],
             y=st.y[0],

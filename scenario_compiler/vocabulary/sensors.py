@@ -52,6 +52,13 @@ class Camera(Word):
     x: float = attribute("Distance ahead of the centre of the vehicle's box, m.", default=0.5)
     z: float = attribute("Height above the ground, m.", default=1.3, minimum=0.1)
     pitch: float = attribute("Pitch, degrees; negative looks down.", default=-5.0, minimum=-60, maximum=60)
+    rate: float | None = attribute(
+        "Images per second: their period is a number of control steps. Between two images the detection in the last one "
+        "stays. One image at each control step when left out.",
+        default=None,
+        minimum=0.01,
+        maximum=1000,
+    )
     sensor_noise: Number = attribute(
         "Standard deviation of the Gaussian noise (mean 0) on every channel of every pixel, grey levels.",
         default=0.0,
@@ -60,3 +67,7 @@ class Camera(Word):
         maximum=255,
     )
     failures: tuple[Failure, ...] = child("How it fails.", default=())
+
+    def control_steps(self, period: float) -> float:
+        """Return how many control steps of a period, s, lie between two images: 1 when there is no rate."""
+        return 1.0 if self.rate is None else 1.0 / (self.rate * period)

@@ -28,6 +28,8 @@ def add_run(draft: Draft) -> None:
         add_failure(draft, failure, waits=False)
     add_weather(draft, plan.weather)
     p.control_every[0] = plan.control_every
+    images = plan.camera.control_steps(plan.step * plan.control_every)
+    p.image_every[0] = plan.control_every * max(round(images), 1)
     p.perception[0] = op.PERCEPTION_CAMERA if plan.perception == "camera" else op.PERCEPTION_IDEAL
     if plan.destination is not None:
         p.destination_road[0] = draft.network.road_index(plan.destination.road)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
 from scenario_compiler.plan.checks.overlap import check_overlap
 from scenario_compiler.plan.checks.paths import check_paths
@@ -15,6 +16,7 @@ from scenario_compiler.roads import Network
 CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_start,
     check_overlap,
+    check_camera,
     check_causes,
     check_paths,
     check_budget,
