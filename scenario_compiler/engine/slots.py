@@ -58,11 +58,12 @@ E_DECELERATION = 14
 E_SHARE = 15
 """Share of the speed limit that a driver of traffic aims for."""
 
-# A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading relative
-# to the lane's direction.
+# A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading, in the
+# world or relative to what the position gives. Of a point of the world x, y and z take their places.
 P_S = 0
 P_OFFSET = 1
 P_TURN = 2
+P_Z = 3
 
 # A stretch of marks.
 M_FROM = 0

@@ -1,0 +1,251 @@
+"""Where a position of the plan lies at the moment it is used: on a lane, or off every road.
+
+One way for all who use positions: teleports, conditions, entities that appear, the vertices of trajectories. What is
+relative to an entity is counted from where that entity is then. Distances along a road are those of its reference
+line, as in esmini 3.6; where a road ends they end there.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from scenario_compiler.engine.motion import next_turn
+from scenario_compiler.engine.numbers import is_number
+from scenario_compiler.engine.opcodes import (
+    NONE,
+    POSITION_ABSOLUTE,
+    POSITION_ALONG_LANE,
+    POSITION_FREE,
+    POSITION_LANES_AWAY,
+    POSITION_RELATIVE_OBJECT,
+    POSITION_RELATIVE_ROAD,
+    POSITION_RELATIVE_WORLD,
+    POSITION_WITH_HEIGHT,
+)
+from scenario_compiler.engine.placing import resolve_position
+from scenario_compiler.engine.slots import P_OFFSET, P_S, P_TURN, P_Z
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.below import place_below
+from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_exists, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
+
+PLACE_NONE = 0
+"""A position that lies nowhere: beside an entity that is off the road, in a lane that is not there."""
+PLACE_ON_LANE = 1
+PLACE_FREE = 2
+
+HOPS = 64
+"""Junctions that a distance along the road leads over at most."""
+
+OVER_END = 0.001
+"""How far beyond a road's end the next road is asked for, m."""
+
+
+@compiled
+def turn_for(p: Program, st: State, i: int, other: int, road: int) -> int:
+    """Return the road after `road` on the way of the entity that is to stand there, else of the one it is relative to.
+
+    -1 where neither has a way from there.
+    """
+    turn = NONE
+    if i >= 0:
+        turn = next_turn(p, st, i, road)
+    if turn < 0 and other >= 0:
+        turn = next_turn(p, st, other, road)
+    return turn
+
+
+@compiled
+def advance_by_way(
+    n: RoadTables, p: Program, st: State, i: int, other: int, road: int, lane: int, s: float, ds: float
+) -> tuple[int, int, float]:
+    """Return (road, lane, s) after ds along the lane's travel (against it for ds < 0), on the way of `turn_for`.
+
+    Where the lane ends the place is its end.
+    """
+    left = abs(ds)
+    forward = 1.0 if ds >= 0.0 else -1.0
+    for _ in range(HOPS):
+        sense = forward * lane_direction(n, road, lane)
+        room = n.road_length[road] - s if sense > 0.0 else s
+        step = min(left, room)
+        road, lane, s, rest = advance(n, road, lane, s, forward * step, -1)
+        left = left - step
+        if left <= 0.0 or rest > 0.0:
+            return road, lane, s
+        before = road
+        next_road, next_lane, next_s, rest = advance(
+            n, road, lane, s, forward * min(left, OVER_END), turn_for(p, st, i, other, road)
+        )
+        if rest > 0.0 or next_road == before:
+            return road, lane, s
+        road = next_road
+        lane = next_lane
+        s = next_s
+        left = left - OVER_END
+        if left <= 0.0:
+            return road, lane, s
+    return road, lane, s
+
+
+@compiled
+def lane_beyond(n: RoadTables, road: int, lane: int, s: float, by: int, facing: int) -> int:
+    """Return the lane `by` lanes to the left as seen along `facing`, or the last one on the way there."""
+    at = lane
+    step = facing if by > 0 else -facing
+    for _ in range(abs(by)):
+        beside = at + step
+        if beside == 0:
+            beside = beside + step
+        if lane_exists(n, road, beside, s) == 0:
+            return at
+        at = beside
+    return at
+
+
+@compiled
+def place_lanes_away(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
+    """Return (road, lane, s, offset, heading that the turn is relative to) of a place in lanes away; road -1 for none.
+
+    Along the lane, ahead and left are those of the lane's travel; along the road, those of its s.
+    """
+    other = p.position_entity[k]
+    road = st.road[other]
+    if road < 0:
+        return -1, 0, 0.0, 0.0, 0.0
+    base = p.position_const[k]
+    lane = st.lane[other]
+    ahead = p.const[base + P_S]
+    along_lane = p.position_flags[k] & POSITION_ALONG_LANE
+    if along_lane == 0:
+        ahead = ahead * lane_direction(n, road, lane)
+    road, lane, s = advance_by_way(n, p, st, i, other, road, lane, st.s[other], ahead)
+    sense = 1
+    if along_lane != 0:
+        sense = lane_direction(n, road, lane)
+    lane = lane_beyond(n, road, lane, s, p.position_lane[k], sense)
+    offset = sense * p.const[base + P_OFFSET]
+    _, _, _, h, _, _ = lane_pose(n, road, lane, s, offset)
+    if along_lane != 0 and lane_direction(n, road, lane) < 0:
+        h = h + pi
+    return road, lane, s, offset, h
+
+
+@compiled
+def lane_nearest(n: RoadTables, road: int, s: float, t: float) -> int:
+    """Return the lane that holds t at s, off the lanes the one whose centre is nearest, 0 on a road without lanes."""
+    lane = lane_at(n, road, s, t)
+    if lane != 0:
+        return lane
+    best = 1.0e9
+    for side in (-1, 1):
+        at = side
+        while lane_exists(n, road, at, s) == 1:
+            centre, _ = lane_centre(n, road, at, s)
+            if abs(t - centre) < best:
+                best = abs(t - centre)
+                lane = at
+            at = at + side
+    return lane
+
+
+@compiled
+def place_on_road(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
+    """Return what `place_lanes_away` does, of a place by distances along and across the road of an entity."""
+    other = p.position_entity[k]
+    road = st.road[other]
+    if road < 0:
+        return -1, 0, 0.0, 0.0, 0.0
+    base = p.position_const[k]
+    lane = st.lane[other]
+    off = st.off[other]
+    ahead = p.const[base + P_S] * lane_direction(n, road, lane)
+    before = lane_direction(n, road, lane)
+    road, lane, s = advance_by_way(n, p, st, i, other, road, lane, st.s[other], ahead)
+    centre, _ = lane_centre(n, road, lane, s)
+    t = centre + off * before * lane_direction(n, road, lane) + p.const[base + P_OFFSET]
+    lane = lane_nearest(n, road, s, t)
+    if lane == 0:
+        return -1, 0, 0.0, 0.0, 0.0
+    centre, _ = lane_centre(n, road, lane, s)
+    _, _, h, _ = road_reference(n, road, s)
+    return road, lane, s, t - centre, h
+
+
+@compiled
+def point_of(p: Program, st: State, k: int) -> tuple[float, float, float, float, int]:
+    """Return (x, y, z, heading, 1 where z counts) of a position that is a point of the world."""
+    base = p.position_const[k]
+    x = p.const[base + P_S]
+    y = p.const[base + P_OFFSET]
+    turn = p.const[base + P_TURN]
+    z = p.const[base + P_Z]
+    op = p.position_op[k]
+    if op == POSITION_FREE:
+        return x, y, z, turn, 1 if p.position_flags[k] & POSITION_WITH_HEIGHT != 0 else 0
+    other = p.position_entity[k]
+    h = turn
+    if p.position_flags[k] & POSITION_ABSOLUTE == 0:
+        h = st.h[other] + turn
+    if op == POSITION_RELATIVE_OBJECT:
+        c = cos(st.h[other])
+        w = sin(st.h[other])
+        ahead = x
+        x = ahead * c - y * w
+        y = ahead * w + y * c
+    return st.x[other] + x, st.y[other] + y, st.z[other] + z, h, 1
+
+
+@compiled
+def place_of(
+    n: RoadTables, p: Program, st: State, k: int, i: int
+) -> tuple[int, int, int, float, float, float, float, float, float]:
+    """Return (PLACE_... code, road, lane, s, offset, x, y, z, heading) of a position, for entity i (NONE for none)."""
+    op = p.position_op[k]
+    if op in (POSITION_FREE, POSITION_RELATIVE_OBJECT, POSITION_RELATIVE_WORLD):
+        x, y, z, h, with_height = point_of(p, st, k)
+        if is_number(x + y + z + h) == 0:
+            return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        found, road, lane, s, offset = place_below(n, x, y, h, z, with_height)
+        if found == 0:
+            return PLACE_FREE, -1, 0, 0.0, 0.0, x, y, z, h
+        _, _, surface, _, _, _ = lane_pose(n, road, lane, s, offset)
+        return PLACE_ON_LANE, road, lane, s, offset, x, y, surface, h
+    base = p.position_const[k]
+    turn = p.const[base + P_TURN]
+    if is_number(p.const[base + P_S] + p.const[base + P_OFFSET] + turn) == 0:
+        return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if op == POSITION_LANES_AWAY:
+        road, lane, s, offset, along = place_lanes_away(n, p, st, k, i)
+    elif op == POSITION_RELATIVE_ROAD:
+        road, lane, s, offset, along = place_on_road(n, p, st, k, i)
+    else:
+        road, lane, s, offset, direction = resolve_position(n, p, st, k)
+        along = 0.0
+        if road >= 0:
+            _, _, _, along, _, _ = lane_pose(n, road, lane, s, offset)
+            if direction < 0:
+                along = along + pi
+    if road < 0:
+        return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    h = turn
+    if p.position_flags[k] & POSITION_ABSOLUTE == 0:
+        h = along + turn
+    x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
+    return PLACE_ON_LANE, road, lane, s, offset, x, y, z, h
+
+
+@compiled
+def point_at(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, float, float]:
+    """Return (found, x, y) of a position now; those of our own language hold for where the entities started."""
+    op = p.position_op[k]
+    if op < POSITION_FREE:
+        return 1, st.position_x[k], st.position_y[k]
+    kind, _, _, _, _, x, y, _, _ = place_of(n, p, st, k, i)
+    if kind == PLACE_NONE:
+        return 0, 0.0, 0.0
+    return 1, x, y
