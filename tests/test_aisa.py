@@ -181,6 +181,17 @@ def test_converted_file_is_of_our_schema(converted: Path) -> None:
 def test_converted_file_says_what_could_not_be_converted(converted: Path) -> None:
     text = converted.read_text(encoding="utf-8")
     assert "lanesdefault: the scenario 'lanesdefault' has no waypoint named 'start'" in text
+    assert text.count("lanesdefault: not executed: object name=") == 4
+    assert 'object name="bike1" type="vehicle_2W" autopilot="True" start_x="147.6" start_y="62.6"' in text
+
+
+def test_every_object_is_named_in_a_note_of_its_own_line(file: Path, maps: Path) -> None:
+    compilation, sink = _compiled(f"{file}#lanesdefault", maps, start="151.4,-91.5,90", town="Town05")
+    assert compilation is not None
+    notes = [(one.place.line, one.message) for one in sink if one.code.id == "SC241"]
+    assert [line for line, _ in notes] == [11, 12, 13, 14]
+    for name, (_, message) in zip(("vehicle1", "vehicle2", "pedestrian1", "bike1"), notes, strict=True):
+        assert f"'{name}'" in message
 
 
 @pytest.mark.parametrize("name", CONVERTED)

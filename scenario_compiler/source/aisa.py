@@ -298,7 +298,8 @@ def _note_off_map(known: _Known, element: etree._Element, arguments: Mapping[str
 def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: Reading) -> None:
     """Say what the toolkit reads and never uses."""
     for one in element.iterfind("object"):
-        message = f"the toolkit never places its <object> '{one.get('name', '')}'"
+        kind = one.get("type", "")
+        message = f"the toolkit never places its <object> '{one.get('name', '')}'{f' of type {kind}' if kind else ''}"
         reading.sink.add(names.NOT_EXECUTED, message, reading.origin(one))
     for name in ("npc_vehicles", "npc_pedestrians"):
         if values.get(name):

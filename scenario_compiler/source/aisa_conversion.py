@@ -42,9 +42,16 @@ def _converted(source: AisaConfig, name: str, catalogs: Catalogs, sink: Diagnost
     for one in found:
         if one.severity is not Severity.ERROR:
             sink.add(one.code, one.message, one.place, hint=one.hint)
-        yield etree.Comment(f" {name}: {one.message.replace('--', '- -')} ")
+        yield _comment(f"{name}: {one.message}")
+    for element in source.scenarios[name].iterfind("object"):
+        attributes = " ".join(f'{key}="{value}"' for key, value in element.items())
+        yield _comment(f"{name}: not executed: object {attributes}")
     if scenario is not None and not found.has_errors:
         yield write_word(scenario_element(scenario))
+
+
+def _comment(text: str) -> etree._Element:
+    return etree.Comment(f" {text.replace('--', '- -')} ")
 
 
 def scenario_element(scenario: Scenario) -> ScenarioElement:
