@@ -6,19 +6,28 @@ from collections.abc import Callable
 from typing import Any
 
 from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.program.draft import Draft, PositionRow
+from scenario_compiler.engine.program.draft import Draft, PositionRow, Slot
 from scenario_compiler.plan.places import spans_of
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BesidePosition,
+    FreePosition,
     LanePosition,
+    LanesAwayPosition,
     RandomPosition,
     RelativeLanePosition,
+    RelativeObjectPosition,
+    RelativeRoadPosition,
+    RelativeWorldPosition,
 )
 from scenario_compiler.vocabulary.word import Word
 
 TRAFFIC_MARGINS = (5.0, 25.0)
 """Distances that vehicles of traffic keep at the start from where a road is entered and left, m: enough to stop in."""
+
+
+Turning = LanePosition | LanesAwayPosition | RelativeRoadPosition | RelativeObjectPosition | RelativeWorldPosition
+"""Positions with a heading relative to what they give, or in the world."""
 
 
 def add_position(draft: Draft, word: Word, kind: str = "") -> int:
@@ -36,7 +45,13 @@ def add_position(draft: Draft, word: Word, kind: str = "") -> int:
 def _lane(draft: Draft, word: LanePosition, kind: str) -> PositionRow:
     del kind
     road = draft.network.road_index(word.road)
-    return PositionRow(op.POSITION_LANE, (word.s, word.offset, word.turn), road=road, lane=word.lane)
+    heading, absolute = _heading(word)
+    return PositionRow(op.POSITION_LANE, (word.s, word.offset, heading), road=road, lane=word.lane, flags=absolute)
+
+
+def _heading(word: Turning) -> tuple[Slot, int]:
+    """Return the number of a position's heading, and the switch that says that it is the world's."""
+    return (word.turn, 0) if word.heading is None else (word.heading, op.POSITION_ABSOLUTE)
 
 
 def _ahead_of(draft: Draft, word: RelativeLanePosition, kind: str) -> PositionRow:
@@ -59,6 +74,41 @@ def _random(draft: Draft, word: RandomPosition, kind: str) -> PositionRow:
 
 def _any_of(draft: Draft, word: AnyOfPosition, kind: str) -> PositionRow:
     return PositionRow(op.POSITION_RANDOM, (0.0, 0.0, 0.0), spans=_spans(draft, word, kind))
+
+
+def _free(draft: Draft, word: FreePosition, kind: str) -> PositionRow:
+    del draft, kind
+    z, flags = (0.0, 0) if word.z is None else (word.z, op.POSITION_WITH_HEIGHT)
+    return PositionRow(op.POSITION_FREE, (word.x, word.y, word.heading, z), flags=flags)
+
+
+def _lanes_away(draft: Draft, word: LanesAwayPosition, kind: str) -> PositionRow:
+    del kind
+    heading, flags = _heading(word)
+    if word.along == "lane":
+        flags |= op.POSITION_ALONG_LANE
+    const = (word.distance, word.offset, heading)
+    entity = draft.entities[word.entity]
+    return PositionRow(op.POSITION_LANES_AWAY, const, lane=word.lanes, entity=entity, flags=flags)
+
+
+def _relative_road(draft: Draft, word: RelativeRoadPosition, kind: str) -> PositionRow:
+    del kind
+    heading, flags = _heading(word)
+    const = (word.ds, word.dt, heading)
+    return PositionRow(op.POSITION_RELATIVE_ROAD, const, entity=draft.entities[word.entity], flags=flags)
+
+
+def _relative_point(draft: Draft, word: RelativeObjectPosition | RelativeWorldPosition, kind: str) -> PositionRow:
+    del kind
+    in_own_axes = isinstance(word, RelativeObjectPosition)
+    heading, flags = _heading(word)
+    return PositionRow(
+        op.POSITION_RELATIVE_OBJECT if in_own_axes else op.POSITION_RELATIVE_WORLD,
+        (word.dx, word.dy, heading, word.dz),
+        entity=draft.entities[word.entity],
+        flags=flags,
+    )
 
 
 def _spans(draft: Draft, word: RandomPosition | AnyOfPosition, kind: str) -> tuple[int, int]:
@@ -88,5 +138,10 @@ POSITIONS: dict[type[Word], Callable[[Draft, Any, str], PositionRow]] = {
     BesidePosition: _beside,
     RandomPosition: _random,
     AnyOfPosition: _any_of,
+    FreePosition: _free,
+    LanesAwayPosition: _lanes_away,
+    RelativeRoadPosition: _relative_road,
+    RelativeObjectPosition: _relative_point,
+    RelativeWorldPosition: _relative_point,
 }
 """By the type of a bound position, its row; the last argument is the kind of the entity that starts there, or empty."""
