@@ -61,7 +61,7 @@ class Overrides:
             changes["step"] = self.step
         if self.duration is not None:
             changes["duration"] = self.duration
-        if self.controller is not None:
+        if self.controller is not None and scenario.ego is not None:
             named = Controller(model=self.controller).written_at(scenario.ego.controller.origin)
             changes["ego"] = scenario.ego.model_copy(update={"controller": named})
         return scenario.model_copy(update=changes)

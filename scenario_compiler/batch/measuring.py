@@ -18,7 +18,7 @@ from scenario_compiler.engine.sweep import SUMMARY
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import broken_at, limit_of
-from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.measures import MEASURES, measures_of
 from scenario_compiler.recording.names import CAUSES, FAULTS, STOP_REASONS, EventKind
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import SAME_TIME, Traces, traces_of
@@ -28,7 +28,7 @@ Columns = dict[str, list[Any]]
 
 AT = {name: place for place, name in enumerate(SUMMARY)}
 HEAD = ("t", "takeover_state", "cause", "conf_left", "conf_right", "health", "blocked", "lane_end", "min_ttc", "sigma")
-ENTITY = ("x", "y", "z", "h", "v", "a", "steer", "road", "lane", "s", "off", "throttle", "brake")
+ENTITY = ("x", "y", "z", "h", "v", "a", "steer", "road", "lane", "s", "off", "throttle", "brake", "present")
 """Fields of the head of a trace's row, and of each entity in it, as the engine writes them."""
 
 OUTCOME = ("result", "error", "stop_reason", "duration", "resolution", "cause", "collision_with", "failed")
@@ -81,8 +81,9 @@ def outcome_columns(plan: Plan, traces: Traces, ends: Ends, parameters: Sequence
         "failed": [" ".join(names) for names in failed],
     }
     sound = np.array([not error for error in ends.error])
+    measured = measures_of(plan)
     for measure in MEASURES:
-        values = np.where(sound, measure.compute(traces), np.nan)
+        values = np.where(sound, measure.compute(traces) if measure in measured else np.nan, np.nan)
         columns[measure.name] = [value if math.isfinite(value) else None for value in values.tolist()]
     return columns
 
@@ -149,10 +150,11 @@ def from_sweep(plan: Plan, summaries: Floats, flat: Floats) -> tuple[Traces, End
     def body(name: str, nothing: float = np.nan) -> Floats:
         """Return a field of all entities, (runs, longest, entities), the entities outermost in memory."""
         values: Floats = whole[TRACE_HEAD + ENTITY.index(name) :: TRACE_FIELDS].copy()
-        values[:, over] = nothing
+        values[gone] = nothing
         return np.moveaxis(values, 0, -1)
 
-    present = np.broadcast_to(~over[..., None], (runs, longest, entities))
+    gone = over | (whole[TRACE_HEAD + ENTITY.index("present") :: TRACE_FIELDS] == 0.0)
+    present = np.moveaxis(~gone, 0, -1)
     road = body("road", -1.0).astype(np.int64)
     off_road = road < 0
     blocked, lane_end, h = head("blocked"), head("lane_end"), body("h")

@@ -82,6 +82,8 @@ def create_controller(controller: Controller) -> ControllerModel:
 def check_controller(plan: Plan, sink: Diagnostics) -> None:
     """Report a controller that does not exist and properties that it does not take."""
     controller = plan.controller
+    if controller is None:
+        return
     try:
         found = controller_class(controller.model)
     except UnknownControllerError as error:

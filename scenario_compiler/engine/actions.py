@@ -111,7 +111,7 @@ def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
     A standing entity waits; the ego has done so at once.
     """
     i = p.action_entity[k]
-    if p.entity_motion[i] != MOTION_SCRIPTED:
+    if p.entity_motion[i] != MOTION_SCRIPTED or st.road[i] < 0:
         return 1
     if st.action_span[k] <= 0.0:
         st.kept_off[i] = st.action_from[k] + st.action_change[k]

@@ -110,6 +110,8 @@ def place_on_way(n: RoadTables, st: State, j: int) -> tuple[int, float, float, f
 def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
     """Measure an entity's box on the way; return 1 where it is on it."""
     st.on_way[j] = 0
+    if st.present[j] == 0:
+        return 0
     w, s, t, distance = place_on_way(n, st, j)
     if w < 0:
         return 0

@@ -17,6 +17,12 @@ TTC_RANGE = 100.0
 
 
 @compiled
+def reported_entity(p: Program) -> int:
+    """Return the vehicle whose collisions and time to collision are noted: the ego, without one the first entity."""
+    return max(p.ego[0], 0)
+
+
+@compiled
 def update_boxes(p: Program, st: State) -> None:
     """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted)."""
     for i in range(p.entity_count[0]):
@@ -56,7 +62,9 @@ def separated(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def overlap(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 where the boxes of two entities overlap (separating axis theorem)."""
+    """Return 1 where the boxes of two present entities overlap (separating axis theorem)."""
+    if st.present[i] == 0 or st.present[j] == 0:
+        return 0
     dx = st.middle_x[j] - st.middle_x[i]
     dy = st.middle_y[j] - st.middle_y[i]
     reach = st.reach[i] + st.reach[j]
@@ -69,12 +77,12 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def note_collision(p: Program, st: State, i: int, j: int) -> None:
-    """Count a pair of overlapping boxes: the first of all, and each new contact of the ego."""
+    """Count a pair of overlapping boxes: the first of all, and each new contact of the vehicle that is reported."""
     if st.collision_a[0] < 0:
         st.collision_a[0] = min(i, j)
         st.collision_b[0] = max(i, j)
         st.collision_time[0] = st.clock[0]
-    ego = p.ego[0]
+    ego = reported_entity(p)
     if ego not in (i, j):
         return
     other = j if i == ego else i
@@ -133,12 +141,10 @@ def ego_ttc(p: Program, st: State, ego: int, j: int) -> float:
 
 @compiled
 def watch_ttc(p: Program, st: State) -> None:
-    """Keep the least time to collision of the ego so far."""
-    ego = p.ego[0]
-    if ego < 0:
-        return
+    """Keep the least time to collision of the vehicle that is reported so far."""
+    ego = reported_entity(p)
     for j in range(p.entity_count[0]):
-        if j != ego:
+        if j != ego and st.present[j] == 1 and st.present[ego] == 1:
             time = ego_ttc(p, st, ego, j)
             if time >= 0.0 and time < st.min_ttc[0]:
                 st.min_ttc[0] = time

@@ -100,7 +100,8 @@ def health_of_camera(p: Program, st: State) -> float:
     """Return the camera's health as the engine knows it, 0 to 1 (see `camera_health`, the module)."""
     if st.missing[0] == 1:
         return 0.0
-    if st.frozen[0] == 1 and st.v[p.ego[0]] > CREEPING:
+    ego = p.ego[0]
+    if st.frozen[0] == 1 and ego >= 0 and st.v[ego] > CREEPING:
         return 0.0
     dark = TONES_AT_NOON * (1.0 - st.failure_now[FAILURE_BLACKOUT])
     blur = BLUR_AT_ONE * st.failure_now[FAILURE_BLUR]

@@ -71,6 +71,8 @@ def outsider_in_way(n: RoadTables, p: Program, st: State, road: int, j: int) -> 
 def way_is_free(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
     """Return 1 where nobody drives on, has claimed or has waited longer for a road that crosses `road`."""
     for j in range(p.entity_count[0]):
+        if st.present[j] == 0:
+            continue
         kind = p.entity_motion[j]
         if j != i and kind == MOTION_TRAFFIC:
             if crosses(p, road, st.claim[j]) == 1 or crosses(p, road, st.road[j]) == 1:

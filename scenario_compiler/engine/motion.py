@@ -59,8 +59,15 @@ def next_turn(p: Program, st: State, i: int, road: int) -> int:
 
 @compiled
 def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None:
-    """Move a scripted entity along the lane it is led by, signed along its forward direction."""
+    """Move a scripted entity along the lane it is led by, signed along its forward direction; off roads, straight on.
+
+    Off every road the pose is written at once, on a road `place_scripted` evaluates it.
+    """
     road = st.road[i]
+    if road < 0:
+        st.x[i] += distance * cos(st.h[i])
+        st.y[i] += distance * sin(st.h[i])
+        return
     lane = st.kept_lane[i]
     s = st.s[i]
     _, _, _, curvature = road_reference(n, road, s)
@@ -80,8 +87,10 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
 
 @compiled
 def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Evaluate the pose of a scripted entity and the lane that its point is in."""
+    """Evaluate the pose of a scripted entity and the lane that its point is in; off every road it is kept."""
     road = st.road[i]
+    if road < 0:
+        return
     s = st.s[i]
     lane = st.kept_lane[i]
     off = st.kept_off[i]
@@ -160,8 +169,10 @@ def settle(n: RoadTables, st: State, i: int) -> None:
 
 @compiled
 def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Move every entity that the engine moves but traffic; a posed one has been moved from outside."""
+    """Move every present entity that the engine moves but traffic; a posed one has been moved from outside."""
     for i in range(p.entity_count[0]):
+        if st.present[i] == 0:
+            continue
         kind = p.entity_motion[i]
         if kind == MOTION_SCRIPTED:
             move_scripted(n, p, st, i, dt)
@@ -179,7 +190,7 @@ def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
         if is_number(st.x[i] + st.y[i] + st.h[i] + st.v[i] + st.steer[i]) == 0:
             fault(st, FAULT_NOT_FINITE, i)
             return
-        if kind in (MOTION_BICYCLE, MOTION_POSED):
+        if kind in (MOTION_BICYCLE, MOTION_POSED) and st.present[i] == 1:
             locate_ego(n, p, st, i)
             if kind == MOTION_BICYCLE:
                 settle(n, st, i)

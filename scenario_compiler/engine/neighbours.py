@@ -23,7 +23,7 @@ def list_by_road(p: Program, st: State) -> None:
     for b in range(BUCKETS):
         st.bucket_head[b] = NONE
     for i in range(p.entity_count[0]):
-        if st.road[i] >= 0:
+        if st.road[i] >= 0 and st.present[i] == 1:
             b = st.road[i] % BUCKETS
             st.bucket_next[i] = st.bucket_head[b]
             st.bucket_head[b] = i

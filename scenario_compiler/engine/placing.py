@@ -23,7 +23,7 @@ from scenario_compiler.engine.opcodes import (
     POSITION_RELATIVE,
     STREAM_PLACE,
 )
-from scenario_compiler.engine.path import locate_ego, set_path
+from scenario_compiler.engine.path import leave_road, locate_ego, set_path
 from scenario_compiler.engine.slots import L_FROM, L_TO, P_OFFSET, P_S, P_TURN
 from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
@@ -152,10 +152,31 @@ def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int,
 
 
 @compiled
+def start_nowhere(st: State, i: int) -> None:
+    """Put an entity without a start at the world's origin, off every road, until an action puts it somewhere."""
+    leave_road(st, i)
+    st.x[i] = 0.0
+    st.y[i] = 0.0
+    st.z[i] = 0.0
+    st.h[i] = 0.0
+    st.pitch[i] = 0.0
+    st.roll[i] = 0.0
+    st.kept_lane[i] = 0
+    st.kept_off[i] = 0.0
+    st.facing[i] = 1
+    st.turn[i] = 0.0
+    st.last_x[i] = 0.0
+    st.last_y[i] = 0.0
+
+
+@compiled
 def start_entity(n: RoadTables, p: Program, st: State, order: int) -> None:
     """Put the entity at a place of the order where it starts; the ego's path starts in its lane."""
     i = p.entity_order[order]
     k = p.entity_position[i]
+    if k < 0:
+        start_nowhere(st, i)
+        return
     road, lane, s, offset, direction = resolve_position(n, p, st, k)
     if p.position_op[k] == POSITION_RANDOM:
         road, lane, s, offset, direction = clear_place(n, p, st, k, order, 0, PLACE_ATTEMPTS)

@@ -34,6 +34,7 @@ def reset_entities(p: Program, st: State) -> None:
     """Clear the entities' columns and set their speeds."""
     for i in range(p.entity_count[0]):
         base = p.entity_const[i]
+        st.present[i] = 1
         st.v[i] = p.const[base + E_SPEED]
         st.last_v[i] = st.v[i]
         st.a[i] = 0.0

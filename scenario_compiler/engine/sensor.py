@@ -45,7 +45,7 @@ LEAST_GAP = 2.0
 def ray_free(p: Program, st: State, i: int, j: int, px: float, py: float, qx: float, qy: float) -> int:
     """Return 1 where no box but those of i and j cuts the segment from P to Q (slab test in each box's axes)."""
     for k in range(p.entity_count[0]):
-        if k in (i, j):
+        if k in (i, j) or st.present[k] == 0:
             continue
         c = cos(st.h[k])
         s = sin(st.h[k])
@@ -94,6 +94,8 @@ def point_seen(p: Program, st: State, i: int, j: int, qx: float, qy: float, reac
 @compiled
 def sees(p: Program, st: State, i: int, j: int, reach: float, half_view: float) -> int:
     """Return 1 where the centre of j's box or one of its two outermost corners is seen from i's front bumper."""
+    if st.present[j] == 0:
+        return 0
     dx = st.middle_x[j] - st.x[i]
     dy = st.middle_y[j] - st.y[i]
     base = p.entity_const[i]

@@ -222,6 +222,8 @@ def end_action(p: Program, st: State, k: int) -> None:
     """End an action and free the domain that it held."""
     st.action_state[k] = COMPLETE
     i = p.action_entity[k]
+    if i < 0:
+        return
     if st.longitudinal[i] == k:
         st.longitudinal[i] = NONE
     if st.lateral[i] == k:

@@ -39,6 +39,8 @@ class State:
     """Draws made before the run: normal and uniform ones of four requests, then the seed of the counter hash."""
 
     # Entities.
+    present: list[int]
+    """1 while the entity is in the world; an absent one does not move, collide or hide, and is not seen."""
     x: list[float]
     y: list[float]
     z: list[float]
@@ -289,6 +291,7 @@ class State:
 
 _ENTITY = (
     *[
+        "present",
         "x",
         "y",
         "z",

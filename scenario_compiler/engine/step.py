@@ -33,7 +33,7 @@ from scenario_compiler.engine.reset import reset_columns
 from scenario_compiler.engine.slots import K_DESTINATION_OFFSET, K_DESTINATION_S, K_DURATION, K_STEP
 from scenario_compiler.engine.starts import start_action
 from scenario_compiler.engine.state import State
-from scenario_compiler.engine.storyboard import run_triggers, trigger_fires
+from scenario_compiler.engine.storyboard import displace, run_triggers, trigger_fires
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.traffic import move_traffic
 from scenario_compiler.engine.weather import update_weather
@@ -47,8 +47,8 @@ ARRIVED = 5.0
 STANDING_TIME = 3.0
 """Time at a standstill, after the minimum-risk manoeuvre, a driver's stop or a collision, that ends a run, s."""
 
-TRACE_FIELDS = 13
-"""Numbers of an entity in a trace: x y z h v a steer road lane s off throttle brake."""
+TRACE_FIELDS = 14
+"""Numbers of an entity in a trace: x y z h v a steer road lane s off throttle brake present."""
 
 TRACE_HEAD = 10
 """Numbers of the run before them: t, takeover state, cause, confidences, health, two distances, least TTC, noise."""
@@ -95,11 +95,12 @@ def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 @compiled
 def reset(n: RoadTables, p: Program, st: State) -> None:
-    """Put the state to the row of t = 0: start poses, init actions, and a frame of length 0."""
+    """Put the state to the row of t = 0: start poses, init actions in order, and a frame of length 0."""
     reset_columns(n, p, st)
     if st.flag[0] != FAULT_NONE:
         return
     for c in range(p.init_count[0]):
+        displace(p, st, p.init_action[c], 0)
         start_action(n, p, st, p.init_action[c], -1)
     play_story(n, p, st, 0.0)
     finish_frame(n, p, st, 0.0)

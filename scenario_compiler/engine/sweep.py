@@ -6,6 +6,7 @@ All arrays are flat: `rows` holds the numbers of `Program.const` variant by vari
 
 from __future__ import annotations
 
+from scenario_compiler.engine.collision import reported_entity
 from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, EVENT_COLLISION, LOG_SIZE, STOP_NONE
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD, reset, step
@@ -52,6 +53,7 @@ def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
         trace[at + 10] = st.off[i]
         trace[at + 11] = st.throttle[i]
         trace[at + 12] = st.brake[i]
+        trace[at + 13] = 1.0 * st.present[i]
         at = at + TRACE_FIELDS
     return at
 
@@ -87,9 +89,9 @@ def summarise(p: Program, st: State, rows: int, out: list[float], base: int) -> 
     out[base + 16] = 1.0 * st.collision_b[0]
     out[base + 17] = st.collision_time[0]
     out[base + 18] = 1.0 * st.collision_count[0]
-    ego = max(p.ego[0], 0)
-    out[base + 19] = st.v[ego]
-    out[base + 20] = st.odometer[ego]
+    ego = reported_entity(p)
+    out[base + 19] = st.v[ego] if p.entity_count[0] > 0 else 0.0
+    out[base + 20] = st.odometer[ego] if p.entity_count[0] > 0 else 0.0
     crash = first_logged(st, EVENT_COLLISION)
     out[base + 21] = st.log_time[max(crash, 0)] if crash >= 0 else -1.0
     out[base + 22] = st.log_value[max(crash, 0)] if crash >= 0 else -1.0

@@ -10,7 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 
 from scenario_compiler.engine.opcodes import (
+    ACTION_END_FAILURE,
+    ACTION_FAILURE,
     ACTION_KINDS,
+    ACTION_MESSAGE,
+    ACTION_SENSOR_NOISE,
+    ACTION_STOP,
+    ACTION_WEATHER,
     ALL_MARKS,
     CAUSES,
     CONDITION_KINDS,
@@ -27,6 +33,18 @@ from scenario_compiler.engine.opcodes import (
     RULE_NOT_EQUAL,
     SHAPE_STEP,
 )
+
+OF_THE_RUN = frozenset(
+    {
+        ACTION_SENSOR_NOISE,
+        ACTION_FAILURE,
+        ACTION_END_FAILURE,
+        ACTION_WEATHER,
+        ACTION_MESSAGE,
+        ACTION_STOP,
+    }
+)
+"""Actions that need no entity."""
 
 
 @dataclass(slots=True)
@@ -202,12 +220,7 @@ def validate(program: Program, roads: int) -> None:
     conditions, actions, elements = p.condition_count[0], p.action_count[0], p.element_count[0]
     triggers = len(p.trigger_first) - 1
     _inside("ego", p.ego, NONE, entities)
-    _inside("perception", p.perception, 0, PERCEPTION_CAMERA + 1)
-    _inside("control_every", p.control_every, 1, 1 << 30)
-    _inside("image_every", p.image_every, 1, 1 << 30)
-    _inside("driver_kind", p.driver_kind, 0, DRIVER_FIXED + 1)
-    _inside("hazard_lights", p.hazard_lights, 0, 2)
-    _inside("destination_road", p.destination_road, NONE, roads)
+    _validate_run(p, roads)
     _column("entity_motion", p.entity_motion, entities, 0, MOTION_WALKER + 1)
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
     _column("entity_position", p.entity_position, entities, NONE, positions)
@@ -232,6 +245,21 @@ def validate(program: Program, roads: int) -> None:
     _column("span_road", p.span_road, p.span_count[0], 0, roads)
     _column("span_lane", p.span_lane, p.span_count[0], -1000, 1000)
     _column("span_const", p.span_const, p.span_count[0], 0, len(p.const) + 1)
+    _validate_story(p, elements, triggers, conditions, actions)
+    for column in fields(Program):
+        values = getattr(p, column.name)
+        kind = float if column.name == "const" else int
+        if any(type(value) is not kind for value in values):
+            raise ValueError(f"column {column.name} holds something else than {kind.__name__}")
+
+
+def _validate_run(p: Program, roads: int) -> None:
+    _inside("perception", p.perception, 0, PERCEPTION_CAMERA + 1)
+    _inside("control_every", p.control_every, 1, 1 << 30)
+    _inside("image_every", p.image_every, 1, 1 << 30)
+    _inside("driver_kind", p.driver_kind, 0, DRIVER_FIXED + 1)
+    _inside("hazard_lights", p.hazard_lights, 0, 2)
+    _inside("destination_road", p.destination_road, NONE, roads)
     _column("route_road", p.route_road, p.route_count[0], 0, roads)
     _column("stretch_road", p.stretch_road, p.stretch_count[0], NONE, roads)
     _column("stretch_lane", p.stretch_lane, p.stretch_count[0], -ALL_MARKS, ALL_MARKS + 1)
@@ -242,12 +270,6 @@ def validate(program: Program, roads: int) -> None:
     _column("weather_const", p.weather_const, p.weather_count[0], 0, len(p.const) + 1)
     _inside("cause_on", p.cause_on, 0, 2)
     _column("cause_order", p.cause_order, p.cause_count[0], 1, CAUSES)
-    _validate_story(p, elements, triggers, conditions, actions)
-    for column in fields(Program):
-        values = getattr(p, column.name)
-        kind = float if column.name == "const" else int
-        if any(type(value) is not kind for value in values):
-            raise ValueError(f"column {column.name} holds something else than {kind.__name__}")
 
 
 def _validate_story(p: Program, elements: int, triggers: int, conditions: int, actions: int) -> None:
@@ -276,6 +298,9 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _inside("condition_entity", p.condition_entity, 0, entities)
     _column("action_op", p.action_op, actions, 0, ACTION_KINDS)
     _column("action_entity", p.action_entity, actions, NONE, entities)
+    for kind, entity in zip(p.action_op, p.action_entity, strict=True):
+        if entity == NONE and kind not in OF_THE_RUN:
+            raise ValueError(f"column action_entity holds no entity for an action of kind {kind}")
     _column("action_shape", p.action_shape, actions, 0, SHAPE_STEP + 1)
     _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
     _column("action_other", p.action_other, actions, NONE, 1 << 30)

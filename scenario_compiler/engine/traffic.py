@@ -450,6 +450,8 @@ def move_traffic(n: RoadTables, p: Program, st: State, dt: float) -> None:
         return
     list_by_road(p, st)
     for i in range(p.entity_count[0]):
+        if st.present[i] == 0:
+            continue
         if p.entity_motion[i] == MOTION_TRAFFIC:
             move_driver(n, p, st, i, dt)
         elif p.entity_motion[i] == MOTION_WALKER:

@@ -38,6 +38,7 @@ from scenario_compiler.vocabulary.positions import (
     WorldPosition,
 )
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
+from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import parameters_in, replaced
@@ -110,7 +111,7 @@ def lower(
         network: The map.
         sink: Where faults go.
         values: Values of the scenario's open parameters, for the checks.
-        perception: What the lane confidence comes from.
+        perception: What the lane confidence comes from; ideal without an automated vehicle.
     """
     named = {} if scenario.spawn_points is None else {p.name: p.position for p in scenario.spawn_points.points}
     draft = Draft(scenario, network, sink, Binder(network, values, sink, named))
@@ -118,6 +119,7 @@ def lower(
         run_pass(draft)
     if sink.has_errors:
         return None
+    ego = scenario.ego
     plan = Plan(
         name=scenario.name,
         summary=scenario.summary,
@@ -128,13 +130,15 @@ def lower(
         parameters=draft.parameters,
         weather=scenario.weather,
         entities=tuple(draft.entities),
-        camera=scenario.ego.camera,
-        controller=scenario.ego.controller,
-        perception=perception,
+        camera=Camera() if ego is None else ego.camera,
+        controller=None if ego is None else ego.controller,
+        perception="ideal" if ego is None else perception,
         destination=draft.destination,
         route=draft.route,
         markings=scenario.markings,
         secondary_markings=scenario.secondary_markings,
+        variables=scenario.variables,
+        signal_controllers=scenario.signal_controllers,
         storyboard=draft.storyboard,
         takeover=draft.takeover,
         criteria=scenario.criteria,
@@ -155,18 +159,24 @@ def _checked(plan: Plan, network: Network, sink: Diagnostics) -> Plan | None:
 def bind_entities(draft: Draft) -> None:
     """Bind every entity's start to a lane, in document order: an entity may stand relative to an earlier one."""
     vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
-    written = (draft.scenario.ego, *draft.scenario.actors)
     starts: dict[str, BoundPosition] = {}
-    for entity in written:
-        start = draft.binder.bind(start_of(entity), vehicles[entity.model].center)
+    for entity in written_entities(draft.scenario):
+        vehicle, written = vehicles[entity.model], start_of(entity)
+        start = None if written is None else draft.binder.bind(written, vehicle.center)
         if start is not None:
             starts[entity.id] = start
-            draft.entities.append(make_entity(entity, start, vehicles[entity.model]))
+        if start is not None or written is None:
+            draft.entities.append(make_entity(entity, start, vehicle))
     resolve_starts(draft, starts)
-    for entity in written:
-        if entity.id in draft.unresolved:
-            message = f"the start of '{entity.id}' depends on itself"
-            draft.sink.add(POSITION_CYCLE, message, start_of(entity).origin)
+    for name in starts:
+        if name in draft.unresolved:
+            message = f"the start of '{name}' depends on itself"
+            draft.sink.add(POSITION_CYCLE, message, starts[name].origin)
+
+
+def written_entities(scenario: Scenario) -> tuple[Ego | Static | Dynamic, ...]:
+    """Return the entities as they were written, an automated vehicle first."""
+    return scenario.actors if scenario.ego is None else (scenario.ego, *scenario.actors)
 
 
 def resolve_starts(draft: Draft, starts: Mapping[str, BoundPosition]) -> None:
@@ -188,12 +198,12 @@ def resolve_starts(draft: Draft, starts: Mapping[str, BoundPosition]) -> None:
                 draft.lanes[name], draft.poses[name] = found
 
 
-def start_of(entity: Ego | Static | Dynamic) -> Position:
-    """Return where an entity starts, as it was written."""
+def start_of(entity: Ego | Static | Dynamic) -> Position | None:
+    """Return where an entity starts, as it was written; None for one that an action has yet to put somewhere."""
     return entity.at if isinstance(entity, Static) else entity.start
 
 
-def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition, vehicle: Vehicle) -> Entity:
+def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | None, vehicle: Vehicle) -> Entity:
     """Return the plan's entity for one of the scenario's."""
     if isinstance(entity, Static):
         return Entity(id=entity.id, kind="static", vehicle=vehicle, start=start, speed=0.0, desired_speed=0.0)
@@ -215,7 +225,7 @@ def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition, vehicle: V
 def plan_routes(draft: Draft) -> None:
     """Bind the destinations and find the ways to them."""
     ego = draft.scenario.ego
-    if ego.destination is not None:
+    if ego is not None and ego.destination is not None:
         goal, draft.route = find_way(draft, ego.id, ego.destination)
         if goal is not None:
             draft.destination = LanePosition(road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset)
@@ -315,7 +325,7 @@ def fill_duration(draft: Draft) -> None:
     """Give the run an end."""
     if draft.scenario.duration is not None:
         draft.duration = draft.scenario.duration
-    elif draft.scenario.storyboard.stop is None and draft.scenario.ego.destination is None:
+    elif draft.scenario.storyboard.stop is None and (draft.scenario.ego is None or not draft.scenario.ego.destination):
         message = f"'{draft.scenario.name}' says nothing of its end; it ends after {DEFAULT_DURATION:g} s"
         draft.sink.add(NO_DURATION, message, draft.scenario.origin)
 
@@ -323,8 +333,9 @@ def fill_duration(draft: Draft) -> None:
 def keep_open_parameters(draft: Draft) -> None:
     """Keep the parameters that numbers still depend on."""
     scenario = draft.scenario
-    words: list[Word] = [draft.storyboard, draft.takeover, scenario.ego.camera, *scenario.criteria]
-    words += [*scenario.markings, *scenario.secondary_markings]
+    words: list[Word] = [draft.storyboard, draft.takeover, *scenario.criteria]
+    words += [] if scenario.ego is None else [scenario.ego.camera]
+    words += [*scenario.markings, *scenario.secondary_markings, *scenario.signal_controllers]
     words += [word for e in draft.entities for word in (e.start, e.follow, e.path) if word is not None]
     open_names = {name for word in words for name in parameters_in(word)}
     for entity in draft.entities:
@@ -335,9 +346,10 @@ def keep_open_parameters(draft: Draft) -> None:
 
 def note_origins(draft: Draft) -> None:
     """Remember where the author wrote the parts of the plan that later stages speak of."""
-    parts: dict[str, Word] = {f"entities/{e.id}": e for e in (draft.scenario.ego, *draft.scenario.actors)}
+    parts: dict[str, Word] = {f"entities/{e.id}": e for e in written_entities(draft.scenario)}
     parts["scenario"] = draft.scenario
-    parts["controller"] = draft.scenario.ego.controller
+    if draft.scenario.ego is not None:
+        parts["controller"] = draft.scenario.ego.controller
     parts["takeover"] = draft.scenario.takeover
     for key, word in parts.items():
         place = word.origin

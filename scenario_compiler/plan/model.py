@@ -18,8 +18,10 @@ from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePosition
 from scenario_compiler.vocabulary.scenario import Classification, Parameter
 from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import Number
 
@@ -48,14 +50,16 @@ class RouteLeg(PlanPart):
 
 
 class Entity(PlanPart):
-    """An entity; its index in `Plan.entities` is its number in the engine. The ego vehicle is number 0."""
+    """An entity; its index in `Plan.entities` is its number in the engine. An automated ego vehicle is number 0."""
 
     id: str = Field(description="Id as the author wrote it, with the prefix of the use for templates.")
     kind: Literal["ego", "static", "dynamic", "traffic", "walker"] = Field(
         description="What moves it: the takeover's automation and driver, nothing, the storyboard, or traffic's rules."
     )
     vehicle: Vehicle = Field(description="Its dimensions and limits.")
-    start: BoundPosition = Field(description="Where it starts.")
+    start: BoundPosition | None = Field(
+        default=None, description="Where it starts; at the world's origin, off every road, when there is none."
+    )
     speed: Number = Field(description="Speed at the start, m/s.")
     desired_speed: Number = Field(description="Speed it aims for, m/s.")
     follow: Follow | None = Field(default=None, description="Car following, for dynamic actors and traffic.")
@@ -96,14 +100,18 @@ class Plan(PlanPart):
     duration: float = Field(description="When the run ends at the latest, s.")
     parameters: tuple[Parameter, ...] = Field(default=(), description="Parameters that numbers still depend on.")
     weather: Weather = Field(description="The weather.")
-    entities: tuple[Entity, ...] = Field(description="All entities in document order, the ego vehicle first.")
+    entities: tuple[Entity, ...] = Field(description="All entities in document order, an automated ego vehicle first.")
     camera: Camera = Field(description="The ego vehicle's camera.")
-    controller: Controller = Field(description="What drives the ego vehicle.")
+    controller: Controller | None = Field(
+        default=None, description="What drives the ego vehicle; none without an automated vehicle."
+    )
     perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
     destination: LanePosition | None = Field(default=None, description="Where the run ends.")
     route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
     markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")
     secondary_markings: tuple[SecondaryMarkings, ...] = Field(default=(), description="Lines beside the map's paint.")
+    variables: tuple[Variable, ...] = Field(default=(), description="Values that change while it runs.")
+    signal_controllers: tuple[SignalController, ...] = Field(default=(), description="Controllers of traffic signals.")
     storyboard: Storyboard = Field(description="What happens.")
     takeover: Takeover = Field(description="The takeover policy, with every number filled in.")
     criteria: tuple[Criterion, ...] = Field(default=(), description="What the run is judged by.")
@@ -114,5 +122,5 @@ class Plan(PlanPart):
 
     @property
     def ego(self) -> Entity:
-        """The ego vehicle."""
+        """The vehicle that reports are about: the first entity; IndexError where there is none."""
         return self.entities[0]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenario_compiler.engine.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
+from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import along_path, least_box_distance, path_curvature, touching
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Booleans, Floats
@@ -38,6 +39,7 @@ class Measure:
         undefined: When it has no value.
         compute: The function, from Traces (...) to an array (...).
         source: Where the definition comes from; empty for our own.
+        of_takeover: It is about the takeover, so that a run without an automated vehicle does not have it.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Measure:
     undefined: str
     compute: Callable[[Traces], Floats]
     source: str = ""
+    of_takeover: bool = True
 
 
 def takeover_time(traces: Traces) -> Floats:
@@ -195,7 +198,15 @@ def _time_of(kind: EventKind, what: str) -> Measure:
     def first_time(traces: Traces) -> Floats:
         return traces.times[kind]
 
-    return Measure(f"{kind}_time", "s", f"Time of the first {what}.", f"no {what}", first_time)
+    definition, undefined = f"Time of the first {what}.", f"no {what}"
+    return Measure(f"{kind}_time", "s", definition, undefined, first_time, of_takeover=kind != "collision")
+
+
+def measures_of(plan: Plan) -> tuple[Measure, ...]:
+    """Return the measures that runs of a plan have: none without an entity, those of the takeover with an ego only."""
+    if not plan.entities:
+        return ()
+    return tuple(one for one in MEASURES if plan.controller is not None or not one.of_takeover)
 
 
 MEASURES: tuple[Measure, ...] = (
@@ -245,6 +256,7 @@ MEASURES: tuple[Measure, ...] = (
         "the vehicle, with the curvature it drives at that moment; 0 while boxes overlap.",
         "nothing in the path is ever closed in on",
         minimum_time_to_collision,
+        of_takeover=False,
     ),
     Measure(
         "minimum_distance",
@@ -252,6 +264,7 @@ MEASURES: tuple[Measure, ...] = (
         "Least distance in the plane between the vehicle's box and another entity's over the run; 0 when they overlap.",
         "no other entity",
         minimum_distance,
+        of_takeover=False,
     ),
     Measure(
         "maximum_longitudinal_acceleration",
@@ -292,13 +305,14 @@ MEASURES: tuple[Measure, ...] = (
         "no lane confidence was recorded",
         minimum_confidence,
     ),
-    Measure("final_speed", "m/s", "Speed in the last row of the run.", "no row", final_speed),
+    Measure("final_speed", "m/s", "Speed in the last row of the run.", "no row", final_speed, of_takeover=False),
     Measure(
         "collision_speed",
         "m/s",
         "Speed in the last row before the first collision.",
         "no collision",
         collision_speed,
+        of_takeover=False,
     ),
     _time_of("warning", "warning"),
     _time_of("request", "request"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -11,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
-from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.measures import MEASURES, Measure, measures_of
 from scenario_compiler.recording.names import STATE_AFTER, StateName, StopReason
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.traces import Traces, traces_of
@@ -62,7 +63,9 @@ class Outcome(_Part):
     error: int = Field(default=0, description="The engine's fault code; 0 for none.")
     duration: float = Field(description="Time of the last row, s.")
     criteria: tuple[CriterionResult, ...] = Field(description="How the run fares by each criterion of the plan.")
-    timeline: tuple[Interval, ...] = Field(description="The takeover's states, one after the other.")
+    timeline: tuple[Interval, ...] = Field(
+        description="The takeover's states, one after the other; none without an automated vehicle."
+    )
     measures: dict[str, MeasureValue] = Field(description="The measures by name, each with the definition used.")
     trajectory_hash: str = Field(description="SHA-256 of the trajectories: equal runs have equal hashes.")
     versions: dict[str, str] = Field(description="Versions of what the result depends on.")
@@ -71,6 +74,7 @@ class Outcome(_Part):
 def judge(plan: Plan, recording: Recording) -> Outcome:
     """Judge a run by its plan's criteria and measure it."""
     traces = traces_of(plan, recording)
+    automated = plan.controller is not None
     criteria = tuple(judge_criterion(criterion, recording, traces) for criterion in plan.criteria)
     header = recording.header
     passed = all(one.passed for one in criteria)
@@ -90,18 +94,18 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
         error=recording.error,
         duration=float(recording.t[-1]) if len(recording.t) else 0.0,
         criteria=criteria,
-        timeline=timeline(recording),
-        measures=measure_run(traces),
+        timeline=timeline(recording) if automated else (),
+        measures=measure_run(traces, measures_of(plan)),
         trajectory_hash=recording.trajectory_hash,
         versions=dict(sorted(header.versions.items())),
     )
 
 
-def measure_run(traces: Traces) -> dict[str, MeasureValue]:
-    """Return all measures of one run."""
+def measure_run(traces: Traces, measures: Sequence[Measure] = MEASURES) -> dict[str, MeasureValue]:
+    """Return these measures of one run."""
     if not len(traces.t):
         return {}
-    values = {measure.name: float(measure.compute(traces)) for measure in MEASURES}
+    values = {measure.name: float(measure.compute(traces)) for measure in measures}
     return {
         m.name: MeasureValue(
             value=values[m.name] if np.isfinite(values[m.name]) else None,
@@ -110,7 +114,7 @@ def measure_run(traces: Traces) -> dict[str, MeasureValue]:
             source=m.source,
             undefined="" if np.isfinite(values[m.name]) else m.undefined,
         )
-        for m in MEASURES
+        for m in measures
     }
 
 

@@ -34,7 +34,9 @@ class Header(BaseModel):
         default={}, description="Value of each parameter that the plan leaves open."
     )
     step: float = Field(description="Length of a time step, s.")
-    entities: tuple[str, ...] = Field(description="Ids of the entities in document order, the ego vehicle first.")
+    entities: tuple[str, ...] = Field(
+        description="Ids of the entities in document order, an automated ego vehicle first."
+    )
     perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
     world: str = Field(default="kinematic", description="Name of the world that the run took place in.")
     versions: dict[str, str] = Field(
@@ -90,7 +92,7 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """One run: n rows (t = 0 and one a step) of m entities in OpenDRIVE axes; entity 0 is the ego vehicle.
+    """One run: n rows (t = 0 and one a step) of m entities in OpenDRIVE axes; an automated ego vehicle is entity 0.
 
     The point of an entity is its reference point: the rear axle's centre on the ground. Rows where an entity
     is absent hold NaN, 0 or -1; `present` tells. Two recordings are equal when all their content is, NaN equal
@@ -242,8 +244,6 @@ class RecordingBuilder:
         """Return the recording of all rows so far; events of one instant stay as they came."""
         arrays = {column.name: self._array(column) for column in COLUMNS}
         absent = ~arrays["present"]
-        if absent[:, :1].any():
-            raise ValueError("the ego vehicle must be present in every row")
         for column in COLUMNS:
             if column.per == "entity":
                 arrays[column.name][absent] = column.nothing

@@ -78,6 +78,7 @@ def start_picture(plan: Plan, network: Network) -> bytes:
     snapshot = Snapshot(
         t=0.0,
         frame=0,
+        present=(True,) * len(poses),
         poses=tuple(Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0) for one in poses),
         speeds=(0.0,) * len(poses),
         sigma=0.0,

@@ -98,6 +98,9 @@ def decimal(value: float) -> str:
     return fixed(value).rstrip("0").rstrip(".")
 
 
+CONFIDENCE_FROM = {"camera": "the camera image", "ideal": "the map's marks (ideal)"}
+
+
 def conditions(run: Run) -> list[tuple[str, str]]:
     """Return the conditions of the run as (what, value)."""
     plan, header = run.plan, run.recording.header
@@ -109,25 +112,28 @@ def conditions(run: Run) -> list[tuple[str, str]]:
     rows = [
         ("Map", plan.map.name),
         ("Weather", plan.weather.preset),
-        ("Vehicle", plan.ego.vehicle.name),
-        ("Speed at the start", number(plan.ego.speed, "m/s")),
-        ("Desired speed", number(plan.ego.desired_speed, "m/s")),
-        ("Controller", plan.controller.model),
-        ("Lane confidence from", "the camera image" if header.perception == "camera" else "the map's marks (ideal)"),
-        ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
+        *[("Vehicle", one.vehicle.name) for one in plan.entities[:1]],
+        *[("Speed at the start", number(one.speed, "m/s")) for one in plan.entities[:1]],
         ("Other actors", ", ".join(f"{e.id} ({e.vehicle.name})" for e in plan.entities[1:]) or "none"),
         ("Markings changed", ", ".join(f"road {m.road}" for m in plan.markings) or "none"),
         ("Markings added", ", ".join(f"{m.colour} on road {m.road}" for m in plan.secondary_markings) or "none"),
-        ("Time budget", number(policy.budget, "s")),
-        ("Escalation after", number(policy.escalate_after, "s")),
-        ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
-        ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
-        ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
-        ("Driver", _driver(run)),
         ("World", header.world),
         ("Step, control", f"{decimal(plan.step)} s, every {plan.control_every}. step"),
         ("Duration at most", f"{decimal(plan.duration)} s"),
     ]
+    if plan.controller is not None:
+        rows += [
+            ("Desired speed", number(plan.ego.desired_speed, "m/s")),
+            ("Controller", plan.controller.model),
+            ("Lane confidence from", CONFIDENCE_FROM[header.perception]),
+            ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
+            ("Time budget", number(policy.budget, "s")),
+            ("Escalation after", number(policy.escalate_after, "s")),
+            ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
+            ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+            ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
+            ("Driver", _driver(run)),
+        ]
     rows += [(f"${name}", _plain(value)) for name, value in sorted(header.parameters.items())]
     return rows
 

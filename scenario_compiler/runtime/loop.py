@@ -30,7 +30,7 @@ from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.weather import weather_of
 from scenario_compiler.worlds import WORLDS, CameraFaults, Snapshot, World
 
-ENTITY_COLUMNS = ("x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "throttle", "steer", "brake")
+ENTITY_COLUMNS = ("present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "throttle", "steer", "brake")
 RUN_COLUMNS = {
     "takeover_state": "takeover_state",
     "cause": "cause",
@@ -107,7 +107,7 @@ class _Execution:
         self.told = [word for word in walk(plan.storyboard) if isinstance(word, MessageAction)]
         self.state.draw[:] = make_draws(seed, variant)
         self.controller: ControllerModel | None = None
-        if plan.perception == "camera":
+        if plan.controller is not None and plan.perception == "camera":
             self.controller = create_controller(plan.controller)
             self.controller.reset(seed)
         self.control: Control | None = None
@@ -142,7 +142,9 @@ class _Execution:
         st = self.state
         poses = map(Pose, st.x, st.y, st.z, st.h, st.pitch, st.roll)
         weather = weather_of(st.weather) if self.weather_changes else None
-        return Snapshot(st.clock[0], st.frame[0], tuple(poses), tuple(st.v), st.sigma[0], faults_of(st), weather)
+        present = tuple(one == 1 for one in st.present)
+        moving = tuple(poses), tuple(st.v)
+        return Snapshot(st.clock[0], st.frame[0], present, *moving, st.sigma[0], faults_of(st), weather)
 
     def finish(self) -> Recording:
         """Return the recording."""
@@ -209,8 +211,8 @@ class _Execution:
         return messages(self.plan.takeover, kind, cause)
 
     def _entity(self, kind: str, value: float) -> str:
-        """Return whom an event concerns: at a collision what was hit, else the ego vehicle."""
-        return self.plan.entities[int(value) if kind == "collision" else 0].id
+        """Return whom an event concerns: at a collision what was hit, else the vehicle that reports are about."""
+        return self.plan.entities[int(value) if kind == "collision" else 0].id if self.plan.entities else ""
 
     def _header(self, seed: int, variant: int) -> Header:
         return Header(
@@ -235,7 +237,8 @@ class _Execution:
         """Return the live columns of the engine's state that are recorded."""
         st = self.state
         columns: dict[str, list[float] | list[int]] = {name: getattr(st, name) for name in ENTITY_COLUMNS}
-        columns |= {name: getattr(st, column) for name, column in RUN_COLUMNS.items()}
+        if self.plan.controller is not None:
+            columns |= {name: getattr(st, column) for name, column in RUN_COLUMNS.items()}
         return columns | self.lanes
 
     def _picture(self, t: float, kind: str, cause: str) -> None:

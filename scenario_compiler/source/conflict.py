@@ -26,8 +26,10 @@ from scenario_compiler.vocabulary.entities import Dynamic, Ego, Row, Static, Tra
 from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import SpawnPoints
 from scenario_compiler.vocabulary.scenario import Classification, Parameter, Scenario
+from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import AnyOf, Do, When
 from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import (
@@ -181,8 +183,10 @@ class ScenarioElement(Word):
         "The weather by its numbers; it goes before the attribute `weather`.", default=None
     )
     spawn_points: SpawnPoints | None = same_as(Scenario, "spawn_points")
-    ego: Ego = same_as(Scenario, "ego")
+    ego: Ego = child("The automated vehicle.")
     items: tuple[Item, ...] = child("What is on the road, and what happens there.", default=())
+    variables: tuple[Variable, ...] = same_as(Scenario, "variables")
+    signal_controllers: tuple[SignalController, ...] = same_as(Scenario, "signal_controllers")
     takeover: Takeover = same_as(Scenario, "takeover")
     criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=(), wrapper="criteria")
 

@@ -41,6 +41,16 @@ class Vehicle(Word):
         "Deceleration at full brake, m/s2.", default=8.0, quantity="acceleration", minimum=0
     )
     max_speed: float = attribute("Top speed, m/s.", default=60.0, quantity="speed", minimum=0)
+    hitch: float | None = attribute(
+        "Distance from the rear axle forward to where a trailer is hitched, m; mostly negative.",
+        default=None,
+        quantity="length",
+    )
+    coupler: float | None = attribute(
+        "Distance from the rear axle forward to where a trailer is coupled to what draws it, m.",
+        default=None,
+        quantity="length",
+    )
 
 
 class Property(Word):
@@ -118,7 +128,11 @@ class Dynamic(Word):
     id: str = attribute("Id of the entity.", pattern=ENTITY_ID)
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.tesla.model3", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
-    start: Position = child("Where it starts.", wrapper="start")
+    start: Position | None = child(
+        "Where it starts; off every road, until an action puts it somewhere, when left out.",
+        default=None,
+        wrapper="start",
+    )
     destination: Position | None = child(
         "Where it is going: at junctions it takes the way there, and drives on beyond.",
         default=None,

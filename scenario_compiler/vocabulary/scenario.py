@@ -10,8 +10,10 @@ from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Actor, Ego, Traffic, Vehicle
 from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import SpawnPoints
+from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
+from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import IDENTIFIER, Number, Word, attribute, child
@@ -87,12 +89,14 @@ class Scenario(Word):
     vary: Vary | None = child("How a sweep varies it.", default=None)
     classification: Classification | None = child("Its place in a taxonomy.", default=None)
     spawn_points: SpawnPoints | None = child("Spawn points of the scenario's own.", default=None)
-    ego: Ego = child("The automated vehicle.")
+    ego: Ego | None = child("The automated vehicle.", default=None)
     actors: tuple[Actor, ...] = child("The other actors, in document order.", default=())
     traffic: tuple[Traffic, ...] = child("Background traffic.", default=())
     vehicles: tuple[Vehicle, ...] = child("The vehicles that the entities are.", default=())
     markings: tuple[Markings, ...] = child("Where the paint differs from the map's.", default=())
     secondary_markings: tuple[SecondaryMarkings, ...] = child("Lines beside the map's paint.", default=())
+    variables: tuple[Variable, ...] = child("Values that change while it runs.", default=())
+    signal_controllers: tuple[SignalController, ...] = child("Controllers of traffic signals.", default=())
     storyboard: Storyboard = child("What happens.", default_factory=Storyboard)
     takeover: Takeover = child("The takeover policy.", default_factory=Takeover)
     criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=())

@@ -122,7 +122,10 @@ class KinematicWorld:
         from scenario_compiler.perception.solids import Box
 
         boxes = []
-        for entity, pose in list(zip(self.plan.entities, snapshot.poses, strict=True))[1:]:
+        placed = zip(self.plan.entities, snapshot.poses, snapshot.present, strict=True)
+        for entity, pose, present in list(placed)[1:]:
+            if not present:
+                continue
             vehicle = entity.vehicle
             x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
             paint = PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)]

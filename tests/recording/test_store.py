@@ -139,9 +139,10 @@ def test_a_column_that_does_not_exist_or_does_not_fit_is_refused() -> None:
         RecordingBuilder(header("ego"), ROADS, {"cause": [0, 0]})
 
 
-def test_the_ego_vehicle_is_always_there() -> None:
-    with pytest.raises(ValueError, match="ego vehicle"):
-        two_rows(present=[0, 1])
+def test_a_row_without_the_first_vehicle_holds_nothing_of_it() -> None:
+    recording = two_rows(present=[0, 1])
+    assert recording.x[0, 0] == 1.0
+    assert np.isnan(recording.x[1, 0])
 
 
 @pytest.mark.parametrize("content", [b"", b"PAR1", b"no parquet at all"])

@@ -40,7 +40,8 @@ def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -
 def _drafted(plan: Plan, network: Network, *, posed: bool) -> Draft:
     draft = Draft(plan, network)
     add_run(draft)
-    add_takeover(draft)
+    if plan.controller is not None:
+        add_takeover(draft)
     add_entities(draft, posed=posed)
     add_markings(draft)
     add_init(draft)

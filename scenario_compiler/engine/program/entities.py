@@ -8,6 +8,7 @@ from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.conflicts import conflicts_of
 from scenario_compiler.engine.program.draft import Draft, Slot
 from scenario_compiler.engine.program.positions import add_position
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.plan.model import Entity
 
 MOTIONS = {
@@ -52,7 +53,8 @@ def _add_entity(draft: Draft, entity: Entity, posed: bool) -> None:
         follow = (one.time_gap, one.minimum_gap, one.acceleration, one.deceleration)
     p.entity_motion.append(motion)
     p.entity_follows.append(0 if entity.follow is None else 1)
-    p.entity_position.append(add_position(draft, entity.start, entity.kind))
+    start = op.NONE if entity.start is None else add_position(draft, entity.start, entity.kind)
+    p.entity_position.append(start)
     p.entity_leg_first.append(len(p.leg_road))
     for leg in entity.route:
         road = draft.network.road_index(leg.road)
@@ -75,8 +77,8 @@ def _start_order(draft: Draft) -> list[int]:
     order: list[int] = []
     waiting = list(range(len(p.entity_motion)))
     while waiting:
-        ready = [i for i in waiting if p.position_entity[p.entity_position[i]] in (op.NONE, *order)]
-        fixed = [i for i in ready if p.position_op[p.entity_position[i]] != op.POSITION_RANDOM]
+        ready = [i for i in waiting if _start_follows(p, i) in (op.NONE, *order)]
+        fixed = [i for i in ready if not _starts_at_random(p, i)]
         ready = fixed or ready
         if not ready:
             names = ", ".join(draft.plan.entities[i].id for i in waiting)
@@ -84,3 +86,14 @@ def _start_order(draft: Draft) -> list[int]:
         order.extend(ready)
         waiting = [i for i in waiting if i not in ready]
     return order
+
+
+def _start_follows(p: Program, i: int) -> int:
+    """Return the entity that the start of i is relative to, or NONE."""
+    at = p.entity_position[i]
+    return op.NONE if at < 0 else p.position_entity[at]
+
+
+def _starts_at_random(p: Program, i: int) -> bool:
+    at = p.entity_position[i]
+    return at >= 0 and p.position_op[at] == op.POSITION_RANDOM

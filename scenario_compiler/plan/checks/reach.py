@@ -36,6 +36,8 @@ SHORT_BUDGET = Code(
 def check_budget(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn when the car cannot stop within the budget at the speed that it aims for."""
     del network
+    if plan.controller is None:
+        return
     values = parameter_values(plan.parameters)
     takeover = plan.takeover
     speed = number_value(plan.ego.desired_speed, values)
@@ -49,6 +51,8 @@ def check_budget(plan: Plan, network: Network, sink: Diagnostics) -> None:
 def check_reach(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn when a scenario's only conflict is what stands on the road, and all of it is out of reach."""
     del network
+    if plan.controller is None:
+        return
     others = plan.entities[1:]
     something_else = any((plan.storyboard.stories, plan.markings, plan.secondary_markings, plan.camera.failures))
     start = plan.derived.get(plan.ego.id)

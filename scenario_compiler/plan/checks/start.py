@@ -21,7 +21,7 @@ NOT_DRIVABLE = Code(
 
 def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn when the ego vehicle starts on a lane that is not for driving."""
-    start = plan.ego.start
+    start = None if plan.controller is None else plan.ego.start
     if not isinstance(start, LanePosition) or not isinstance(start.s, float):
         return
     if not drivable_at(network, start.road, start.lane, start.s):

@@ -191,7 +191,12 @@ def _never_so_far(
 ) -> Never | None:
     """Return why the ego vehicle, which starts at a known place, does not come near a position on a lane."""
     start, goal = plan.derived.get(condition.entity), condition.position
-    if condition.entity != plan.ego.id or start is None or not isinstance(goal, LanePosition):
+    if (
+        plan.controller is None
+        or condition.entity != plan.ego.id
+        or start is None
+        or not isinstance(goal, LanePosition)
+    ):
         return None
     pose = network.lane_pose(goal.road, goal.lane, number_value(goal.s, values), number_value(goal.offset, values))
     away = math.hypot(pose.x - start.x, pose.y - start.y) - number_value(condition.tolerance, values)
