@@ -1,0 +1,85 @@
+"""What OpenSCENARIO is written with: the version, who acts, and what cannot be said in it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
+from scenario_compiler.vocabulary.word import Word
+
+Version: TypeAlias = tuple[int, int]
+"""revMajor and revMinor."""
+
+VERSIONS: tuple[Version, ...] = ((1, 0), (1, 1), (1, 2), (1, 3))
+"""Versions that are written."""
+
+LOST = Code(
+    "SC783",
+    "lost-in-openscenario",
+    "Something of the scenario cannot be said in OpenSCENARIO, or not in the version that is written: other programs "
+    "will not know of it. Where it can, the file keeps it as a property of the controller `scenario_compiler`, which "
+    "this program reads back.\n\n"
+    "    scenario-compiler export conflict.xml -o out.xosc --version 1.0     1.0 has no <SpeedProfileAction>\n\n"
+    "Write a newer version, or do without.",
+    Severity.WARNING,
+)
+
+_SAID = re.compile(r"[ A-Za-z0-9_+\-*/%$().,]*\Z")
+_FUNCTION = re.compile(r"([a-z0-9]+)\(")
+_KNOWN_FUNCTIONS = frozenset({"abs", "ceil", "floor", "max", "min", "pow", "round", "sign", "sqrt", "not"})
+_PER_DEGREE = "0.017453292519943295"
+
+
+@dataclass(frozen=True)
+class Output:
+    """What words are written with.
+
+    Attributes:
+        version: Version that is written.
+        sink: Where it is told what cannot be said.
+        values: Values of the scenario's open parameters.
+        actor: Id of the entity that acts, empty where there is none or several do.
+    """
+
+    version: Version
+    sink: Diagnostics
+    values: Mapping[str, Value] = field(default_factory=dict)
+    actor: str = ""
+
+    def by(self, actor: str) -> Output:
+        """Return what the actions of an entity are written with."""
+        return replace(self, actor=actor)
+
+    def tell_lost(self, word: Word, message: str) -> None:
+        """Tell that a part of a word cannot be said."""
+        self.sink.add(LOST, message, word.origin)
+
+    def dotted(self, version: Version | None = None) -> str:
+        """Return a version, or the one that is written, as text."""
+        return "{}.{}".format(*(version or self.version))
+
+    def text(self, value: Expression | float | int | bool | str, word: Word) -> str:
+        """Return the text of an attribute's value."""
+        if isinstance(value, Expression):
+            return self._expression(value, word)
+        if isinstance(value, int) and not isinstance(value, bool):
+            return str(value)
+        return format_value(value)
+
+    def _expression(self, value: Expression, word: Word) -> str:
+        text = value.text
+        if re.fullmatch(r"\$\w+", text):
+            return text
+        text = text.replace("radians(", f"({_PER_DEGREE} * ")
+        if self.version > (1, 0) and _SAID.match(text) and _KNOWN_FUNCTIONS.issuperset(_FUNCTION.findall(text)):
+            return f"${{{text}}}"
+        try:
+            present = value.number(self.values)
+        except ExpressionError:
+            present = 0.0
+        self.tell_lost(word, f"the expression {value.text} is written as its present value, {present:g}")
+        return format_value(present)
