@@ -28,8 +28,8 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.below import place_below
-from scenario_compiler.roads.geometry import road_reference
-from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_exists, lane_pose
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.relative import across_road, lanes_away
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
@@ -93,25 +93,10 @@ def advance_by_way(
 
 
 @compiled
-def lane_beyond(n: RoadTables, road: int, lane: int, s: float, by: int, facing: int) -> int:
-    """Return the lane `by` lanes to the left as seen along `facing`, or the last one on the way there."""
-    at = lane
-    step = facing if by > 0 else -facing
-    for _ in range(abs(by)):
-        beside = at + step
-        if beside == 0:
-            beside = beside + step
-        if lane_exists(n, road, beside, s) == 0:
-            return at
-        at = beside
-    return at
+def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
+    """Return (road, lane, s, offset, heading to turn from) of a place counted from an entity's; road -1 for none.
 
-
-@compiled
-def place_lanes_away(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
-    """Return (road, lane, s, offset, heading that the turn is relative to) of a place in lanes away; road -1 for none.
-
-    Along the lane, ahead and left are those of the lane's travel; along the road, those of its s.
+    In lanes along the lane, ahead and left are those of the lane's travel, else those of the road's s.
     """
     other = p.position_entity[k]
     road = st.road[other]
@@ -119,61 +104,20 @@ def place_lanes_away(n: RoadTables, p: Program, st: State, k: int, i: int) -> tu
         return -1, 0, 0.0, 0.0, 0.0
     base = p.position_const[k]
     lane = st.lane[other]
+    direction = lane_direction(n, road, lane)
     ahead = p.const[base + P_S]
-    along_lane = p.position_flags[k] & POSITION_ALONG_LANE
+    along_lane = 1 if p.position_flags[k] & POSITION_ALONG_LANE != 0 else 0
     if along_lane == 0:
-        ahead = ahead * lane_direction(n, road, lane)
+        ahead = ahead * direction
     road, lane, s = advance_by_way(n, p, st, i, other, road, lane, st.s[other], ahead)
-    sense = 1
-    if along_lane != 0:
-        sense = lane_direction(n, road, lane)
-    lane = lane_beyond(n, road, lane, s, p.position_lane[k], sense)
-    offset = sense * p.const[base + P_OFFSET]
-    _, _, _, h, _, _ = lane_pose(n, road, lane, s, offset)
-    if along_lane != 0 and lane_direction(n, road, lane) < 0:
-        h = h + pi
-    return road, lane, s, offset, h
-
-
-@compiled
-def lane_nearest(n: RoadTables, road: int, s: float, t: float) -> int:
-    """Return the lane that holds t at s, off the lanes the one whose centre is nearest, 0 on a road without lanes."""
-    lane = lane_at(n, road, s, t)
-    if lane != 0:
-        return lane
-    best = 1.0e9
-    for side in (-1, 1):
-        at = side
-        while lane_exists(n, road, at, s) == 1:
-            centre, _ = lane_centre(n, road, at, s)
-            if abs(t - centre) < best:
-                best = abs(t - centre)
-                lane = at
-            at = at + side
-    return lane
-
-
-@compiled
-def place_on_road(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
-    """Return what `place_lanes_away` does, of a place by distances along and across the road of an entity."""
-    other = p.position_entity[k]
-    road = st.road[other]
-    if road < 0:
-        return -1, 0, 0.0, 0.0, 0.0
-    base = p.position_const[k]
-    lane = st.lane[other]
-    off = st.off[other]
-    ahead = p.const[base + P_S] * lane_direction(n, road, lane)
-    before = lane_direction(n, road, lane)
-    road, lane, s = advance_by_way(n, p, st, i, other, road, lane, st.s[other], ahead)
-    centre, _ = lane_centre(n, road, lane, s)
-    t = centre + off * before * lane_direction(n, road, lane) + p.const[base + P_OFFSET]
-    lane = lane_nearest(n, road, s, t)
+    if p.position_op[k] == POSITION_LANES_AWAY:
+        lane, offset, h = lanes_away(n, road, lane, s, p.position_lane[k], p.const[base + P_OFFSET], along_lane)
+    else:
+        aside = st.off[other] * direction * lane_direction(n, road, lane)
+        lane, offset, h = across_road(n, road, lane, s, aside, p.const[base + P_OFFSET])
     if lane == 0:
         return -1, 0, 0.0, 0.0, 0.0
-    centre, _ = lane_centre(n, road, lane, s)
-    _, _, h, _ = road_reference(n, road, s)
-    return road, lane, s, t - centre, h
+    return road, lane, s, offset, h
 
 
 @compiled
@@ -219,10 +163,8 @@ def place_of(
     turn = p.const[base + P_TURN]
     if is_number(p.const[base + P_S] + p.const[base + P_OFFSET] + turn) == 0:
         return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if op == POSITION_LANES_AWAY:
-        road, lane, s, offset, along = place_lanes_away(n, p, st, k, i)
-    elif op == POSITION_RELATIVE_ROAD:
-        road, lane, s, offset, along = place_on_road(n, p, st, k, i)
+    if op in (POSITION_LANES_AWAY, POSITION_RELATIVE_ROAD):
+        road, lane, s, offset, along = place_from_entity(n, p, st, k, i)
     else:
         road, lane, s, offset, direction = resolve_position(n, p, st, k)
         along = 0.0

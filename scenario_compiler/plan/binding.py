@@ -16,19 +16,28 @@ from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type
+from scenario_compiler.roads.projection import read_projection
 from scenario_compiler.roads.spawn_points import read_spawn_points
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BesidePosition,
     BoundPosition,
+    FreePosition,
+    GeoPosition,
     LanePosition,
+    LanesAwayPosition,
     NumberedSpawnPoint,
     Position,
     RandomPosition,
     RandomSpawnPoint,
     RelativeLanePosition,
+    RelativeObjectPosition,
+    RelativeRoadPosition,
+    RelativeWorldPosition,
     RoadPosition,
+    RoutePosition,
     SpawnPoint,
+    TrajectoryPosition,
     WorldPosition,
 )
 from scenario_compiler.vocabulary.word import Number, Word
@@ -100,6 +109,28 @@ NO_VALUE = Code(
     "result that is not finite."
     '\n\n    <ahead_of entity="ego" distance="${100 / $count}"/>     has no value where count is 0',
 )
+NOT_ON_EARTH = Code(
+    "SC385",
+    "map-without-projection",
+    "A position is given by latitude and longitude, but the map does not say how it is projected, or not by a "
+    "transverse Mercator projection (`+proj=tmerc` or `+proj=utm` in the `geoReference` of its header). Write the "
+    "position in the map's own axes instead:\n\n"
+    '    <geographic latitude="49.0069" longitude="8.4037"/>\n'
+    '    <free x="120.5" y="-33.2" heading="90"/>',
+)
+
+AT_USE = (
+    RelativeLanePosition
+    | BesidePosition
+    | FreePosition
+    | LanesAwayPosition
+    | RelativeRoadPosition
+    | RelativeObjectPosition
+    | RelativeWorldPosition
+    | RoutePosition
+    | TrajectoryPosition
+)
+"""Positions that the engine finds when they are used."""
 
 
 @dataclass(frozen=True)
@@ -136,8 +167,10 @@ class Binder:
         """
         if isinstance(position, LanePosition):
             return position if self._on_lane(position) else None
-        if isinstance(position, RelativeLanePosition | BesidePosition):
+        if isinstance(position, AT_USE):
             return position
+        if isinstance(position, GeoPosition):
+            return self._bind_geographic(position)
         if isinstance(position, RoadPosition):
             return self._bind_road(position)
         if isinstance(position, SpawnPoint | NumberedSpawnPoint):
@@ -187,6 +220,8 @@ class Binder:
             return None
         pose = self.network.road_pose(position.road, s, t)
         heading = pose.heading + self.value(position.turn, position)
+        if position.heading is not None:
+            heading = self.value(position.heading, position)
         lanes = [lane for lane in self.network.lanes_at(position.road, s) if lane.lane != 0]
         if not lanes:
             self.sink.add(OFF_ROAD, f"road '{position.road}' has no lanes at s = {s:g} m", position.origin)
@@ -194,6 +229,21 @@ class Binder:
         nearest = min(lanes, key=lambda lane: (abs(t - (lane.t_left + lane.t_right) / 2), lane.lane))
         offset = t - (nearest.t_left + nearest.t_right) / 2
         return self._facing(FoundLane(position.road, nearest.lane, s, offset), heading, position)
+
+    def _bind_geographic(self, position: GeoPosition) -> FreePosition | None:
+        header = self.network.model().header
+        projection = read_projection(header.geo_reference)
+        if projection is None:
+            hint = f"its geoReference is '{header.geo_reference}'" if header.geo_reference else "it has no geoReference"
+            message = f"the map '{self.network.name}' says no projection that is known"
+            self.sink.add(NOT_ON_EARTH, message, position.origin, hint=hint)
+            return None
+        x, y = projection.project(math.radians(position.latitude), math.radians(position.longitude))
+        away_x, away_y, _, turned = header.offset
+        dx, dy = x - away_x, y - away_y
+        c, w = math.cos(turned), math.sin(turned)
+        placed = FreePosition(x=dx * c + dy * w, y=dy * c - dx * w, heading=position.heading)
+        return placed.written_at(position.origin)
 
     def _spawn_points(self) -> Mapping[str, Position]:
         """Return the scenario's spawn points, or the map's where the scenario has none."""
@@ -295,32 +345,29 @@ class Binder:
         direction = travel_direction(self.network, lane.road, lane.lane)
         return pose.heading if direction > 0 else pose.heading + math.pi
 
-    def resolve(self, position: BoundPosition, starts: Mapping[str, FoundLane]) -> tuple[FoundLane, StartPose] | None:
-        """Return where a bound position lies at the parameters' values; `starts` are the entities' lanes so far.
+    def resolve(
+        self, position: Position | BoundPosition, starts: Mapping[str, FoundLane]
+    ) -> tuple[FoundLane, StartPose] | None:
+        """Return where a lane position, or one ahead of or beside an entity, lies at the parameters' values.
 
-        None for one that is drawn when a run begins, and for one relative to it.
+        `starts` are the entities' lanes so far. None for one relative to an entity that is drawn, and for any other.
         """
         if isinstance(position, LanePosition):
-            lane = FoundLane(
-                position.road,
-                position.lane,
-                self.value(position.s, position),
-                self.value(position.offset, position),
-            )
-        elif isinstance(position, RandomPosition | AnyOfPosition):
-            return None
+            s, offset = self.value(position.s, position), self.value(position.offset, position)
+            lane: FoundLane | None = FoundLane(position.road, position.lane, s, offset)
+        elif isinstance(position, BesidePosition):
+            lane = self._beside(position, starts)
+        elif isinstance(position, RelativeLanePosition):
+            lane = self._ahead(position, starts)
         else:
-            found = (
-                self._beside(position, starts)
-                if isinstance(position, BesidePosition)
-                else self._ahead(position, starts)
-            )
-            if found is None:
-                return None
-            lane = found
+            return None
+        if lane is None:
+            return None
         pose = self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset)
-        turn = self.value(position.turn, position)
-        return lane, _start_pose(pose, self.travel_heading(lane) + turn)
+        heading = self.travel_heading(lane) + self.value(position.turn, position)
+        if isinstance(position, LanePosition) and position.heading is not None:
+            heading = self.value(position.heading, position)
+        return lane, _start_pose(pose, heading)
 
     def _beside(self, position: BesidePosition, starts: Mapping[str, FoundLane]) -> FoundLane | None:
         base = starts.get(position.entity)

@@ -1,0 +1,132 @@
+"""Where entities stand before anything moves, at the parameters' values: their starts and the init's teleports.
+
+What the engine finds when a run begins, found beforehand for pictures and checks. Places that are drawn or that lie on
+routes and trajectories are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from scenario_compiler.plan.binding import Binder
+from scenario_compiler.plan.model import StartPose
+from scenario_compiler.roads import LanePosition as FoundLane
+from scenario_compiler.roads.below import place_below
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.relative import across_road, lanes_away
+from scenario_compiler.roads.travel import advance
+from scenario_compiler.vocabulary.actions import AddEntityAction, TeleportAction
+from scenario_compiler.vocabulary.positions import (
+    FreePosition,
+    LanesAwayPosition,
+    Position,
+    RelativeObjectPosition,
+    RelativeRoadPosition,
+    RelativeWorldPosition,
+)
+from scenario_compiler.vocabulary.storyboard import Storyboard
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Where an entity stands: its pose, and the lane below it, None off every road."""
+
+    pose: StartPose
+    lane: FoundLane | None
+
+
+Standings = Mapping[str, Standing]
+"""By the entity's id."""
+
+
+def after_init(binder: Binder, storyboard: Storyboard, starts: Standings) -> dict[str, Standing]:
+    """Return where entities stand once the init has put them somewhere; `starts` are those that stand before it."""
+    standings = dict(starts)
+    for initial in storyboard.init:
+        action = initial.action
+        if isinstance(action, TeleportAction):
+            name = initial.entity
+        elif isinstance(action, AddEntityAction):
+            name = action.entity
+        else:
+            continue
+        found = stands_at(binder, action.position, standings)
+        if found is not None:
+            standings[name] = found
+        else:
+            standings.pop(name, None)
+    return standings
+
+
+def stands_at(binder: Binder, position: Position, standings: Standings) -> Standing | None:
+    """Return where a bound position lies; None for one drawn when a run begins, or relative to what stands nowhere."""
+    if isinstance(position, FreePosition):
+        x, y, heading = (binder.value(n, position) for n in (position.x, position.y, position.heading))
+        z = None if position.z is None else binder.value(position.z, position)
+        return _at_point(binder, x, y, z, heading)
+    if isinstance(position, RelativeObjectPosition | RelativeWorldPosition):
+        base = standings.get(position.entity)
+        return None if base is None else _beside_point(binder, position, base)
+    if isinstance(position, LanesAwayPosition | RelativeRoadPosition):
+        base = standings.get(position.entity)
+        return None if base is None or base.lane is None else _along_road(binder, position, base.lane)
+    lanes = {name: one.lane for name, one in standings.items() if one.lane is not None}
+    found = binder.resolve(position, lanes)
+    return None if found is None else Standing(found[1], found[0])
+
+
+def _at_point(binder: Binder, x: float, y: float, z: float | None, heading: float) -> Standing:
+    network = binder.network
+    n = network.tables
+    height = 0.0 if z is None else z
+    found, road, lane, s, offset = place_below(n, x, y, heading, height, 0 if z is None else 1)
+    on_lane = None
+    if found:
+        _, _, height, _, _, _ = lane_pose(n, road, lane, s, offset)
+        on_lane = FoundLane(network.road_ids[road], lane, s, offset)
+    return Standing(StartPose(x=x, y=y, z=height, heading=heading % (2 * math.pi)), on_lane)
+
+
+def _beside_point(binder: Binder, position: RelativeObjectPosition | RelativeWorldPosition, base: Standing) -> Standing:
+    dx, dy, dz = (binder.value(n, position) for n in (position.dx, position.dy, position.dz))
+    if isinstance(position, RelativeObjectPosition):
+        c, w = math.cos(base.pose.heading), math.sin(base.pose.heading)
+        dx, dy = dx * c - dy * w, dx * w + dy * c
+    heading = _heading(binder, position, base.pose.heading)
+    return _at_point(binder, base.pose.x + dx, base.pose.y + dy, base.pose.z + dz, heading)
+
+
+def _along_road(binder: Binder, position: LanesAwayPosition | RelativeRoadPosition, base: FoundLane) -> Standing | None:
+    network = binder.network
+    n = network.tables
+    start = network.road_index(base.road)
+    before = lane_direction(n, start, base.lane)
+    if isinstance(position, LanesAwayPosition):
+        along_lane = position.along == "lane"
+        ahead = binder.value(position.distance, position) * (1 if along_lane else before)
+        road, lane, s, _ = advance(n, start, base.lane, base.s, ahead, -1)
+        left = binder.value(position.offset, position)
+        lane, offset, along = lanes_away(n, road, lane, s, position.lanes, left, int(along_lane))
+    else:
+        ahead = binder.value(position.ds, position) * before
+        road, lane, s, _ = advance(n, start, base.lane, base.s, ahead, -1)
+        aside = base.offset * before * lane_direction(n, road, lane)
+        lane, offset, along = across_road(n, road, lane, s, aside, binder.value(position.dt, position))
+    if lane == 0:
+        return None
+    x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
+    heading = _heading(binder, position, along) % (2 * math.pi)
+    return Standing(StartPose(x=x, y=y, z=z, heading=heading), FoundLane(network.road_ids[road], lane, s, offset))
+
+
+def _heading(
+    binder: Binder,
+    position: LanesAwayPosition | RelativeRoadPosition | RelativeObjectPosition | RelativeWorldPosition,
+    along: float,
+) -> float:
+    """Return a position's heading in the world; its turn is counted from `along`."""
+    if position.heading is not None:
+        return binder.value(position.heading, position)
+    return along + binder.value(position.turn, position)
