@@ -91,6 +91,11 @@ PROVOKES: dict[str, Provokes] = {
     "markings_variants#missing_stretch": MARKINGS,
     "markings_variants#worn_track": MARKINGS,
     "markings_variants#behind_a_truck": MARKINGS,
+    "in_traffic#van_in_traffic": OBSTACLE,
+    "in_traffic#jaywalker": OBSTACLE,
+    "in_traffic#yellow_lines": OBSTACLE,
+    "in_traffic#cargo_somewhere": OBSTACLE,
+    "in_traffic#leaves_in_rain": MARKINGS,
     "narrowing_variants#parked_van": OBSTACLE,
     "narrowing_variants#work_zone": OBSTACLE,
     "narrowing_variants#traffic_signs": OBSTACLE,
@@ -116,7 +121,7 @@ PROVOKES: dict[str, Provokes] = {
     "r157_situations#pedestrian": Provokes("path_blocked", changes=("crossing_pedestrian1.walker", 4.0)),
     "weather_and_works#road_works": OBSTACLE,
     "weather_and_works#works_in_traffic": OBSTACLE,
-    "weather_and_works#rain_begins": Provokes(event="weather"),
+    "weather_and_works#rain_begins": Provokes("lane_confidence", event="weather"),
     "sensor_variants#noise_burst": SENSOR,
     "sensor_variants#noise_in_curve": SENSOR,
 }
@@ -354,6 +359,18 @@ def test_template_compiles_at_the_ends_of_its_parameters(path: Path, tmp_path: P
         sink = Diagnostics()
         compiled = compile_target(_with_use(_host(path.stem), path.stem, {parameter: value}, tmp_path), {}, sink)
         assert compiled is not None, (parameter, value, [as_text(one) for one in sink])
+
+
+@pytest.mark.parametrize("target", [one for one in _targets() if one.startswith("in_traffic")])
+def test_a_conflict_says_how_a_sweep_varies_it(target: str) -> None:
+    vary = _compiled(_path_of(target)).scenario.vary
+    assert vary is not None
+    declared = _parameters(_library(Path(_path_of(target).rpartition("#")[0])).scenarios[target.partition("#")[2]])
+    for axis in vary.axes:
+        found = limits(declared[axis.parameter])
+        assert found.minimum is not None
+        assert found.maximum is not None
+        assert all(found.minimum <= value <= found.maximum for value in axis.extent())
 
 
 def test_every_template_is_used_by_a_conflict() -> None:
