@@ -18,6 +18,7 @@ Value: TypeAlias = float | bool | str
 
 MAX_DEPTH = 64
 MAX_LENGTH = 4096
+MAX_SIGNS = 400
 
 
 class ExpressionError(ValueError):
@@ -160,6 +161,7 @@ class _Parser:
         self.text = text
         self.at = 0
         self.depth = 0
+        self.signs = 0
         self.kind, self.token, self.offset = "", "", 0
         self.advance()
 
@@ -187,6 +189,9 @@ class _Parser:
         left = self.operand()
         while self.kind == "sign" and self.token in _BINARY and _BINARY[self.token][0] > power:
             sign = self.token
+            self.signs += 1
+            if self.signs > MAX_SIGNS:
+                raise ExpressionError(f"the expression has more than {MAX_SIGNS} signs", self.offset)
             self.advance()
             left = _Call(sign, (left, self.expression(_BINARY[sign][0])))
         self.depth -= 1
@@ -198,6 +203,8 @@ class _Parser:
             raise ExpressionError("the expression ends too early", offset)
         self.advance()
         if kind == "number":
+            if not math.isfinite(float(token)):
+                raise ExpressionError("the number is too large", offset)
             return _Literal(float(token))
         if kind == "text":
             return _Literal(token[1:-1])
@@ -271,6 +278,8 @@ def _apply(function: str, arguments: list[Value]) -> Value:
         return result
     if isinstance(result, complex):
         raise ValueError("the result is not real")
+    if not math.isfinite(result):
+        raise ValueError("the result is not finite")
     return float(result)
 
 

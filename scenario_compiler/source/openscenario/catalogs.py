@@ -12,7 +12,7 @@ from scenario_compiler.document import Document
 from scenario_compiler.source.openscenario.codes import NO_CATALOG_FOLDER, UNKNOWN_CATALOG_ENTRY
 from scenario_compiler.source.openscenario.files import beside, is_file, is_folder, read_forgiving, read_version
 from scenario_compiler.source.openscenario.node import Node, local_name
-from scenario_compiler.source.openscenario.parameters import assigned_parameters, declared_parameters
+from scenario_compiler.source.openscenario.parameters import assigned_parameters, declared_parameters, with_parameters
 from scenario_compiler.source.openscenario.reading import Reading
 
 MOST_NESTED = 8
@@ -41,7 +41,7 @@ class CatalogFolders:
     read: dict[str, CatalogFile] | None = None
 
     def named(self, sink: Diagnostics) -> dict[str, CatalogFile]:
-        """Return all catalogs by name, the first of each name."""
+        """Return all catalogs by name, and by the name of their file where none has that name; the first of each."""
         if self.read is None:
             self.read = {}
             for folder in dict.fromkeys(self.folders):
@@ -69,6 +69,7 @@ def _add_catalog(path: Path, known: dict[str, CatalogFile], sink: Diagnostics) -
     for entry in catalog.iterchildren(etree.Element):
         entries.setdefault(str(entry.get("name", "")), entry)
     known[name] = CatalogFile(document, version, entries)
+    known.setdefault(path.stem, known[name])
 
 
 def read_catalog_locations(root: Node) -> CatalogFolders:
@@ -118,10 +119,13 @@ def declared_names(entry: Node) -> set[str]:
 
 
 def given(node: Node, *tags: str) -> Node | None:
-    """Return the child of one of these names, or the entry of that kind that a child <CatalogReference> names."""
+    """Return the child of one of these names, or the entry of that kind that a child <CatalogReference> names.
+
+    Either has the parameters in scope that it declares.
+    """
     found = node.child(*tags)
     if found is not None:
-        return found
+        return with_parameters(found)
     reference = node.child("CatalogReference")
     entry = None if reference is None else referred(reference)
     if entry is None or reference is None or entry.tag in tags:

@@ -145,3 +145,19 @@ NO_OBJECT = Code(
     '    <ScenarioObject name="Ego"/>',
     Severity.WARNING,
 )
+UNKNOWN_VARIABLE = Code(
+    "SC758",
+    "unknown-variable",
+    "An action or a condition names a variable, a parameter or a monitor that the scenario does not declare.\n\n"
+    '    <VariableDeclaration name="attempts" variableType="integer" value="0"/>\n'
+    '    <VariableCondition variableRef="atempts" .../>     the variable is called attempts',
+    Severity.WARNING,
+)
+REPEATED_PARAMETER = Code(
+    "SC759",
+    "repeated-parameter",
+    "A parameter is declared twice in one place; the later declaration counts.\n\n"
+    '    <ParameterDeclaration name="speed" parameterType="double" value="10"/>\n'
+    '    <ParameterDeclaration name="speed" parameterType="double" value="20"/>     speed is 20',
+    Severity.WARNING,
+)

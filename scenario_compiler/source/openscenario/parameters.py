@@ -7,12 +7,13 @@ from collections.abc import Collection, Iterable, Mapping
 from scenario_compiler.diagnostics import Place, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, format_value
 from scenario_compiler.source import names
-from scenario_compiler.source.openscenario.codes import CONSTRAINT, WRONG_TYPE
+from scenario_compiler.source.openscenario.codes import CONSTRAINT, REPEATED_PARAMETER, WRONG_TYPE
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.scope import NUMERIC, Bound, literal_number
 from scenario_compiler.source.parameters import COMMAND_LINE
 from scenario_compiler.source.values import report_expression
 from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.variables import seconds_of
 
 TYPES = ("boolean", "dateTime", "double", "int", "integer", "string", "unsignedInt", "unsignedShort")
 """ParameterType; `integer` is the spelling of 1.0 to 1.1."""
@@ -34,13 +35,19 @@ def declared_parameters(
     found: dict[str, Bound] = {}
     for group in node.children("ParameterDeclarations"):
         for declaration in group.children("ParameterDeclaration"):
-            name = declaration.text("name").lstrip("$")
+            name = declared_name(declaration)
             if name in found:
-                message = f"a parameter '{name}' is declared here already"
-                declaration.report(names.DUPLICATE_NAME, message, "name")
+                message = f"a parameter '{name}' is declared here already; this declaration counts"
+                declaration.report(REPEATED_PARAMETER, message, "name")
             one = _declared(declaration.inner(found), name, given or {})
             found[name] = one if settled is None or name in settled else node.scope.opened(name, one)
     return found
+
+
+def declared_name(declaration: Node) -> str:
+    """Return the name that a declaration gives; drafts before 1.0 write it with a $."""
+    declaration.has("name")
+    return str(declaration.element.get("name", "")).lstrip("$")
 
 
 def with_parameters(node: Node, given: Given | None = None) -> Node:
@@ -120,12 +127,19 @@ RULES = ("equalTo", "greaterThan", "lessThan", "greaterOrEqual", "lessOrEqual", 
 def _holds(constraint: Node, value: Bound) -> bool:
     rule = constraint.choice("rule", RULES)
     text = constraint.text("value")
-    limit, number = literal_number(text), literal_number(value.text)
+    limit, number = _comparable(text, value.type), _comparable(value.text, value.type)
     if limit is None or number is None:
         if rule in ("equalTo", "notEqualTo"):
             return (text.strip() == value.text.strip()) == (rule == "equalTo")
         return _compared(rule, (value.text > text) - (value.text < text))
     return _compared(rule, (number > limit) - (number < limit))
+
+
+def _comparable(text: str, kind: str) -> float | None:
+    try:
+        return seconds_of(text) if kind == "dateTime" else literal_number(text)
+    except (ValueError, OverflowError):
+        return None
 
 
 def _compared(rule: str, sign: int) -> bool:
@@ -164,6 +178,6 @@ def parameter_word(declaration: Node, value: Bound) -> Parameter:
         limit = literal_number(one.text("value"))
         low = limit if one.text("rule") == "greaterOrEqual" else low
         high = limit if one.text("rule") == "lessOrEqual" else high
-    name = declaration.text("name").lstrip("$")
+    name = declared_name(declaration)
     text = format_value(literal_number(value.text) or 0.0)
     return Parameter(name=name, type="number", default=text, min=low, max=high).written_at(declaration.origin)

@@ -1,0 +1,133 @@
+"""An OpenSCENARIO file to a `Scenario`: parameters bound, catalogs followed, names resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.document import Document
+from scenario_compiler.source.openscenario.catalogs import read_catalog_locations
+from scenario_compiler.source.openscenario.entities import read_entities
+from scenario_compiler.source.openscenario.files import VERSIONS, read_version
+from scenario_compiler.source.openscenario.node import Node
+from scenario_compiler.source.openscenario.parameters import (
+    declared_name,
+    declared_parameters,
+    given_parameters,
+    parameter_word,
+    report_unknown,
+)
+from scenario_compiler.source.openscenario.reading import Reading
+from scenario_compiler.source.openscenario.road_network import read_map, read_signal_controllers
+from scenario_compiler.source.openscenario.scope import Bound, Scope
+from scenario_compiler.source.openscenario.storyboard import read_storyboard
+from scenario_compiler.source.openscenario.unread import report_unread
+from scenario_compiler.source.openscenario.variables import read_variables, used_variables
+from scenario_compiler.vocabulary.scenario import Parameter, Scenario
+from scenario_compiler.vocabulary.storyboard import Storyboard
+from scenario_compiler.vocabulary.traversal import parameters_in
+from scenario_compiler.vocabulary.weather import Weather, weather_preset
+
+WEATHER = "ClearNoon"
+"""The weather, until an action sets another."""
+
+LONGEST = 600.0
+"""Length of a run that only a stop trigger ends, s, where it never comes true."""
+
+
+@dataclass(frozen=True)
+class OpenScenario:
+    """A file of OpenSCENARIO: a scenario, or a catalog, which holds none.
+
+    Attributes:
+        document: The scenario's file.
+        scenarios: The scenario under the name of its file.
+    """
+
+    document: Document
+    scenarios: Mapping[str, etree._Element]
+
+
+def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | None:
+    """Return what an <OpenSCENARIO> file holds; None, reported, when it is nothing that is known."""
+    root = _root(document, sink)
+    if root.child("Storyboard") is not None or root.child("Entities") is not None:
+        return OpenScenario(document, {Path(document.path).stem: document.root})
+    if root.child("Catalog") is not None:
+        return OpenScenario(document, {})
+    root.required("Storyboard", "Catalog", "ParameterValueDistribution")
+    return None
+
+
+def expand_openscenario(
+    source: OpenScenario, name: str, arguments: Mapping[str, str], sink: Diagnostics
+) -> Scenario | None:
+    """Return the scenario; None when it names no road.
+
+    Numeric parameters stay open where numbers use them. One that decides anything else turns out to do so while
+    reading; then the scenario is read again with that parameter's value in its place everywhere.
+    """
+    settled: set[str] = set()
+    while True:
+        attempt = Diagnostics()
+        root = _root(source.document, attempt)
+        scenario = _scenario(root, name, arguments, settled)
+        if root.scope.structural <= settled:
+            sink.found.extend(attempt.found)
+            return scenario
+        settled |= root.scope.structural
+
+
+def _root(document: Document, sink: Diagnostics) -> Node:
+    """Return the file's first element, read as the version that its header names."""
+    reading = Reading(document, sink, VERSIONS[-1])
+    root = Node(document.root, reading, Scope())
+    header = root.child("FileHeader")
+    if header is None:
+        return root
+    version = read_version(header.text("revMajor", ""), header.text("revMinor", ""), header.origin, sink)
+    return Node(document.root, replace(reading, version=version), root.scope)
+
+
+def _scenario(root: Node, name: str, arguments: Mapping[str, str], settled: Collection[str]) -> Scenario | None:
+    declared = declared_parameters(root, given_parameters(arguments), settled)
+    report_unknown(arguments, declared, root)
+    root = root.inner(declared)
+    root.reading.known.catalogs = read_catalog_locations(root)
+    road = read_map(root)
+    controllers = read_signal_controllers(root)
+    variables = read_variables(root)
+    entities = read_entities(root)
+    written = root.required("Storyboard")
+    storyboard = Storyboard() if written is None else read_storyboard(written, entities.first)
+    variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
+    report_unread(root)
+    if not road:
+        return None
+    scenario = Scenario(
+        name=name,
+        map=road,
+        duration=LONGEST if storyboard.stop is not None else None,
+        weather=weather_preset(WEATHER) or Weather(),
+        actors=tuple(entities.actors),
+        vehicles=tuple(entities.vehicles.values()),
+        variables=variables_used,
+        signal_controllers=controllers,
+        storyboard=storyboard,
+    ).written_at(root.origin)
+    return scenario.model_copy(update={"parameters": _open_parameters(root, declared, scenario)})
+
+
+def _open_parameters(root: Node, declared: Mapping[str, Bound], scenario: Scenario) -> tuple[Parameter, ...]:
+    """Return the parameters that numbers of the scenario use, as words."""
+    in_use = parameters_in(scenario)
+    return tuple(
+        parameter_word(declaration, declared[name])
+        for group in root.children("ParameterDeclarations")
+        for declaration in group.children("ParameterDeclaration")
+        if (name := declared_name(declaration)) in in_use
+    )

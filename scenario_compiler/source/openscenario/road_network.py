@@ -1,0 +1,66 @@
+"""<RoadNetwork>: the OpenDRIVE file, and the controllers of traffic signals with their phases."""
+
+from __future__ import annotations
+
+from pathlib import PureWindowsPath
+
+from scenario_compiler.source import names
+from scenario_compiler.source.openscenario.codes import NO_ROAD
+from scenario_compiler.source.openscenario.node import Node
+from scenario_compiler.source.openscenario.reading import Known
+from scenario_compiler.vocabulary.signals import SignalController, SignalPhase, SignalState
+
+
+def read_map(root: Node) -> str:
+    """Return the road file as the scenario names it; empty, reported, when it names none."""
+    network = root.child("RoadNetwork")
+    logic = None if network is None else network.child("LogicFile", "Logics")
+    if network is not None:
+        for scene in network.children("SceneGraphFile", "SceneGraph", "UsedArea"):
+            scene.read_whole()
+    if logic is None:
+        place = network or root
+        place.report(NO_ROAD, "the scenario names no road file (RoadNetwork/LogicFile)")
+        return ""
+    written = logic.text("filepath", "").strip()
+    if not written:
+        logic.report(NO_ROAD, "the name of the road file is empty")
+    return PureWindowsPath(written).as_posix() if "\\" in written else written
+
+
+def read_signal_controllers(root: Node) -> tuple[SignalController, ...]:
+    """Return the controllers of traffic signals; their names and phases become known."""
+    network = root.child("RoadNetwork")
+    signals = [] if network is None else network.children("TrafficSignals")
+    found: dict[str, SignalController] = {}
+    for node in [one for group in signals for one in group.children("TrafficSignalController")]:
+        controller = _controller(node)
+        if controller.name in found:
+            message = f"a controller of traffic signals named '{controller.name}' is there already"
+            node.report(names.DUPLICATE_NAME, message, "name")
+        found.setdefault(controller.name, controller)
+    known: Known = root.reading.known
+    known.signal_controllers.update((name, tuple(p.name for p in one.phases)) for name, one in found.items())
+    return tuple(found.values())
+
+
+def _controller(node: Node) -> SignalController:
+    return SignalController(
+        name=node.text("name"),
+        delay=node.number("delay", 0.0),
+        reference=node.text("reference", ""),
+        phases=tuple(_phase(phase) for phase in node.children("Phase")),
+    ).written_at(node.origin)
+
+
+def _phase(node: Node) -> SignalPhase:
+    states = [
+        SignalState(signal=one.text("trafficSignalId"), state=one.text("state")).written_at(one.origin)
+        for one in node.children("TrafficSignalState")
+    ]
+    grouped = node.child("TrafficSignalGroupState")
+    if grouped is not None:
+        states.append(SignalState(signal="", state=grouped.text("state")).written_at(grouped.origin))
+    return SignalPhase(name=node.text("name"), duration=node.number("duration"), states=tuple(states)).written_at(
+        node.origin
+    )
