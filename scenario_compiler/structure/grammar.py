@@ -8,9 +8,10 @@ A declaration is a name at the start of a line and indented lines below it:
   {2,4} {2,}` how often, `|` one of, `text` or `text:kind` text instead of children, `anything` any children; a format
   may have words of its own for groups of children (`...`). `= & Position Orientation?` are children in any order.
 - `?1.3-` is optional in these versions and else required, for attributes and children: `Properties?1.3-`.
+- `=@-1.2 ...` and `=@1.3- ...` are the children in these versions, where they differ much.
 - `by type@1.8-: virtual=virtual_junction` another declaration takes over where the attribute has that value.
 
-A declaration without `=` is empty.
+A declaration without children and text is empty.
 """
 
 from __future__ import annotations
@@ -46,7 +47,6 @@ class Declaration:
         name: Name in the tables.
         attributes: By name.
         content: The children's order.
-        empty: Whether nothing may stand in it.
         text: Kind of the text ("" any), None where no text may stand.
         anything: Whether any children may stand in it.
         switch: An attribute and the declarations that take over by its value.
@@ -55,10 +55,14 @@ class Declaration:
     name: str
     attributes: dict[str, Attribute] = field(default_factory=dict)
     content: Content = field(default_factory=lambda: Content.of(Sequence(())))
-    empty: bool = True
     text: str | None = None
     anything: bool = False
     switch: tuple[str, dict[str, str]] | None = None
+
+    @property
+    def empty(self) -> bool:
+        """True when nothing may stand in the element."""
+        return len(self.content.names) == 1 and self.text is None and not self.anything
 
     def cases(self) -> list[str]:
         """Return the names of the declarations that take over by an attribute's value."""
@@ -218,6 +222,7 @@ def in_versions(span: str, minor: int) -> bool:
 _SPAN = r"(?:\d\.\d+(?:-(?:\d\.\d+)?)?|-\d\.\d+)"
 _LEAF = re.compile(rf"(?P<tag>\w+)(?:=(?P<declaration>\w+))?(?P<count>[?*+]|{{[\d,]+}})?(?P<optional>{_SPAN})?")
 _ATTRIBUTE = re.compile(rf"(?P<name>\w+)(?P<count>\??)(?P<optional>{_SPAN})?(?::(?P<kind>\w+))?")
+_CONTENTS = re.compile(r"(?:^|(?<=\s))=(@\S+)? ")
 _TOKEN = re.compile(r"[()|]|[^\s()|]+")
 
 
@@ -232,14 +237,14 @@ class _Reader:
     def declaration(self, name: str, text: str) -> Declaration:
         """Return the declaration that a text gives."""
         declaration = Declaration(name)
-        head, equals, children = text.partition("= ")
+        head, *contents = _CONTENTS.split(text)
         if head.startswith("by "):
             head = self._switch(declaration, head[3:])
         for word in head.split():
             self._attribute(declaration, word)
-        if equals:
-            declaration.empty = False
-            self._content(declaration, children)
+        for span, children in zip(contents[::2], contents[1::2], strict=True):
+            if in_versions((span or "")[1:], self.minor):
+                self._content(declaration, children)
         return declaration
 
     def _switch(self, declaration: Declaration, text: str) -> str:

@@ -41,7 +41,7 @@ class _Walk:
 
     def run(self, root: etree._Element) -> None:
         """Check the root and all below it."""
-        if root.tag != self.grammar.root and self.minor > self.grammar.namespace_until:
+        if etree.QName(root).namespace is not None and self.minor > self.grammar.namespace_until:
             message = f"{self.grammar.name} 1.{self.minor} has no namespace"
             self.findings.report(self.faults.unknown_element, message, root)
         pending = [(root, self.grammar.root, self.minor)]
@@ -157,7 +157,8 @@ class _Walk:
         """Return the code and hint for children that another version would take as they are, else `code`."""
         if self.faults.other_version is None:
             return code, ""
-        return self._elsewhere(code, self._versions(lambda minor: _fits(self._declared(declaration, minor), tags)))
+        fitting = self._versions(lambda minor: _fits(self._declared(declaration, minor), tags))
+        return self._elsewhere(code, fitting, "these children are complete and in order in")
 
     def _declared(self, declaration: Declaration, minor: int) -> Declaration:
         return self.grammar.declaration(declaration.name, minor)
