@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.following import idm_acceleration, leader_gap
+from scenario_compiler.engine.lane_changes import neighbour_lane
 from scenario_compiler.engine.lane_keeping import (
     come_to_rest,
     command_acceleration,
@@ -31,7 +32,6 @@ from scenario_compiler.engine.opcodes import (
 from scenario_compiler.engine.path import advance_routed
 from scenario_compiler.engine.sensor import gap_between, gap_is_free, look_ahead
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_MAX_STEER, E_WIDTH, K_STEP
-from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled

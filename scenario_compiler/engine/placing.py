@@ -7,6 +7,7 @@ so that it depends on the run's seed (or its own), its row and the attempt alone
 from __future__ import annotations
 
 from scenario_compiler.engine.faults import fault
+from scenario_compiler.engine.lane_changes import neighbour_lane
 from scenario_compiler.engine.motion import place_scripted
 from scenario_compiler.engine.numbers import clip, is_number, length_of
 from scenario_compiler.engine.opcodes import (
@@ -25,7 +26,6 @@ from scenario_compiler.engine.opcodes import (
 )
 from scenario_compiler.engine.path import leave_road, locate_ego, set_path
 from scenario_compiler.engine.slots import L_FROM, L_TO, P_OFFSET, P_S, P_TURN
-from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import cos, sin
 
 from scenario_compiler.engine.ahead import measure_on_way, walk, walk_route
+from scenario_compiler.engine.lane_changes import neighbour_lane
 from scenario_compiler.engine.numbers import angle_between, bearing, length_of
 from scenario_compiler.engine.opcodes import FAR
 from scenario_compiler.engine.path import preferred_road
@@ -16,7 +17,6 @@ from scenario_compiler.engine.slots import (
     K_GAP_FRONT,
     K_GAP_REAR,
 )
-from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled

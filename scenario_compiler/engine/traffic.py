@@ -13,6 +13,7 @@ from math import atan, cos, pi, sin
 from scenario_compiler.engine.ahead import walk
 from scenario_compiler.engine.following import idm_acceleration
 from scenario_compiler.engine.junctions import distance_to_line, drop_claim
+from scenario_compiler.engine.lane_changes import neighbour_lane
 from scenario_compiler.engine.motion import glide, place_scripted
 from scenario_compiler.engine.neighbours import follower_on_way, leader_on_way, list_by_road
 from scenario_compiler.engine.numbers import clip, length_of, safe_sqrt
@@ -36,7 +37,6 @@ from scenario_compiler.engine.slots import (
     E_SHARE,
     E_SPEED,
 )
-from scenario_compiler.engine.starts import neighbour_lane
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
