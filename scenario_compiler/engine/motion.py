@@ -79,7 +79,10 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
     if rest > TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:
-        st.facing[i] = sense * lane_direction(n, to_road, to_lane)
+        facing = sense * lane_direction(n, to_road, to_lane)
+        if facing != st.facing[i]:
+            st.kept_off[i] = -st.kept_off[i]
+        st.facing[i] = facing
         st.road[i] = to_road
         st.kept_lane[i] = to_lane
     st.s[i] = to_s

@@ -155,6 +155,26 @@ ACTION_DISCONNECT_TRAILER = 34
 ACTION_KINDS = 35
 """Number of kinds of actions."""
 
+# Switches of actions, as bits.
+FLAG_CONTINUOUS = 1
+"""What is reached is kept from then on."""
+FLAG_FREESPACE = 2
+"""The distance is between the boxes."""
+FLAG_TIME_GAP = 4
+"""The distance is a time gap."""
+FLAG_PRESENT = 8
+"""The distance is the present one."""
+FLAG_LIMITED = 16
+"""The motion is limited; else the entity is put there at once."""
+FLAG_BEHIND = 32
+"""Behind the other entity, or to its right."""
+FLAG_AHEAD = 64
+"""Ahead of the other entity, or to its left."""
+
+# Whether a value is added to another entity's or multiplied by it.
+MODE_DELTA = 0
+MODE_FACTOR = 1
+
 # Failures of the camera.
 FAILURE_NOISE = 0
 FAILURE_DROPOUT = 1

@@ -1,0 +1,193 @@
+"""Changes of lane: to a neighbouring lane, counted from the entity's own or another one's, or to the lane of an id.
+
+The entity is led by its new lane from the begin, offset by the gap to it. Offsets of a running change are kept as
+seen in the entity's forward direction, so that a road that runs the other way does not turn it round. By time or
+rate, the speed is that along the path: what the entity moves to the side is missing ahead; it is placed by the
+progress after the step, and heads by the slope before it. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from math import atan, atan2, pi
+
+from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
+from scenario_compiler.engine.motion import glide, place_scripted
+from scenario_compiler.engine.numbers import safe_sqrt
+from scenario_compiler.engine.opcodes import (
+    ACTION_LANE_CHANGE_TO,
+    DIMENSION_DISTANCE,
+    MOTION_SCRIPTED,
+    TOLERANCE,
+)
+from scenario_compiler.engine.shapes import shape_slope, shape_value, transition_span
+from scenario_compiler.engine.slots import A_DYNAMICS, A_TARGET
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_centre, lane_exists
+from scenario_compiler.roads.tables import RoadTables
+
+OFFSET_ACCELERATION = 1.0
+"""Greatest lateral acceleration with which the ego's automation moves to an offset, m/s2."""
+
+
+@compiled
+def count_lanes(lane: int, by: int, facing: int) -> int:
+    """Return the id `by` lanes to the left of a lane as seen along `facing` (1: along s), without the centre lane."""
+    step = facing
+    count = by
+    if by < 0:
+        step = -facing
+        count = -by
+    at = lane
+    for _ in range(count):
+        at = at + step
+        if at == 0:
+            at = at + step
+    return at
+
+
+@compiled
+def neighbour_lane(n: RoadTables, road: int, lane: int, s: float, by: int, facing: int) -> int:
+    """Return the lane `by` lanes to the left as seen along `facing`, 0 where there is none."""
+    at = count_lanes(lane, by, facing)
+    return at if lane_exists(n, road, at, s) == 1 else 0
+
+
+@compiled
+def lane_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> int:
+    """Return the target lane of a change, on the road that its entity is on, 0 where there is none.
+
+    Lanes are counted from the lane of the entity itself, or of another one, to the left of where that one faces.
+    """
+    i = p.action_entity[k]
+    target = p.action_lanes[k]
+    if p.action_op[k] != ACTION_LANE_CHANGE_TO:
+        of = p.action_other[k]
+        if of < 0:
+            of = i
+        if st.road[of] < 0:
+            return 0
+        target = count_lanes(st.lane[of], p.action_lanes[k], st.facing[of])
+    return target if lane_exists(n, st.road[i], target, st.s[i]) == 1 else 0
+
+
+@compiled
+def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Freeze the target lane and lead the entity by it, offset by the present gap; its heading is reset to the lane's.
+
+    The ego's automation takes the target as its lane and steers there by itself. A target that does not exist leaves a
+    change of 0.
+    """
+    i = p.action_entity[k]
+    road = st.road[i]
+    st.action_from[k] = 0.0
+    st.action_change[k] = 0.0
+    st.action_span[k] = 0.0
+    st.lateral[i] = k
+    if road < 0:
+        return
+    offset = p.const[p.action_const[k] + A_TARGET]
+    target = lane_aimed_at(n, p, st, k)
+    if p.entity_motion[i] != MOTION_SCRIPTED:
+        if i == p.ego[0] and target != 0:
+            st.path_road[0] = road
+            st.path_lane[0] = target
+            st.path_s[0] = st.s[i]
+            if offset != 0.0:
+                plan_shift(st, i, st.facing[i] * offset, shift_distance(st.v[i], offset, OFFSET_ACCELERATION))
+        return
+    if target == 0:
+        st.action_from[k] = st.facing[i] * st.kept_off[i]
+        return
+    centre, _ = lane_centre(n, road, target, st.s[i])
+    gap = st.t[i] - centre
+    st.kept_lane[i] = target
+    st.kept_off[i] = gap
+    st.turn[i] = 0.0
+    st.action_from[k] = st.facing[i] * gap
+    st.action_change[k] = st.facing[i] * (offset - gap)
+    value = p.const[p.action_const[k] + A_DYNAMICS]
+    st.action_span[k] = transition_span(p.action_shape[k], p.action_dimension[k], value, offset - gap)
+
+
+@compiled
+def shift_to(n: RoadTables, st: State, k: int, i: int, progress: float, left: float) -> int:
+    """Write the progress and offset of a lane change; return 1 when it is done, with the heading along the lane."""
+    st.action_progress[k] = progress
+    done = 0
+    if progress >= st.action_span[k] - TOLERANCE:
+        left = st.action_from[k] + st.action_change[k]
+        st.turn[i] = 0.0
+        done = 1
+    st.kept_off[i] = st.facing[i] * left
+    centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
+    st.t[i] = centre + st.kept_off[i]
+    return done
+
+
+@compiled
+def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
+    """Move an entity through a lane change whose progress is the distance ahead; return 1 when it is done."""
+    span = max(st.action_span[k], TOLERANCE)
+    progress = st.action_progress[k]
+    slope = st.action_change[k] * shape_slope(p.action_shape[k], progress / span) / span
+    ahead = st.v[i] * dt / safe_sqrt(1.0 + slope * slope)
+    st.turn[i] = atan(slope)
+    progress = min(progress + abs(ahead), span)
+    left = st.action_from[k] + st.action_change[k] * shape_value(st, p.action_shape[k], progress / span)
+    done = shift_to(n, st, k, i, progress, left)
+    glide(n, p, st, i, ahead)
+    return done
+
+
+@compiled
+def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
+    """Move an entity through a lane change whose progress is time; return 1 when it is done.
+
+    Where the change asks for more than the entity moves in the step, it goes straight sideways as far as it can, with
+    the share done as if the shape were linear. The offset is shifted first: on a curve s moves by the new offset.
+    """
+    span = max(st.action_span[k], TOLERANCE)
+    progress = st.action_progress[k]
+    change = st.action_change[k]
+    side = dt * abs(change) * shape_slope(p.action_shape[k], progress / span) / span
+    path = abs(st.v[i]) * dt
+    sign = 1.0 if change > 0.0 else -1.0
+    if side > path:
+        st.turn[i] = sign * 0.5 * pi
+        progress = min(progress + span * path / max(abs(change), TOLERANCE), span)
+        return shift_to(n, st, k, i, progress, st.action_from[k] + change * progress / span)
+    ahead = safe_sqrt(path * path - side * side)
+    st.turn[i] = sign * atan2(side, ahead) if side > 0.0 else 0.0
+    progress = min(progress + dt, span)
+    left = st.action_from[k] + change * shape_value(st, p.action_shape[k], progress / span)
+    done = shift_to(n, st, k, i, progress, left)
+    glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
+    return done
+
+
+@compiled
+def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Step a lane change or a move to an offset over a time; return 1 when it is done.
+
+    A standing entity waits; the ego has done so at once.
+    """
+    i = p.action_entity[k]
+    if p.entity_motion[i] != MOTION_SCRIPTED or st.road[i] < 0:
+        return 1
+    if st.action_span[k] <= 0.0:
+        st.kept_off[i] = st.facing[i] * (st.action_from[k] + st.action_change[k])
+        place_scripted(n, p, st, i)
+        return 1
+    if abs(st.v[i]) < TOLERANCE or dt <= 0.0:
+        return 0
+    if p.action_dimension[k] == DIMENSION_DISTANCE:
+        done = lane_change_by_distance(n, p, st, k, i, dt)
+    else:
+        done = lane_change_by_time(n, p, st, k, i, dt)
+    st.moved[i] = 1
+    place_scripted(n, p, st, i)
+    if st.ended[i] == 1:
+        return 1
+    return done

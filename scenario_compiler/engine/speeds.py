@@ -1,0 +1,134 @@
+"""Actions on an entity's speed: to a target, or to one that depends on another entity's speed.
+
+The speed of a change is read at the progress after the step, so it moves in the first one. A relative target is read
+anew in every step. A change that is faster than the entity's limits takes longer; what is left over the limits (a
+target that moves) is cut off step by step. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.numbers import clip
+from scenario_compiler.engine.opcodes import (
+    ACTION_RELATIVE_SPEED,
+    DIMENSION_DISTANCE,
+    FLAG_CONTINUOUS,
+    MODE_FACTOR,
+    MOTION_SCRIPTED,
+    TOLERANCE,
+)
+from scenario_compiler.engine.shapes import shape_peak, shape_value, transition_span
+from scenario_compiler.engine.slots import (
+    A_DYNAMICS,
+    A_TARGET,
+    E_MAX_ACCELERATION,
+    E_MAX_DECELERATION,
+    E_MAX_SPEED,
+)
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def set_speed(p: Program, st: State, i: int, speed: float) -> None:
+    """Set a scripted entity's speed, or the speed that the ego's automation aims for."""
+    if p.entity_motion[i] == MOTION_SCRIPTED:
+        st.v[i] = speed
+    elif i == p.ego[0]:
+        st.target_speed[0] = max(speed, 0.0)
+
+
+@compiled
+def speed_before(p: Program, st: State, i: int) -> float:
+    """Return what `set_speed` changes."""
+    if p.entity_motion[i] != MOTION_SCRIPTED and i == p.ego[0]:
+        return st.target_speed[0]
+    return st.v[i]
+
+
+@compiled
+def limit_speed(p: Program, st: State, i: int, speed: float, dt: float) -> float:
+    """Return a speed that the entity's acceleration and deceleration let it reach within dt."""
+    if p.entity_motion[i] != MOTION_SCRIPTED:
+        return speed
+    block = p.entity_const[i]
+    gain = max(p.const[block + E_MAX_ACCELERATION], 0.0) * dt
+    loss = max(p.const[block + E_MAX_DECELERATION], 0.0) * dt
+    return clip(speed, st.v[i] - loss, st.v[i] + gain)
+
+
+@compiled
+def related_speed(st: State, other: int, mode: int, value: float) -> float:
+    """Return another entity's speed plus a value, or times it."""
+    if mode == MODE_FACTOR:
+        return st.v[other] * value
+    return st.v[other] + value
+
+
+@compiled
+def wanted_speed(p: Program, st: State, k: int) -> float:
+    """Return the target of a change of speed as it is now, no faster than the entity can be."""
+    value = p.const[p.action_const[k] + A_TARGET]
+    other = p.action_other[k]
+    if p.action_op[k] == ACTION_RELATIVE_SPEED and other >= 0:
+        value = related_speed(st, other, p.action_mode[k], value)
+    most = p.const[p.entity_const[p.action_entity[k]] + E_MAX_SPEED]
+    return clip(value, -most, most)
+
+
+@compiled
+def time_over_distance(begin: float, target: float, distance: float) -> float:
+    """Return the time of a change of speed over a distance, 0 where the entity would not move at all.
+
+    The mean of a change in one direction is the mean of both speeds; one that passes 0 covers way on both sides of it.
+    """
+    if begin * target < 0.0:
+        both = abs(begin) + abs(target)
+        return 2.0 * distance * both / max(begin * begin + target * target, 1.0e-9)
+    mean = 0.5 * abs(begin + target)
+    return distance / mean if mean > 1.0e-9 else 0.0
+
+
+@compiled
+def start_speed(p: Program, st: State, k: int) -> None:
+    """Prepare a change of speed; one too fast for the entity's limits takes longer, but a step does not."""
+    i = p.action_entity[k]
+    block = p.entity_const[i]
+    target = wanted_speed(p, st, k)
+    begin = speed_before(p, st, i)
+    change = target - begin
+    shape = p.action_shape[k]
+    span = transition_span(shape, p.action_dimension[k], p.const[p.action_const[k] + A_DYNAMICS], change)
+    if p.action_dimension[k] == DIMENSION_DISTANCE and span > 0.0:
+        span = time_over_distance(begin, target, span)
+    if span > 0.0:
+        limit = p.const[block + E_MAX_ACCELERATION] if change > 0.0 else p.const[block + E_MAX_DECELERATION]
+        peak = shape_peak(shape) * abs(change)
+        if limit > 1.0e-9 and peak > limit * span:
+            span = peak / limit
+    else:
+        set_speed(p, st, i, target)
+    st.action_from[k] = begin
+    st.action_change[k] = change
+    st.action_span[k] = span
+    st.longitudinal[i] = k
+
+
+@compiled
+def step_speed(p: Program, st: State, k: int, dt: float) -> int:
+    """Set the speed after dt of a change; return 1 in the step that reaches the target."""
+    i = p.action_entity[k]
+    span = st.action_span[k]
+    progress = st.action_progress[k] + dt
+    st.action_progress[k] = progress
+    relative = p.action_op[k] == ACTION_RELATIVE_SPEED
+    if relative:
+        st.action_change[k] = wanted_speed(p, st, k) - st.action_from[k]
+    target = st.action_from[k] + st.action_change[k]
+    if span <= 0.0 or progress >= span - TOLERANCE:
+        if span > 0.0 or relative:
+            set_speed(p, st, i, limit_speed(p, st, i, target, dt))
+        return 0 if p.action_flags[k] & FLAG_CONTINUOUS else 1
+    share = shape_value(st, p.action_shape[k], progress / span)
+    set_speed(p, st, i, limit_speed(p, st, i, st.action_from[k] + st.action_change[k] * share, dt))
+    return 0
