@@ -45,12 +45,11 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.word import Word
 
 
-def point(field: str = "position", tag: str = "Position", *, required: bool = True) -> Child:
-    """Return the part for a child element that is a point."""
-    return Child(field, tag, read_point, lambda word, output: write_point(word, output, tag), required)
+def _point(tag: str = "Position", *, required: bool = True) -> Child:
+    return Child("position", tag, read_point, lambda word, output: write_point(word, output, tag), required)
 
 
-WAYPOINT = regular("Waypoint", Waypoint, choice(Waypoint, "strategy", "routeStrategy", "shortest"), point())
+WAYPOINT = regular("Waypoint", Waypoint, choice(Waypoint, "strategy", "routeStrategy", "shortest"), _point())
 ROUTE = regular("Route", Route, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1))
 
 
@@ -92,7 +91,7 @@ class _Time:
             element.set("time", "0")
 
 
-_VERTEX = regular("Vertex", Vertex, _Time(), point())
+_VERTEX = regular("Vertex", Vertex, _Time(), _point())
 _SEGMENT = regular(
     "ClothoidSplineSegment",
     ClothoidSegment,
@@ -101,10 +100,10 @@ _SEGMENT = regular(
     number("length"),
     number("turn_at_start", "hOffset", 0.0),
     number("time_start", "timeStart", None),
-    point(tag="PositionStart", required=False),
+    _point(tag="PositionStart", required=False),
 )
 _CONTROL_POINT = regular(
-    "ControlPoint", ControlPoint, number("time", default=None), number("weight", default=1.0), point()
+    "ControlPoint", ControlPoint, number("time", default=None), number("weight", default=1.0), _point()
 )
 
 SHAPES = Forms(
@@ -118,7 +117,7 @@ SHAPES = Forms(
             number("length"),
             number("start_time", "startTime", None),
             number("stop_time", "stopTime", None),
-            point(),
+            _point(),
         ),
         regular(
             "ClothoidSpline",

@@ -7,6 +7,7 @@ our world takes pitch and roll from the road.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from lxml import etree
@@ -153,6 +154,7 @@ def _write_world(word: FreePosition, output: Output) -> etree._Element:
 
 _FACING = Orientation()
 _ENTITY = entity("entity")
+_ACROSS = tuple(replace(number(name), default=0.0, always=True) for name in ("dx", "dy"))
 
 POINTS = Forms(
     (
@@ -171,8 +173,7 @@ POINTS = Forms(
             "RelativeWorldPosition",
             RelativeWorldPosition,
             _ENTITY,
-            number("dx"),
-            number("dy"),
+            *_ACROSS,
             number("dz", default=0.0),
             _FACING,
         ),
@@ -180,8 +181,7 @@ POINTS = Forms(
             "RelativeObjectPosition",
             RelativeObjectPosition,
             _ENTITY,
-            number("dx"),
-            number("dy"),
+            *_ACROSS,
             number("dz", default=0.0),
             _FACING,
         ),

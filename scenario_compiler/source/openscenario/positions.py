@@ -44,6 +44,6 @@ def write_position(word: Word, output: Output, tag: str = "Position") -> etree._
     return made(tag, form.write(word, output))
 
 
-def anywhere(field: str = "position", *, required: bool = True) -> Child:
-    """Return the part for a child <Position>."""
-    return Child(field, "Position", read_position, write_position, required)
+def anywhere(tag: str = "Position") -> Child:
+    """Return the part for a child element that is a position, and the field `position`."""
+    return Child("position", tag, read_position, lambda word, output: write_position(word, output, tag))

@@ -108,6 +108,7 @@ class Attribute:
         default: What a missing attribute means; REQUIRED when it must be there.
         since: First version that has the attribute.
         names: Field value to the standard's, where they differ.
+        always: It is written even where it says what a missing one is taken for: the standard wants it there.
     """
 
     field: str
@@ -116,6 +117,7 @@ class Attribute:
     default: Any = REQUIRED
     since: Version = _EVER
     names: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    always: bool = False
 
     def read(self, node: Node) -> Fields:
         """Return the field."""
@@ -128,7 +130,7 @@ class Attribute:
     def write(self, word: Word, element: etree._Element, output: Output) -> None:
         """Add the attribute, unless it says what a missing one means."""
         value = getattr(word, self.field)
-        if self.default is not REQUIRED and value == self.default:
+        if not self.always and self.default is not REQUIRED and value == self.default:
             return
         if output.version < self.since:
             output.tell_lost(word, f"{element.tag}/{self.name} is not known before {output.dotted(self.since)}")

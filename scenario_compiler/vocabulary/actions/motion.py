@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.positions import Point, Position, Route, Trajectory
+from scenario_compiler.vocabulary.positions import Position, Route, Trajectory
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 
@@ -29,7 +29,7 @@ class AcquirePositionAction(Word):
 
     word: Literal["acquire_position"] = "acquire_position"
 
-    position: Point = child("Where it is to go.")
+    position: Position = child("Where it is to go.")
 
 
 class RandomRouteAction(Word):
@@ -84,7 +84,7 @@ class MasterPosition(Word):
 
     word: Literal["master_position"] = "master_position"
 
-    position: Point = child("The position.")
+    position: Position = child("The position.")
 
 
 class SynchronizeAction(Word):
@@ -97,7 +97,7 @@ class SynchronizeAction(Word):
     master_tolerance: Number = attribute("The same for the other entity, m.", default=1.0, quantity="length")
     final_speed: FinalSpeed | None = child("Speed on arrival.", default=None)
     master_position: MasterPosition = child("Where the other entity is going.")
-    position: Point = child("Where the entity is going.")
+    position: Position = child("Where the entity is going.")
 
 
 class VisibilityAction(Word):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.positions import Point
+from scenario_compiler.vocabulary.positions import Position
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 
@@ -14,7 +14,7 @@ class AddEntityAction(Word):
     word: Literal["add_entity"] = "add_entity"
 
     entity: str = attribute("Id of the entity.", names="entity")
-    position: Point = child("Where it appears.")
+    position: Position = child("Where it appears.")
 
 
 class DeleteEntityAction(Word):

@@ -24,7 +24,6 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Severity
-from scenario_compiler.engine.visibility import FOG_AT_ONE
 from scenario_compiler.source.openscenario.catalogs import given
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.output import Output
@@ -61,6 +60,9 @@ _WETNESS = {
 }
 _PERCENT_PER_MM = 2.0
 _HURRICANE = 32.7
+FOG_AT_ONE = 0.035
+"""Extinction of the thickest fog of CARLA's numbers, 1/m, as this world's cameras see it."""
+
 _FIVE_PERCENT = math.log(20.0)
 _CLEAREST = 100000.0
 """Visual range that is written where there is no fog, m."""

@@ -7,7 +7,6 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.source.openscenario.motion import (
-    point,
     read_route,
     read_trajectory,
     write_route,
@@ -15,8 +14,7 @@ from scenario_compiler.source.openscenario.motion import (
 )
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.output import Output
-from scenario_compiler.source.openscenario.points import read_point, write_point
-from scenario_compiler.source.openscenario.positions import anywhere
+from scenario_compiler.source.openscenario.positions import anywhere, read_position, write_position
 from scenario_compiler.source.openscenario.spelling import (
     Child,
     Fields,
@@ -152,7 +150,7 @@ class _FinalSpeed:
 
 
 def _read_master_position(node: Node) -> MasterPosition | None:
-    found = read_point(node)
+    found = read_position(node)
     return None if found is None else MasterPosition(position=found).written_at(node.origin)
 
 
@@ -160,13 +158,13 @@ _MASTER = Child(
     "master_position",
     "TargetPositionMaster",
     _read_master_position,
-    lambda word, output: write_point(word.position, output, "TargetPositionMaster"),
+    lambda word, output: write_position(word.position, output, "TargetPositionMaster"),
 )
 
 ROUTING: tuple[Form[Any], ...] = (
     regular("TeleportAction", TeleportAction, anywhere(), around=_PRIVATE),
     regular("AssignRouteAction", AssignRouteAction, _Route(), around=_ROUTING),
-    regular("AcquirePositionAction", AcquirePositionAction, point(), around=_ROUTING),
+    regular("AcquirePositionAction", AcquirePositionAction, anywhere(), around=_ROUTING),
     regular("RandomRouteAction", RandomRouteAction, around=_ROUTING, since=(1, 3)),
     regular(
         "FollowTrajectoryAction",
@@ -184,7 +182,7 @@ ROUTING: tuple[Form[Any], ...] = (
         number("tolerance", "targetTolerance", 1.0, (1, 1)),
         number("master_tolerance", "targetToleranceMaster", 1.0, (1, 1)),
         _MASTER,
-        point(tag="TargetPosition"),
+        anywhere("TargetPosition"),
         _FinalSpeed(),
         around=_PRIVATE,
     ),

@@ -9,7 +9,7 @@ from lxml import etree
 from scenario_compiler.source import codes
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.output import Output
-from scenario_compiler.source.openscenario.points import read_point, write_point
+from scenario_compiler.source.openscenario.positions import read_position, write_position
 from scenario_compiler.source.openscenario.spelling import Form, made, nested, regular, text
 from scenario_compiler.vocabulary.actions import (
     AddEntityAction,
@@ -35,12 +35,12 @@ def _read_entity(node: Node) -> AddEntityAction | DeleteEntityAction | None:
     if inner.tag == "DeleteEntityAction":
         return DeleteEntityAction(entity=entity).written_at(node.origin)
     holder = inner.required("Position")
-    position = None if holder is None else read_point(holder)
+    position = None if holder is None else read_position(holder)
     return None if position is None else AddEntityAction(entity=entity, position=position).written_at(node.origin)
 
 
 def _write_add(word: AddEntityAction, output: Output) -> etree._Element:
-    return made("EntityAction", made("AddEntityAction", write_point(word.position, output)), entityRef=word.entity)
+    return made("EntityAction", made("AddEntityAction", write_position(word.position, output)), entityRef=word.entity)
 
 
 def _write_delete(word: DeleteEntityAction, output: Output) -> etree._Element:
