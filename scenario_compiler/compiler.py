@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from scenario_compiler.controllers import check_controller
@@ -12,6 +12,7 @@ from scenario_compiler.document import UNREADABLE, Document, read_document
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.source import Source, check_source, expand, parse, without_allowed
@@ -104,7 +105,7 @@ def compile_target(
     scenario = expand(source, name, arguments, sink)
     done = None if scenario is None else compile_expanded(scenario, document, sink, maps, overrides or Overrides())
     sink.found[:] = without_allowed(sink.found, source)
-    return done
+    return None if done is None else replace(done, plan=sealed(done.plan))
 
 
 def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnostics) -> Vary | None:
@@ -122,7 +123,7 @@ def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnos
 def compile_expanded(
     scenario: Scenario, document: Document, sink: Diagnostics, maps: Sequence[Path], overrides: Overrides
 ) -> Compilation | None:
-    """Compile an expanded scenario that was written in `document`; None when the sink has errors."""
+    """Compile an expanded scenario that was written in `document` but for the seal; None when the sink has errors."""
     scenario = overrides.applied(scenario)
     network = open_map(scenario.map, document.folder, scenario.place_of("map"), sink, maps)
     if network is None:

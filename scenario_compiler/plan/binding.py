@@ -251,7 +251,9 @@ class Binder:
 
     def _map_points(self) -> dict[str, Position]:
         points = read_spawn_points(self.network.path, self.sink)
-        return {name: LanePosition(road=one.road, lane=one.lane, s=one.s) for name, one in points.items()}
+        return {
+            name: LanePosition.model_construct(road=one.road, lane=one.lane, s=one.s) for name, one in points.items()
+        }
 
     def _bind_spawn_point(self, position: SpawnPoint | NumberedSpawnPoint, center: float) -> BoundPosition | None:
         if isinstance(position, SpawnPoint):
@@ -335,9 +337,9 @@ class Binder:
 
     def _facing(self, lane: FoundLane, heading: float, position: Position) -> LanePosition:
         turn = wrap(heading - self.travel_heading(lane))
-        return LanePosition(road=lane.road, lane=lane.lane, s=lane.s, offset=lane.offset, turn=turn).written_at(
-            position.origin
-        )
+        return LanePosition.model_construct(
+            road=lane.road, lane=lane.lane, s=lane.s, offset=lane.offset, turn=turn
+        ).written_at(position.origin)
 
     def travel_heading(self, lane: FoundLane) -> float:
         """Return the heading of a lane's direction of travel at a position, rad."""

@@ -17,7 +17,6 @@ from scenario_compiler.plan.checks import CHECKS
 from scenario_compiler.plan.defaults import complete_takeover
 from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg, StartPose
 from scenario_compiler.plan.places import spans_of
-from scenario_compiler.plan.store import digest_of
 from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
@@ -89,7 +88,7 @@ class Draft:
     unresolved: set[str] = field(default_factory=set)
     destination: LanePosition | None = None
     route: tuple[RouteLeg, ...] = ()
-    storyboard: Storyboard = field(default_factory=Storyboard)
+    storyboard: Storyboard = field(default_factory=Storyboard.model_construct)
     takeover: Takeover = field(default_factory=Takeover)
     parameters: tuple[Parameter, ...] = ()
     duration: float = DEFAULT_DURATION
@@ -104,7 +103,7 @@ def lower(
     values: Mapping[str, Value],
     perception: Perception = "camera",
 ) -> Plan | None:
-    """Return the plan of a scenario on its map; None when the sink has errors.
+    """Return the plan of a scenario on its map, checked but not yet sealed; None when the sink has errors.
 
     Args:
         scenario: What was written, expanded.
@@ -120,10 +119,10 @@ def lower(
     if sink.has_errors:
         return None
     ego = scenario.ego
-    plan = Plan(
+    plan = Plan.model_construct(
         name=scenario.name,
         summary=scenario.summary,
-        map=MapReference(name=scenario.map, file=network.path, sha256=network.sha256),
+        map=MapReference.model_construct(name=scenario.map, file=network.path, sha256=network.sha256),
         step=scenario.step,
         control_every=scenario.control_every,
         duration=draft.duration,
@@ -146,14 +145,9 @@ def lower(
         derived=draft.poses,
         origins=draft.origins,
     )
-    return _checked(plan, network, sink)
-
-
-def _checked(plan: Plan, network: Network, sink: Diagnostics) -> Plan | None:
-    """Return the plan with its digest; None when a check finds a fault."""
     for check in CHECKS:
         check(plan, network, sink)
-    return None if sink.has_errors else plan.model_copy(update={"digest": digest_of(plan)})
+    return None if sink.has_errors else plan
 
 
 def bind_entities(draft: Draft) -> None:
@@ -206,9 +200,11 @@ def start_of(entity: Ego | Static | Dynamic) -> Position | None:
 def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | None, vehicle: Vehicle) -> Entity:
     """Return the plan's entity for one of the scenario's."""
     if isinstance(entity, Static):
-        return Entity(id=entity.id, kind="static", vehicle=vehicle, start=start, speed=0.0, desired_speed=0.0)
+        return Entity.model_construct(
+            id=entity.id, kind="static", vehicle=vehicle, start=start, speed=0.0, desired_speed=0.0
+        )
     if isinstance(entity, Dynamic):
-        return Entity(
+        return Entity.model_construct(
             id=entity.id,
             kind="dynamic",
             vehicle=vehicle,
@@ -219,7 +215,9 @@ def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | None, veh
             path=entity.path,
         )
     desired = entity.speed if entity.desired_speed is None else entity.desired_speed
-    return Entity(id=entity.id, kind="ego", vehicle=vehicle, start=start, speed=entity.speed, desired_speed=desired)
+    return Entity.model_construct(
+        id=entity.id, kind="ego", vehicle=vehicle, start=start, speed=entity.speed, desired_speed=desired
+    )
 
 
 def plan_routes(draft: Draft) -> None:
@@ -255,7 +253,9 @@ def find_way(draft: Draft, entity: str, written: Position) -> tuple[FoundLane | 
         message = f"no route leads from road '{start.road}', lane {start.lane} to road '{goal.road}', lane {goal.lane}"
         draft.sink.add(NO_ROUTE, message, written.origin)
         return goal, ()
-    return goal, tuple(RouteLeg(road=leg.road, lane=leg.lane, s_from=leg.s_from, s_to=leg.s_to) for leg in route.legs)
+    return goal, tuple(
+        RouteLeg.model_construct(road=leg.road, lane=leg.lane, s_from=leg.s_from, s_to=leg.s_to) for leg in route.legs
+    )
 
 
 def bind_fixed(draft: Draft, position: Position) -> BoundPosition | None:
@@ -354,7 +354,7 @@ def note_origins(draft: Draft) -> None:
     for key, word in parts.items():
         place = word.origin
         if place.line:
-            draft.origins[key] = PlanOrigin(file=place.file, line=place.line, column=place.column)
+            draft.origins[key] = PlanOrigin.model_construct(file=place.file, line=place.line, column=place.column)
 
 
 PASSES: tuple[Callable[[Draft], None], ...] = (

@@ -28,6 +28,11 @@ def digest_of(plan: Plan) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
+def sealed(plan: Plan) -> Plan:
+    """Return a plan with its digest."""
+    return plan.model_copy(update={"digest": digest_of(plan)})
+
+
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan as JSON."""
     text = json.dumps(plan.model_dump(mode="json"), indent=1, ensure_ascii=False)

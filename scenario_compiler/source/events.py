@@ -48,29 +48,31 @@ def storyboard_of(entities: Sequence[str], happenings: Iterable[tuple[str, When 
         ManeuverGroup(
             name=entity,
             actors=(entity,),
-            maneuvers=(Maneuver(name=f"{entity}.whens", events=tuple(theirs)),),
+            maneuvers=(Maneuver.model_construct(name=f"{entity}.whens", events=tuple(theirs)),),
         )
         for entity, theirs in events.items()
         if theirs
     )
     if not groups:
-        return Storyboard()
-    return Storyboard(stories=(Story(name=STORY, acts=(Act(name=ACT, groups=groups),)),))
+        return Storyboard.model_construct()
+    return Storyboard.model_construct(
+        stories=(Story.model_construct(name=STORY, acts=(Act.model_construct(name=ACT, groups=groups),)),)
+    )
 
 
 def _event(name: str, entity: str, when: When | EntityWhen) -> Event:
     groups = tuple(
-        ConditionGroup(conditions=tuple(_trigger_condition(one, entity) for one in conditions))
+        ConditionGroup.model_construct(conditions=tuple(_trigger_condition(one, entity) for one in conditions))
         for conditions in alternatives(when.conditions)
     )
-    trigger = Trigger(groups=groups).written_at(when.origin)
+    trigger = Trigger.model_construct(groups=groups).written_at(when.origin)
     counts: Counter[str] = Counter()
     actions = []
     for action in when.do.actions:
         counts[action.word] += 1
         label = f"{name}.{action.word}{counts[action.word]}"
-        actions.append(StoryAction(name=label, action=action).written_at(action.origin))
-    return Event(name=name, start=trigger, actions=tuple(actions)).written_at(when.origin)
+        actions.append(StoryAction.model_construct(name=label, action=action).written_at(action.origin))
+    return Event.model_construct(name=name, start=trigger, actions=tuple(actions)).written_at(when.origin)
 
 
 def ways(conditions: Sequence[Condition | AnyOf]) -> int:
@@ -93,4 +95,4 @@ def _trigger_condition(condition: Condition, entity: str) -> TriggerCondition:
     """Wrap a condition; one that names no entity watches the one that holds it."""
     if getattr(condition, "entity", None) == "":
         condition = condition.model_copy(update={"entity": entity})
-    return TriggerCondition(condition=condition).written_at(condition.origin)
+    return TriggerCondition.model_construct(condition=condition).written_at(condition.origin)

@@ -135,7 +135,7 @@ class _Attempt:
         traffic = [traffic_models(one, self.around.catalogs, self.sink) for one in self.expander.contents.traffic]
         if not vehicles:
             return None
-        scenario = Scenario(
+        scenario = Scenario.model_construct(
             **fields,
             weather=weather,
             vary=self.words.get("vary"),
@@ -148,6 +148,8 @@ class _Attempt:
             markings=tuple(self.expander.contents.markings),
             secondary_markings=tuple(self.expander.contents.secondary_markings),
             storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings)),
+            variables=self.words.get("variables", ()),
+            signal_controllers=self.words.get("signal_controllers", ()),
             takeover=takeover,
             criteria=self.words.get("criteria", ()),
         ).written_at(self.reading.origin(element))

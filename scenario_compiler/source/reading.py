@@ -29,7 +29,8 @@ def read_word(element: etree._Element, word: type[AnyWord], reading: Reading) ->
     """Return the word that the element spells; None when something that it cannot do without is missing or wrong.
 
     A part that it can do without and that is at fault is reported and left out, so that later stages can still look
-    for more.
+    for more. What has been read is not validated again: the validators of the storyboard's words are large, and a
+    command that checks a file builds none of them.
     """
     values = read_attributes(element, word, reading)
     complete = values is not None
@@ -45,7 +46,7 @@ def read_word(element: etree._Element, word: type[AnyWord], reading: Reading) ->
             fields[rule.field] = words[0]
         else:
             _add_default(fields, word, rule, reading.origin(element))
-    return word(**fields).written_at(reading.origin(element)) if complete else None
+    return word.model_construct(**fields).written_at(reading.origin(element)) if complete else None
 
 
 def _add_default(fields: dict[str, Any], word: type[Word], rule: ChildRule, origin: Place) -> None:
