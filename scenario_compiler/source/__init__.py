@@ -18,6 +18,7 @@ from scenario_compiler.source.conflict import Library, LibraryElement, read_libr
 from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.expansion import around, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
+from scenario_compiler.source.openscenario.held import OpenScenario
 from scenario_compiler.source.unused import report_unused_templates
 from scenario_compiler.vocabulary.scenario import Scenario
 
@@ -31,8 +32,11 @@ class ScenarioNameNeededError(Exception):
         self.names = names
 
 
-Source: TypeAlias = Library | AisaConfig
+Source: TypeAlias = Library | AisaConfig | OpenScenario
 """What a file can be."""
+
+OPENSCENARIO = ("OpenSCENARIO", "OpenScenario")
+"""Names of the first element of ASAM's files; its schemas take the second too."""
 
 
 def parse(document: Document, sink: Diagnostics) -> Source | None:
@@ -45,10 +49,11 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
     if root == "config":
         return read_aisa(document, sink)
     place = document.origin(document.root)
-    if root == "OpenSCENARIO":
-        sink.add(names.OPENSCENARIO, "OpenSCENARIO files are not read yet", place)
-        return None
-    known = [LibraryElement.tag(), CatalogElement.tag(), "config"]
+    if root.rpartition("}")[2] in OPENSCENARIO:
+        from scenario_compiler.source.openscenario.expansion import read_openscenario
+
+        return read_openscenario(document, sink)
+    known = [LibraryElement.tag(), CatalogElement.tag(), "config", "OpenSCENARIO"]
     sink.add(
         codes.UNKNOWN_ROOT,
         f"<{root}> is not the first element of a scenario file",
@@ -88,6 +93,10 @@ def expand(
         place = source.document.origin(source.document.root)
         sink.add(names.UNKNOWN_SCENARIO, message, place, hint=did_you_mean(chosen or "", known))
         return None
+    if isinstance(source, OpenScenario):
+        from scenario_compiler.source.openscenario.expansion import expand_openscenario
+
+        return expand_openscenario(source, chosen, arguments, sink)
     folder = library_folder()
     catalogs = catalogs or load_catalogs(folder / "catalogs", sink)
     if isinstance(source, AisaConfig):

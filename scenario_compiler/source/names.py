@@ -169,10 +169,3 @@ MAPS_OWN_WEATHER = Code(
     '\n\n    <WeatherId value="6"/>     leaves the weather to the map',
     Severity.NOTE,
 )
-OPENSCENARIO = Code(
-    "SC901",
-    "openscenario",
-    "The file is an ASAM OpenSCENARIO file. They are not read yet; conflicts in the conflict language and the AISA "
-    "toolkit's files are."
-    "\n\n    scenario-compiler validate conflict.xml     reads the conflict language",
-)

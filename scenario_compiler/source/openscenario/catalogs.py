@@ -12,7 +12,7 @@ from scenario_compiler.document import Document
 from scenario_compiler.source.openscenario.codes import NO_CATALOG_FOLDER, UNKNOWN_CATALOG_ENTRY
 from scenario_compiler.source.openscenario.files import beside, is_file, is_folder, read_forgiving, read_version
 from scenario_compiler.source.openscenario.node import Node, local_name
-from scenario_compiler.source.openscenario.parameters import assigned_parameters, declared_parameters, with_parameters
+from scenario_compiler.source.openscenario.parameters import assigned_parameters, with_parameters
 from scenario_compiler.source.openscenario.reading import Reading
 
 MOST_NESTED = 8
@@ -21,10 +21,11 @@ MOST_NESTED = 8
 
 @dataclass(frozen=True)
 class CatalogFile:
-    """A catalog: its file and its entries by name."""
+    """A catalog: its file, the names that it is known by, and its entries by name."""
 
     document: Document
     version: tuple[int, int]
+    names: tuple[str, str]
     entries: dict[str, etree._Element]
 
 
@@ -34,42 +35,44 @@ class CatalogFolders:
 
     Attributes:
         folders: The folders, in the order in which the scenario lists them.
-        read: Catalogs by name, None until they are read.
+        read: The catalogs, None until they are read.
     """
 
     folders: list[Path] = field(default_factory=list)
-    read: dict[str, CatalogFile] | None = None
+    read: list[CatalogFile] | None = None
 
-    def named(self, sink: Diagnostics) -> dict[str, CatalogFile]:
-        """Return all catalogs by name, and by the name of their file where none has that name; the first of each."""
+    def named(self, name: str, sink: Diagnostics) -> list[CatalogFile]:
+        """Return the catalogs of a name: those whose file has it, then those that say so themselves."""
+        catalogs = self.all(sink)
+        by_file = [one for one in catalogs if one.names[0] == name]
+        return by_file + [one for one in catalogs if one.names[1] == name and one.names[0] != name]
+
+    def all(self, sink: Diagnostics) -> list[CatalogFile]:
+        """Return all catalogs, in the order of the folders and of the files' names."""
         if self.read is None:
-            self.read = {}
-            for folder in dict.fromkeys(self.folders):
-                for path in [folder] if is_file(folder) else sorted(folder.glob("*.xosc")):
-                    _add_catalog(path, self.read, sink)
+            folders = dict.fromkeys(self.folders)
+            files = [path for one in folders for path in ([one] if is_file(one) else sorted(one.glob("*.xosc")))]
+            found = [_catalog_file(path, sink) for path in files]
+            self.read = [one for one in found if one is not None]
         return self.read
 
 
-def _add_catalog(path: Path, known: dict[str, CatalogFile], sink: Diagnostics) -> None:
-    found = Diagnostics()
-    document = read_forgiving(path, found)
-    root = None if document is None else document.root
-    catalog = None if root is None else next((one for one in root if local_name(one) == "Catalog"), None)
+def _catalog_file(path: Path, sink: Diagnostics) -> CatalogFile | None:
+    document = read_forgiving(path, sink)
+    catalog = None if document is None else _child(document.root, "Catalog")
     if document is None or catalog is None:
-        sink.found.extend(found.found)
-        return
-    name = str(catalog.get("name", ""))
-    if name in known:
-        return
-    sink.found.extend(found.found)
-    header = next((one for one in document.root if local_name(one) == "FileHeader"), None)
+        return None
+    header = _child(document.root, "FileHeader")
     major, minor = ("", "") if header is None else (str(header.get("revMajor")), str(header.get("revMinor")))
-    version = read_version(major, minor, document.origin(document.root), sink)
+    version = read_version(major, minor, document.origin(document.root if header is None else header), sink)
     entries: dict[str, etree._Element] = {}
     for entry in catalog.iterchildren(etree.Element):
         entries.setdefault(str(entry.get("name", "")), entry)
-    known[name] = CatalogFile(document, version, entries)
-    known.setdefault(path.stem, known[name])
+    return CatalogFile(document, version, (path.stem, str(catalog.get("name", ""))), entries)
+
+
+def _child(element: etree._Element, tag: str) -> etree._Element | None:
+    return next((one for one in element.iterchildren(etree.Element) if local_name(one) == tag), None)
 
 
 def read_catalog_locations(root: Node) -> CatalogFolders:
@@ -91,12 +94,13 @@ def referred(reference: Node) -> Node | None:
     catalog_name, entry_name = reference.text("catalogName"), reference.text("entryName")
     reading = reference.reading
     assigned = assigned_parameters(reference)
-    catalogs = {} if reading.known.catalogs is None else reading.known.catalogs.named(reading.sink)
-    catalog = catalogs.get(catalog_name)
-    if catalog is None:
-        hint = did_you_mean(catalog_name, catalogs)
+    folders = reading.known.catalogs or CatalogFolders()
+    fitting = folders.named(catalog_name, reading.sink)
+    if not fitting:
+        hint = did_you_mean(catalog_name, [name for one in folders.all(reading.sink) for name in one.names])
         reference.report(UNKNOWN_CATALOG_ENTRY, f"there is no catalog '{catalog_name}'", "catalogName", hint)
         return None
+    catalog = next((one for one in fitting if entry_name in one.entries), fitting[0])
     element = catalog.entries.get(entry_name)
     if element is None or _depth(reading) > MOST_NESTED:
         hint = did_you_mean(entry_name, catalog.entries)
@@ -104,18 +108,7 @@ def referred(reference: Node) -> Node | None:
         return None
     within = reading.of(catalog.document, catalog.version, reference.origin)
     entry = Node(element, within, reference.scope)
-    return entry.inner(declared_parameters(entry, assigned)).inner(
-        {name: value for name, value in assigned.items() if name not in declared_names(entry)}
-    )
-
-
-def declared_names(entry: Node) -> set[str]:
-    """Return the names of the parameters that an entry declares."""
-    return {
-        str(one.element.get("name", "")).lstrip("$")
-        for group in entry.children("ParameterDeclarations")
-        for one in group.children("ParameterDeclaration")
-    }
+    return with_parameters(entry.inner(assigned), assigned)
 
 
 def given(node: Node, *tags: str) -> Node | None:

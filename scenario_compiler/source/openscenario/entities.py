@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from scenario_compiler.diagnostics import did_you_mean
 from scenario_compiler.source import codes as form
 from scenario_compiler.source import names
-from scenario_compiler.source.openscenario.actions import read_actions
+from scenario_compiler.source.openscenario.actions.control import read_controller
 from scenario_compiler.source.openscenario.catalogs import given
 from scenario_compiler.source.openscenario.codes import EXTERNAL_OBJECT, NO_OBJECT
 from scenario_compiler.source.openscenario.node import Node
@@ -81,9 +81,11 @@ def _add_object(node: Node, found: Entities, known: Known, trailers: list[tuple[
     found.actors.append(Dynamic(id=name, model=model).written_at(node.origin))
     for trailer in [] if described is None else described.children("Trailer"):
         _add_trailer(name, trailer, found, known, trailers, depth)
-    for controller in node.children("ObjectController"):
-        for action in read_actions(controller):
-            found.first.append(InitAction(entity=name, action=action).written_at(controller.origin))
+    for held in node.children("ObjectController"):
+        held.has("name")
+        controller = given(held, "Controller")
+        if controller is not None:
+            found.first.append(InitAction(entity=name, action=read_controller(controller)).written_at(held.origin))
 
 
 def _add_trailer(

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-
-from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
 from scenario_compiler.source.openscenario.catalogs import read_catalog_locations
 from scenario_compiler.source.openscenario.entities import read_entities
 from scenario_compiler.source.openscenario.files import VERSIONS, read_version
+from scenario_compiler.source.openscenario.held import OpenScenario
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.parameters import (
     declared_name,
@@ -37,19 +36,6 @@ WEATHER = "ClearNoon"
 
 LONGEST = 600.0
 """Length of a run that only a stop trigger ends, s, where it never comes true."""
-
-
-@dataclass(frozen=True)
-class OpenScenario:
-    """A file of OpenSCENARIO: a scenario, or a catalog, which holds none.
-
-    Attributes:
-        document: The scenario's file.
-        scenarios: The scenario under the name of its file.
-    """
-
-    document: Document
-    scenarios: Mapping[str, etree._Element]
 
 
 def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | None:

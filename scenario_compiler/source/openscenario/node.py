@@ -28,13 +28,21 @@ Real: TypeAlias = float
 
 
 class Node:
-    """An element, what it is read with, and the parameters that it may use."""
+    """An element, what it is read with, and the parameters that it may use.
 
-    __slots__ = ("element", "reading", "scope")
+    Attributes:
+        element: The element.
+        reading: What it is read with.
+        scope: The parameters that it may use.
+        opened: The parameters that it declares itself are among them.
+    """
 
-    def __init__(self, element: etree._Element, reading: Reading, scope: Scope) -> None:
+    __slots__ = ("element", "opened", "reading", "scope")
+
+    def __init__(self, element: etree._Element, reading: Reading, scope: Scope, *, opened: bool = False) -> None:
         """Take note that the element is looked at."""
         self.element = element
+        self.opened = opened
         self.reading = reading
         self.scope = scope
         reading.used.setdefault(element, set())
@@ -53,9 +61,9 @@ class Node:
         """Return the place of an attribute's value."""
         return self.reading.origin(self.element, attribute)
 
-    def inner(self, more: Mapping[str, Bound]) -> Node:
-        """Return the node with more parameters in scope."""
-        return Node(self.element, self.reading, self.scope.inner(more))
+    def inner(self, more: Mapping[str, Bound], *, opened: bool = False) -> Node:
+        """Return the node with more parameters in scope; `opened` when they are those that it declares."""
+        return Node(self.element, self.reading, self.scope.inner(more), opened=opened or self.opened)
 
     def elements(self) -> list[Node]:
         """Return all child elements."""
@@ -106,9 +114,7 @@ class Node:
 
     def text(self, attribute: str, default: str | None = None) -> str:
         """Return an attribute's text with parameters resolved; without a default it must be there."""
-        raw = self._raw(attribute)
-        together = None if raw is None else self.scope.joined(raw)
-        found = together or self._present(attribute, required=default is None)
+        found = self._present(attribute, required=default is None, joined=True)
         return (default or "") if found is None else found
 
     def number(self, attribute: str, default: Real | None = None) -> Real | Expression:
@@ -186,7 +192,7 @@ class Node:
         text = self.element.get(attribute)
         return None if text is None or text == "" else str(text)
 
-    def _present(self, attribute: str, required: bool) -> str | None:
+    def _present(self, attribute: str, required: bool, joined: bool = False) -> str | None:
         raw = self._raw(attribute)
         if raw is None:
             if required and self.element.get(attribute) is None:
@@ -195,6 +201,9 @@ class Node:
         try:
             return self.scope.text(raw)
         except ExpressionError as error:
+            together = self.scope.joined(raw) if joined else None
+            if together is not None:
+                return together
             report_expression(error, raw, self.reading.sink, self.place(attribute))
             return None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 
 from scenario_compiler.diagnostics import Place, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, format_value
@@ -51,8 +52,8 @@ def declared_name(declaration: Node) -> str:
 
 
 def with_parameters(node: Node, given: Given | None = None) -> Node:
-    """Return the node with the parameters in scope that it declares."""
-    return node.inner(declared_parameters(node, given))
+    """Return the node with the parameters in scope that it declares, each at its given value or its own; once."""
+    return node if node.opened else node.inner(declared_parameters(node, given), opened=True)
 
 
 def assigned_parameters(reference: Node) -> dict[str, Bound]:
@@ -62,7 +63,7 @@ def assigned_parameters(reference: Node) -> dict[str, Bound]:
         for one in group.children("ParameterAssignment"):
             name = str(one.element.get("parameterRef", "")).lstrip("$")
             one.has("parameterRef")
-            found[name] = bound("", one, "value")
+            found[name] = replace(bound("", one, "value"), place=one.origin)
     return found
 
 
@@ -89,8 +90,8 @@ def _declared(declaration: Node, name: str, given: Given) -> Bound:
     place: Place = declaration.place("value")
     value = own
     if name in given:
-        value = Bound(kind, given[name].text, given[name].expression)
-        place = COMMAND_LINE
+        value = replace(given[name], type=kind)
+        place = value.place or place
     if not fits(value, kind):
         message = f"'{value.text}', the value of '{name}', is not of the type {kind}"
         declaration.reading.sink.add(WRONG_TYPE, message, place)
@@ -110,6 +111,8 @@ def fits(value: Bound, kind: str) -> bool:
 
 def _check_constraints(declaration: Node, name: str, value: Bound, place: Place) -> None:
     groups = declaration.children("ConstraintGroup")
+    for group in groups:
+        group.read_whole()
     fulfilled = [all(_holds(one, value) for one in group.children("ValueConstraint")) for group in groups]
     if groups and not any(fulfilled):
         wanted = " or ".join(
@@ -156,7 +159,8 @@ def _compared(rule: str, sign: int) -> bool:
 def given_parameters(arguments: Mapping[str, str]) -> dict[str, Bound]:
     """Return the values that `--set name=value` gives."""
     return {
-        name: Bound("string" if literal_number(text) is None else "double", text) for name, text in arguments.items()
+        name: Bound("string" if literal_number(text) is None else "double", text, place=COMMAND_LINE)
+        for name, text in arguments.items()
     }
 
 

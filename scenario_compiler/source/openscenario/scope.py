@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.diagnostics import Place, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value, parse_expression
 from scenario_compiler.source.environment import UnknownNameError
 
@@ -30,21 +30,21 @@ class Bound:
         type: Its ParameterType.
         text: Its present value as an attribute would write it.
         expression: Its value over the scenario's open parameters, for a number that depends on some; else None.
+        place: Where its value stands, when that is not at its declaration.
     """
 
     type: str
     text: str
     expression: Expression | None = None
+    place: Place | None = None
 
     @property
     def value(self) -> Value:
-        """The present value: a number, true or false, or a text."""
-        if self.type in NUMERIC:
-            number = literal_number(self.text)
-            return self.text if number is None else number
+        """The present value: true or false, a number, also where a text writes one, or a text."""
         if self.type == "boolean":
             return self.text in ("true", "1")
-        return self.text
+        number = literal_number(self.text)
+        return self.text if number is None else number
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class Scope:
     def opened(self, name: str, one: Bound) -> Bound:
         """Return the scenario's parameter left open, if it is a number of its own and expressions know its name."""
         value = one.value
-        if one.expression is not None or not isinstance(value, float) or not _OPEN_NAME.match(name):
+        if one.expression is not None or one.type not in NUMERIC or not _OPEN_NAME.match(name):
             return one
         self.values[name] = value
         return Bound(one.type, one.text, parse_expression(f"${name}"))

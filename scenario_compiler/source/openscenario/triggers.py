@@ -43,6 +43,7 @@ def _group(node: Node) -> ConditionGroup | None:
 
 
 def _condition(node: Node) -> TriggerCondition | None:
+    name = node.text("name", "")
     by_entity, by_value = node.child("ByEntityCondition"), node.child("ByValueCondition")
     entities: tuple[str, ...] = ()
     every = False
@@ -63,7 +64,7 @@ def _condition(node: Node) -> TriggerCondition | None:
     if condition is None or (by_entity is not None and not entities):
         return None
     return TriggerCondition(
-        name=node.text("name", ""), condition=condition, entities=entities, every=every, edge=edge, delay=delay
+        name=name, condition=condition, entities=entities, every=every, edge=edge, delay=delay
     ).written_at(node.origin)
 
 
