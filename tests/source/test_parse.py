@@ -26,7 +26,7 @@ def test_the_first_element_decides(text: str, kind: type) -> None:
 
 @pytest.mark.parametrize(
     ("text", "code"),
-    [("<OpenSCENARIO/>", "SC901"), ("<scenarioz/>", "SC116"), ('<a xmlns="urn:x"/>', "SC116")],
+    [("<OpenSCENARIO/>", "SC108"), ("<scenarioz/>", "SC116"), ('<a xmlns="urn:x"/>', "SC116")],
 )
 def test_other_first_elements_are_reported(text: str, code: str) -> None:
     sink = Diagnostics()
