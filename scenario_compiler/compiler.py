@@ -16,6 +16,7 @@ from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.source import Source, check_source, expand, parse, without_allowed
+from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.variation import Vary
@@ -173,11 +174,11 @@ FILES_A_TASK = 8
 """Files that a process checks before it hands its findings over."""
 
 
-def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd: Path | None = None) -> None:
+def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd: Schemas | None = None) -> None:
     """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds.
 
-    `xsd` is a folder with ASAM's schemas: where it has the one of a road file's version, that schema judges the file's
-    structure, else what our reader declares does.
+    `xsd` is where ASAM's schemas are: where there is one of the version of a road file, or of a file in OpenSCENARIO,
+    that schema judges the file's structure, else what our readers declare does.
     """
     if path.suffix == ".xodr":
         document = read_document(path, sink)
@@ -188,6 +189,11 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
         message = f"the file has {path.stat().st_size} bytes; scenario files have at most {MOST_SCENARIO_BYTES}"
         sink.add(UNREADABLE, message, FilePlace(str(path)))
         return
+    if path.suffix == ".xosc":
+        from scenario_compiler.source.openscenario.validation import validate_openscenario
+
+        validate_openscenario(path, sink, xsd)
+        return
     read = read_source(path, sink)
     if read is None:
         return
@@ -197,14 +203,14 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
     sink.found[:] = without_allowed(sink.found, source)
 
 
-def _by_schema(document: Document, folder: Path, sink: Diagnostics) -> bool | None:
+def _by_schema(document: Document, schemas: Schemas, sink: Diagnostics) -> bool | None:
     from scenario_compiler.roads.xsd import validate_with_xsd
 
-    return validate_with_xsd(document, folder, sink)
+    return None if schemas.folder is None else validate_with_xsd(document, schemas.folder, sink)
 
 
 def validate_files(
-    files: Sequence[Path], maps: Sequence[Path] = (), processes: int = 1, xsd: Path | None = None
+    files: Sequence[Path], maps: Sequence[Path] = (), processes: int = 1, xsd: Schemas | None = None
 ) -> Iterator[list[Diagnostic]]:
     """Yield the findings of each file, in the order of the files.
 
@@ -212,7 +218,7 @@ def validate_files(
         files: The files.
         maps: Folders that maps are looked for in first.
         processes: Number of processes to spread the files over; few files are checked in this one.
-        xsd: Folder with ASAM's schemas of road files, None to do without.
+        xsd: Where ASAM's schemas are, None to do without.
     """
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
     if processes < 2 or len(tasks) < 2 * processes:
@@ -232,7 +238,7 @@ def validate_files(
                 yield from ([_unchecked(file, message)] for file in task)
 
 
-def _findings(files: Sequence[Path], maps: Sequence[Path], xsd: Path | None) -> list[list[Diagnostic]]:
+def _findings(files: Sequence[Path], maps: Sequence[Path], xsd: Schemas | None) -> list[list[Diagnostic]]:
     """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
     found = []
     for file in files:

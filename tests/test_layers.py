@@ -65,6 +65,8 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "llvmlite": ("engine.build",),
     "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview"),
     "numba": ("engine.build",),
+    "qc_baselib": ("source.openscenario.xsd",),
+    "qc_openscenario": ("source.openscenario.xsd",),
     "pyarrow": ("batch.results", "recording.store"),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),

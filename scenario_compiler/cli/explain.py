@@ -9,7 +9,14 @@ import textwrap
 from scenario_compiler.cli.options import FINE, Commands, WrongUse
 from scenario_compiler.diagnostics import CODES, did_you_mean
 
-CODE_HOMES = ("compiler", "cli.run", "roads.check", "roads.xsd")
+CODE_HOMES = (
+    "compiler",
+    "cli.run",
+    "roads.check",
+    "roads.xsd",
+    "source.openscenario.validation",
+    "source.openscenario.xsd",
+)
 """Modules whose import brings in all others that declare diagnostic codes."""
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_diagnostics, add_maps, judged, show
 from scenario_compiler.diagnostics import Diagnostic, Severity
+from scenario_compiler.structure.schemas import Schemas
 
 
 def available_cores() -> int:
@@ -19,10 +20,18 @@ def available_cores() -> int:
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("validate", help="check scenario and road files")
-    parser.add_argument("paths", nargs="+", type=Path, metavar="PATH", help="file or folder")
+    parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder")
     add_maps(parser)
     add_diagnostics(parser)
-    parser.add_argument("--xsd", type=Path, metavar="DIR", help="folder with ASAM's schemas for road files")
+    parser.add_argument(
+        "--xsd",
+        type=Path,
+        nargs="?",
+        const="",
+        metavar="DIR",
+        help="judge OpenDRIVE and OpenSCENARIO by ASAM's schemas in a folder; without DIR, OpenSCENARIO by ASAM's "
+        "checker (the extra asam), with its rules",
+    )
     parser.add_argument("--strict", action="store_true", dest="strict_warnings", help="warnings are errors")
     parser.add_argument(
         "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
@@ -34,14 +43,23 @@ def validate_command(options: argparse.Namespace) -> int:
     """Check files, or all files of folders."""
     from scenario_compiler.compiler import files_below, validate_files
 
+    if not options.paths:
+        raise WrongUse("name the files or folders to check, before --xsd if that names no folder")
     files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
-    found = [one for some in validate_files(files, options.maps, options.jobs, options.xsd) for one in some]
+    found = [one for some in validate_files(files, options.maps, options.jobs, _schemas(options.xsd)) for one in some]
     failed = show(found, options)
     if options.format == "text":
         print(summary(len(files), judged(found, options)))
     return AT_FAULT if failed else FINE
+
+
+def _schemas(named: Path | str | None) -> Schemas | None:
+    """Return where --xsd says that ASAM's schemas are; an empty text is --xsd alone."""
+    if isinstance(named, Path) and not named.is_dir():
+        raise WrongUse(f"--xsd {named}: there is no such folder")
+    return None if named is None else Schemas(named if isinstance(named, Path) else None)
 
 
 def summary(files: int, found: Sequence[Diagnostic]) -> str:

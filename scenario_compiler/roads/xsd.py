@@ -1,13 +1,12 @@
 """The structure of a road file by ASAM's own schemas, where the user has them.
 
-The schemas are not redistributed with this package. Those up to 1.7 are XSD 1.0 and are read with lxml; those of 1.8
-need XSD 1.1 and the package xmlschema, imported here alone.
+Those up to 1.7 are XSD 1.0 (see `structure.schemas`); those of 1.8 need XSD 1.1 and the package xmlschema, imported
+here alone.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -18,6 +17,7 @@ from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
 from scenario_compiler.document import Document
 from scenario_compiler.roads.structure import road_version
 from scenario_compiler.structure.findings import Findings
+from scenario_compiler.structure.schemas import find_schema, schema_faults
 
 if TYPE_CHECKING:
     from xmlschema import XMLSchema11
@@ -36,30 +36,6 @@ NO_SCHEMA = Code(
     Severity.WARNING,
 )
 
-_ROOT = re.compile(rb"<xsd?:element\s+name=[\"']OpenDRIVE[\"']")
-_MINOR = re.compile(r"(?:^|[^0-9])1[._]?([1-9])(?:[^0-9]|$)")
-
-
-def find_schema(folder: Path, minor: int) -> Path | None:
-    """Return the schema of version 1.`minor` in a folder or below it, the latest revision when there are several.
-
-    A schema is the file that declares the element OpenDRIVE; its version is told by its name ("OpenDRIVE_1.4H.xsd",
-    "opendrive_16_core.xsd"), else by its folder's ("1.8.1"), else by its first lines ("ASAM OpenDRIVE V1.8.0").
-    """
-    found = [path for path in sorted(folder.rglob("*.xsd")) if _schema_minor(path) == minor]
-    return found[-1] if found else None
-
-
-def _schema_minor(path: Path) -> int | None:
-    raw = path.read_bytes()
-    if _ROOT.search(raw) is None:
-        return None
-    for text in (path.stem, path.parent.name, raw[:400].decode("utf-8", "replace")):
-        match = _MINOR.search(text)
-        if match is not None:
-            return int(match.group(1))
-    return None
-
 
 def validate_with_xsd(document: Document, folder: str | Path, sink: Diagnostics) -> bool | None:
     """Check a road file against the schema of its version.
@@ -73,7 +49,7 @@ def validate_with_xsd(document: Document, folder: str | Path, sink: Diagnostics)
         True when the file is valid, False when not; None when there is no schema for it, which is reported.
     """
     version = road_version(document)
-    schema = None if version is None or version[0] != 1 else find_schema(Path(folder), version[1])
+    schema = None if version is None or version[0] != 1 else find_schema(Path(folder), "OpenDRIVE", version[1])
     if version is None or schema is None:
         named = "no version" if version is None else f"version {version[0]}.{version[1]}"
         message = f"the header names {named}; there is no schema for it in {folder}"
@@ -81,31 +57,15 @@ def validate_with_xsd(document: Document, folder: str | Path, sink: Diagnostics)
         return None
     findings = Findings(document, sink)
     try:
-        faults = _faults(document, schema) if version[1] < 8 else _faults_by_xsd11(document, schema)
+        faults = schema_faults(document, schema) if version[1] < 8 else _faults_by_xsd11(document, schema)
         for element, message in faults:
-            findings.report(SCHEMA_FAULT, message, document.root if element is None else element)
+            findings.report(SCHEMA_FAULT, message, element)
     except (etree.XMLSchemaError, etree.XMLSyntaxError) as error:
         message = f"the schema {schema} cannot be used: {error}"
         sink.add(NO_SCHEMA, message, FilePlace(document.path))
         return None
     findings.close()
     return findings.total == 0
-
-
-def _faults(document: Document, schema: Path) -> Iterator[tuple[etree._Element | None, str]]:
-    validator = _schema(str(schema), schema.stat().st_mtime_ns)
-    if validator.validate(document.root):
-        return
-    tree = document.root.getroottree()
-    for entry in cast(Iterable[etree._LogEntry], validator.error_log):
-        found = tree.xpath(entry.path) if entry.path else []
-        element = found[0] if isinstance(found, list) and found else None
-        yield (element if isinstance(element, etree._Element) else None), entry.message
-
-
-@lru_cache(maxsize=8)
-def _schema(path: str, _changed: int) -> etree.XMLSchema:
-    return etree.XMLSchema(etree.parse(path))
 
 
 @lru_cache(maxsize=4)
@@ -118,7 +78,8 @@ def _schema11(path: str, _changed: int) -> XMLSchema11:
         raise etree.XMLSchemaParseError(str(error)[:200]) from None
 
 
-def _faults_by_xsd11(document: Document, schema: Path) -> Iterator[tuple[etree._Element | None, str]]:
+def _faults_by_xsd11(document: Document, schema: Path) -> Iterator[tuple[etree._Element, str]]:
     validator = _schema11(str(schema), schema.stat().st_mtime_ns)
     for fault in validator.iter_errors(document.root):
-        yield cast("etree._Element | None", fault.elem), (fault.reason or "")[:300]
+        element = cast("etree._Element | None", fault.elem)
+        yield document.root if element is None else element, (fault.reason or "")[:300]

@@ -7,7 +7,7 @@ from typing import cast
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.structure.content import Content, State
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Attribute, Declaration, Grammar
@@ -32,7 +32,8 @@ class _Walk:
     elements from others.
     """
 
-    def __init__(self, findings: Findings, grammar: Grammar, minor: int) -> None:
+    def __init__(self, findings: Findings, grammar: Grammar, minor: int, *, trial: bool = False) -> None:
+        self.trial = trial
         self.findings = findings
         self.grammar = grammar
         self.minor = minor
@@ -44,7 +45,11 @@ class _Walk:
         if etree.QName(root).namespace is not None and self.minor > self.grammar.namespace_until:
             message = f"{self.grammar.name} 1.{self.minor} has no namespace"
             self.findings.report(self.faults.unknown_element, message, root)
-        pending = [(root, self.grammar.root, self.minor)]
+        self.below(root, self.grammar.root)
+
+    def below(self, top: etree._Element, name: str) -> None:
+        """Check an element, by the declaration of that name, and all below it."""
+        pending = [(top, name, self.minor)]
         while pending:
             element, name, minor = pending.pop()
             declaration = self.grammar.declaration(name, minor)
@@ -145,12 +150,26 @@ class _Walk:
                 lambda minor: self._declared(declaration, minor).content.declaration(tag) is not None
             )
             code, hint = self._elsewhere(code, knowing)
-            if hint and self.faults.other_version is not None:
-                nearest = min(knowing, key=lambda one: abs(one - self.minor))
-                known = self._declared(declaration, nearest).content.declaration(tag)
-                found = None if known is None else (known, nearest)
+            if hint and self.faults.other_version is not None and not self.trial:
+                found = self._in_other_version(child, declaration, knowing)
             hint = hint or did_you_mean(tag, self._declared(declaration, minor).content.tags())
         self.findings.report(code, f"<{local_name(parent)}> has no child <{tag[:60]}>", child, hint=hint)
+        return found
+
+    def _in_other_version(
+        self, child: etree._Element, declaration: Declaration, knowing: list[int]
+    ) -> tuple[str, int] | None:
+        """Return the child's declaration in the nearest version in which it has no fault, else in the nearest."""
+        nearest = sorted(knowing, key=lambda minor: abs(minor - self.minor))
+        found = None
+        for minor in nearest:
+            name = self._declared(declaration, minor).content.declaration(local_name(child))
+            if name is not None:
+                trial = _Walk(Findings(self.findings.document, Diagnostics()), self.grammar, minor, trial=True)
+                trial.below(child, name)
+                found = found or (name, minor)
+                if not trial.findings.total:
+                    return name, minor
         return found
 
     def elsewhere(self, code: Code, declaration: Declaration, tags: list[str]) -> tuple[Code, str]:
@@ -244,10 +263,12 @@ class _Children:
             message = f"<{self._name()}> lacks {_listed(lacking[0])} before <{tag}>"
             self._report(self.walk.faults.missing_element, message, child)
             return lacking[1]
-        often = "too often or too late" if [one for _, one in self.known].count(tag) > 1 else "too late"
+        at = next(at for at, (one, _) in enumerate(self.known) if one is child)
+        repeated = [one for _, one in self.known].count(tag) > 1
+        where = "stands too often or too late" if repeated else f"has no place after <{self.known[at - 1][1]}>"
         expected = self.content.expected(state)
         hint = f"here may stand: {', '.join(expected)}" if 0 < len(expected) <= 12 else ""
-        self._report(self.walk.faults.misplaced, f"<{tag}> stands {often} in <{self._name()}>", child, hint)
+        self._report(self.walk.faults.misplaced, f"<{tag}> {where} in <{self._name()}>", child, hint)
         return state
 
     def _disorder(self) -> None:

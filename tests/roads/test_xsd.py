@@ -14,7 +14,8 @@ import pytest
 from scenario_compiler.cli import main
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, parse_document, read_document
-from scenario_compiler.roads.xsd import find_schema, validate_with_xsd
+from scenario_compiler.roads.xsd import validate_with_xsd
+from scenario_compiler.structure.schemas import find_schema
 
 WHEEL = "asam-qc-opendrive"
 CACHE = Path(tempfile.gettempdir()) / "scenario-compiler-tests" / WHEEL
@@ -72,8 +73,8 @@ def made(text: str) -> Document:
 
 
 def test_there_is_a_schema_for_every_version(schemas: Path) -> None:
-    assert all(find_schema(schemas, minor) is not None for minor in range(1, 9))
-    assert find_schema(schemas, 9) is None
+    assert all(find_schema(schemas, "OpenDRIVE", minor) is not None for minor in range(1, 9))
+    assert find_schema(schemas, "OpenDRIVE", 9) is None
 
 
 @pytest.mark.parametrize("minor", [7, 8])
@@ -110,7 +111,7 @@ def test_the_latest_revision_is_taken(tmp_path: Path) -> None:
         (tmp_path / revision).mkdir()
         path = tmp_path / revision / "OpenDRIVE_Core.xsd"
         path.write_text('<xs:element name="OpenDRIVE"/>', encoding="utf-8")
-    assert find_schema(tmp_path, 8) == path
+    assert find_schema(tmp_path, "OpenDRIVE", 8) == path
 
 
 def test_the_verdict_agrees_with_the_corpus(schemas: Path, corpus: Path) -> None:

@@ -5,7 +5,7 @@ of elements (`*_elements`) and of words are the facts; `grammar` binds them, `ch
 tells which version has what. Imports the hall, and the codes and files of `source.openscenario`.
 """
 
-from scenario_compiler.source.openscenario.structure.check import check_structure
+from scenario_compiler.source.openscenario.structure.check import check_structure, file_version
 from scenario_compiler.source.openscenario.structure.elements import Element, elements
 
-__all__ = ["Element", "check_structure", "elements"]
+__all__ = ["Element", "check_structure", "elements", "file_version"]

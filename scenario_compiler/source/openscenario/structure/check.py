@@ -11,6 +11,7 @@ from scenario_compiler.source.openscenario.files import read_version
 from scenario_compiler.source.openscenario.structure import codes
 from scenario_compiler.source.openscenario.structure.grammar import FIRST_MINOR, LAST_MINOR, OPENSCENARIO
 from scenario_compiler.structure.findings import Findings
+from scenario_compiler.structure.values import is_integer_within
 from scenario_compiler.structure.walk import check_elements, local_name
 
 ROOTS = ("OpenSCENARIO", "OpenScenario")
@@ -41,6 +42,15 @@ def check_structure(document: Document, sink: Diagnostics, *, forgiving: bool = 
     return version
 
 
+def file_version(document: Document) -> Version | None:
+    """Return (revMajor, revMinor) of the header, None where it does not name them by numbers."""
+    header = document.root.find("{*}FileHeader")
+    texts = [] if header is None else [header.get(name, "").strip() for name in ("revMajor", "revMinor")]
+    if len(texts) < 2 or not all(is_integer_within(text, 0, 2**16 - 1) for text in texts):
+        return None
+    return int(texts[0]), int(texts[1])
+
+
 def _is_mild(code: Code, element: etree._Element) -> bool:
     """Tell whether a fault leaves no doubt of what is meant."""
     if element.tag == "FileHeader" and code in {codes.MISSING_ATTRIBUTE, codes.BAD_VALUE, codes.UNKNOWN_ATTRIBUTE}:
@@ -66,7 +76,6 @@ def _version(findings: Findings, sink: Diagnostics, forgiving: bool) -> Version 
 
 
 def _named_version(findings: Findings, header: etree._Element) -> Version | None:
-    texts = []
     for name in ("revMajor", "revMinor"):
         text = header.get(name)
         if text is None:
@@ -74,16 +83,15 @@ def _named_version(findings: Findings, header: etree._Element) -> Version | None
         elif not OPENSCENARIO.is_value("UnsignedShort", text, LAST_MINOR):
             message = f"{name} of <FileHeader> is '{text[:40]}', not an integer from 0 to 65535"
             findings.report(codes.BAD_VALUE, message, header, name)
-        else:
-            texts.append(text.strip())
-    if len(texts) < 2:
+    if findings.total:
         return None
-    named = None if any(text.startswith("$") for text in texts) else (int(texts[0]), int(texts[1]))
+    named = file_version(findings.document)
     if named == (0, 9):
         return _mislabelled(findings, header)
     if named is None or named[0] != 1 or named[1] not in OPENSCENARIO.minors:
-        message = f"the header names version {'.'.join(texts)}; 1.{FIRST_MINOR} to 1.{LAST_MINOR} are known"
-        findings.report(UNKNOWN_VERSION, message[:120], header, "revMinor")
+        written = f"{header.get('revMajor', '')[:40]}.{header.get('revMinor', '')[:40]}"
+        message = f"the header names version {written}; 1.{FIRST_MINOR} to 1.{LAST_MINOR} are known"
+        findings.report(UNKNOWN_VERSION, message, header, "revMinor")
         return None
     return named
 
