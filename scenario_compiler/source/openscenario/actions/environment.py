@@ -168,7 +168,7 @@ def _exact_weather(environment: Node) -> WeatherAction | None:
     road = environment.child("RoadCondition")
     groups = [] if road is None else road.children("Properties")
     numbers: dict[str, Any] = {
-        one.text("name"): one.float("value", 0.0)
+        one.text("name"): one.number("value", 0.0)
         for group in groups
         for one in group.children("Property")
         if one.text("name") in (*_NUMBERS, "over_time")
