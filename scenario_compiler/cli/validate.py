@@ -25,9 +25,9 @@ def add(commands: Commands) -> None:
     add_diagnostics(parser)
     parser.add_argument(
         "--xsd",
-        type=Path,
+        type=_schemas_in,
         nargs="?",
-        const="",
+        const=Schemas(),
         metavar="DIR",
         help="judge OpenDRIVE and OpenSCENARIO by ASAM's schemas in a folder; without DIR, OpenSCENARIO by ASAM's "
         "checker (the extra asam), with its rules",
@@ -48,18 +48,18 @@ def validate_command(options: argparse.Namespace) -> int:
     files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
-    found = [one for some in validate_files(files, options.maps, options.jobs, _schemas(options.xsd)) for one in some]
+    found = [one for some in validate_files(files, options.maps, options.jobs, options.xsd) for one in some]
     failed = show(found, options)
     if options.format == "text":
         print(summary(len(files), judged(found, options)))
     return AT_FAULT if failed else FINE
 
 
-def _schemas(named: Path | str | None) -> Schemas | None:
-    """Return where --xsd says that ASAM's schemas are; an empty text is --xsd alone."""
-    if isinstance(named, Path) and not named.is_dir():
-        raise WrongUse(f"--xsd {named}: there is no such folder")
-    return None if named is None else Schemas(named if isinstance(named, Path) else None)
+def _schemas_in(folder: str) -> Schemas:
+    """Return the schemas of a folder that --xsd names."""
+    if not Path(folder).is_dir():
+        raise argparse.ArgumentTypeError(f"'{folder}' is no folder; write --xsd alone after the files, or --xsd DIR")
+    return Schemas(Path(folder))
 
 
 def summary(files: int, found: Sequence[Diagnostic]) -> str:
