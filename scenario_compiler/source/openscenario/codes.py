@@ -55,9 +55,11 @@ NO_CATALOG_FOLDER = Code(
 NO_ROAD = Code(
     "SC746",
     "no-road-file",
-    "The scenario names no OpenDRIVE file, so there is no road to drive on:\n\n"
+    "The scenario names no OpenDRIVE file, so there is no road to drive on. It runs on a plane without roads, where "
+    "world positions and trajectories have a meaning and lanes have none.\n\n"
     '    <RoadNetwork><LogicFile filepath="highway.xodr"/></RoadNetwork>\n\n'
     "A model for display (<SceneGraphFile>) says nothing of lanes.",
+    Severity.WARNING,
 )
 UNKNOWN_STORYBOARD_ELEMENT = Code(
     "SC747",

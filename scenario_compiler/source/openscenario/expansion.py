@@ -51,8 +51,8 @@ def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | N
 
 def expand_openscenario(
     source: OpenScenario, name: str, arguments: Mapping[str, str], sink: Diagnostics
-) -> Scenario | None:
-    """Return the scenario; None when it names no road.
+) -> Scenario:
+    """Return the scenario.
 
     Numeric parameters stay open where numbers use them. One that decides anything else turns out to do so while
     reading; then the scenario is read again with that parameter's value in its place everywhere.
@@ -79,7 +79,7 @@ def _root(document: Document, sink: Diagnostics) -> Node:
     return Node(document.root, replace(reading, version=version), root.scope)
 
 
-def _scenario(root: Node, name: str, arguments: Mapping[str, str], settled: Collection[str]) -> Scenario | None:
+def _scenario(root: Node, name: str, arguments: Mapping[str, str], settled: Collection[str]) -> Scenario:
     declared = declared_parameters(root, given_parameters(arguments), settled)
     report_unknown(arguments, declared, root)
     root = root.inner(declared)
@@ -92,8 +92,6 @@ def _scenario(root: Node, name: str, arguments: Mapping[str, str], settled: Coll
     storyboard = Storyboard() if written is None else read_storyboard(written, entities.first)
     variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
     report_unread(root)
-    if not road:
-        return None
     scenario = Scenario(
         name=name,
         map=road,

@@ -11,8 +11,12 @@ from scenario_compiler.source.openscenario.reading import Known
 from scenario_compiler.vocabulary.signals import SignalController, SignalPhase, SignalState
 
 
+OPEN_GROUND = "open_ground"
+"""Name of the map without roads that comes along."""
+
+
 def read_map(root: Node) -> str:
-    """Return the road file as the scenario names it; empty, reported, when it names none."""
+    """Return the road file as the scenario names it; the plane without roads, reported, when it names none."""
     network = root.child("RoadNetwork")
     logic = None if network is None else network.child("LogicFile", "Logics")
     if network is not None:
@@ -21,10 +25,11 @@ def read_map(root: Node) -> str:
     if logic is None:
         place = network or root
         place.report(NO_ROAD, "the scenario names no road file (RoadNetwork/LogicFile)")
-        return ""
+        return OPEN_GROUND
     written = logic.text("filepath", "").strip()
     if not written:
         logic.report(NO_ROAD, "the name of the road file is empty")
+        return OPEN_GROUND
     return PureWindowsPath(written).as_posix() if "\\" in written else written
 
 
