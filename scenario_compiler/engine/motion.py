@@ -174,7 +174,7 @@ def settle(n: RoadTables, st: State, i: int) -> None:
 def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
     """Move every present entity that the engine moves but traffic; a posed one has been moved from outside."""
     for i in range(p.entity_count[0]):
-        if st.present[i] == 0:
+        if st.present[i] == 0 or st.towed_by[i] >= 0:
             continue
         kind = p.entity_motion[i]
         if kind == MOTION_SCRIPTED:

@@ -45,6 +45,12 @@ POSITION_ALONG_LANE = 2
 POSITION_WITH_HEIGHT = 4
 """z is given: of roads above each other the one nearest in height is meant."""
 
+# Who minds an entity, as bits.
+SEEN_IN_PICTURES = 1
+SEEN_BY_SENSORS = 2
+SEEN_BY_TRAFFIC = 4
+SEEN_BY_ALL = 7
+
 # Storyboard elements and their states.
 ELEMENT_STORY = 0
 ELEMENT_ACT = 1

@@ -1,4 +1,4 @@
-"""Where entities start and what the plan's positions mean, evaluated when a run is reset.
+"""What the positions of our own language mean: in lanes, ahead of and beside entities, at random.
 
 A position relative to an entity is counted from where that entity starts. A random one is drawn with the counter hash,
 so that it depends on the run's seed (or its own), its row and the attempt alone.
@@ -6,26 +6,18 @@ so that it depends on the run's seed (or its own), its row and the attempt alone
 
 from __future__ import annotations
 
-from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.lane_changes import neighbour_lane
-from scenario_compiler.engine.motion import place_scripted
 from scenario_compiler.engine.numbers import clip, is_number, length_of
 from scenario_compiler.engine.opcodes import (
     DRAWS_PER_RUN,
     FAR,
-    FAULT_NO_ROOM,
-    FAULT_NOT_FINITE,
-    FAULT_OFF_ROAD_START,
-    MOTION_BICYCLE,
-    MOTION_POSED,
-    PLACE_ATTEMPTS,
     POSITION_BESIDE,
+    POSITION_FREE,
     POSITION_RANDOM,
     POSITION_RELATIVE,
     STREAM_PLACE,
 )
-from scenario_compiler.engine.path import leave_road, locate_ego, set_path
-from scenario_compiler.engine.slots import L_FROM, L_TO, P_OFFSET, P_S, P_TURN
+from scenario_compiler.engine.slots import L_FROM, L_TO, P_OFFSET, P_S
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
@@ -152,72 +144,14 @@ def resolve_position(n: RoadTables, p: Program, st: State, k: int) -> tuple[int,
 
 
 @compiled
-def start_nowhere(st: State, i: int) -> None:
-    """Put an entity without a start at the world's origin, off every road, until an action puts it somewhere."""
-    leave_road(st, i)
-    st.x[i] = 0.0
-    st.y[i] = 0.0
-    st.z[i] = 0.0
-    st.h[i] = 0.0
-    st.pitch[i] = 0.0
-    st.roll[i] = 0.0
-    st.kept_lane[i] = 0
-    st.kept_off[i] = 0.0
-    st.facing[i] = 1
-    st.turn[i] = 0.0
-    st.last_x[i] = 0.0
-    st.last_y[i] = 0.0
-
-
-@compiled
-def start_entity(n: RoadTables, p: Program, st: State, order: int) -> None:
-    """Put the entity at a place of the order where it starts; the ego's path starts in its lane."""
-    i = p.entity_order[order]
-    k = p.entity_position[i]
-    if k < 0:
-        start_nowhere(st, i)
-        return
-    road, lane, s, offset, direction = resolve_position(n, p, st, k)
-    if p.position_op[k] == POSITION_RANDOM:
-        road, lane, s, offset, direction = clear_place(n, p, st, k, order, 0, PLACE_ATTEMPTS)
-    if road < 0 and p.position_op[k] == POSITION_RANDOM:
-        st.road[i] = 0
-        st.lane[i] = 0
-        st.s[i] = 0.0
-        fault(st, FAULT_NO_ROOM, i)
-        return
-    if road < 0:
-        st.road[i] = 0
-        st.lane[i] = 0
-        st.s[i] = 0.0
-        fault(st, FAULT_OFF_ROAD_START, i)
-        return
-    turn = p.const[p.position_const[k] + P_TURN]
-    if is_number(turn + st.v[i]) == 0:
-        fault(st, FAULT_NOT_FINITE, i)
-        return
-    st.road[i] = road
-    st.s[i] = s
-    st.kept_lane[i] = lane
-    st.kept_off[i] = offset
-    st.facing[i] = direction
-    st.turn[i] = turn
-    place_scripted(n, p, st, i)
-    st.last_x[i] = st.x[i]
-    st.last_y[i] = st.y[i]
-    if i == p.ego[0]:
-        set_path(st, road, lane, s)
-        if p.entity_motion[i] == MOTION_BICYCLE or p.entity_motion[i] == MOTION_POSED:
-            locate_ego(n, p, st, i)
-
-
-@compiled
 def reset_positions(n: RoadTables, p: Program, st: State) -> None:
     """Evaluate the plan's positions; those relative to an entity hold for where it starts."""
     for k in range(p.position_count[0]):
-        road, lane, s, offset, _ = resolve_position(n, p, st, k)
         st.position_x[k] = FAR
         st.position_y[k] = FAR
+        road = -1
+        if p.position_op[k] < POSITION_FREE:
+            road, lane, s, offset, _ = resolve_position(n, p, st, k)
         if road >= 0:
             x, y, _, _, _, _ = lane_pose(n, road, lane, s, offset)
             st.position_x[k] = x

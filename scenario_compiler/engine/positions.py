@@ -145,24 +145,31 @@ def point_of(p: Program, st: State, k: int) -> tuple[float, float, float, float,
 
 
 @compiled
+def position_is_number(p: Program, k: int) -> int:
+    """Return 1 where the numbers of a position are finite."""
+    base = p.position_const[k]
+    total = p.const[base + P_S] + p.const[base + P_OFFSET] + p.const[base + P_TURN]
+    op = p.position_op[k]
+    if op in (POSITION_FREE, POSITION_RELATIVE_OBJECT, POSITION_RELATIVE_WORLD):
+        total = total + p.const[base + P_Z]
+    return is_number(total)
+
+
+@compiled
 def place_of(
     n: RoadTables, p: Program, st: State, k: int, i: int
 ) -> tuple[int, int, int, float, float, float, float, float, float]:
     """Return (PLACE_... code, road, lane, s, offset, x, y, z, heading) of a position, for entity i (NONE for none)."""
+    if position_is_number(p, k) == 0:
+        return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     op = p.position_op[k]
     if op in (POSITION_FREE, POSITION_RELATIVE_OBJECT, POSITION_RELATIVE_WORLD):
         x, y, z, h, with_height = point_of(p, st, k)
-        if is_number(x + y + z + h) == 0:
-            return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         found, road, lane, s, offset = place_below(n, x, y, h, z, with_height)
         if found == 0:
             return PLACE_FREE, -1, 0, 0.0, 0.0, x, y, z, h
         _, _, surface, _, _, _ = lane_pose(n, road, lane, s, offset)
         return PLACE_ON_LANE, road, lane, s, offset, x, y, surface, h
-    base = p.position_const[k]
-    turn = p.const[base + P_TURN]
-    if is_number(p.const[base + P_S] + p.const[base + P_OFFSET] + turn) == 0:
-        return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if op in (POSITION_LANES_AWAY, POSITION_RELATIVE_ROAD):
         road, lane, s, offset, along = place_from_entity(n, p, st, k, i)
     else:
@@ -174,9 +181,9 @@ def place_of(
                 along = along + pi
     if road < 0:
         return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    h = turn
+    h = p.const[p.position_const[k] + P_TURN]
     if p.position_flags[k] & POSITION_ABSOLUTE == 0:
-        h = along + turn
+        h = along + h
     x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
     return PLACE_ON_LANE, road, lane, s, offset, x, y, z, h
 

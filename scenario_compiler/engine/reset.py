@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from scenario_compiler.engine.appearing import start_entity
 from scenario_compiler.engine.collision import prepare_boxes, update_boxes
 from scenario_compiler.engine.failures import reset_camera
 from scenario_compiler.engine.opcodes import (
@@ -12,11 +13,12 @@ from scenario_compiler.engine.opcodes import (
     LOG_SIZE,
     MANOEUVRE_KEEP,
     NONE,
+    SEEN_BY_ALL,
     STANDBY,
     STOP_NONE,
     TAKEOVER_AUTOMATED,
 )
-from scenario_compiler.engine.placing import reset_positions, start_entity
+from scenario_compiler.engine.placing import reset_positions
 from scenario_compiler.engine.slots import (
     E_DESIRED_SPEED,
     E_SPEED,
@@ -34,7 +36,10 @@ def reset_entities(p: Program, st: State) -> None:
     """Clear the entities' columns and set their speeds."""
     for i in range(p.entity_count[0]):
         base = p.entity_const[i]
-        st.present[i] = 1
+        st.present[i] = p.entity_present[i]
+        st.visible[i] = SEEN_BY_ALL
+        st.towed[i] = NONE
+        st.towed_by[i] = NONE
         st.v[i] = p.const[base + E_SPEED]
         st.last_v[i] = st.v[i]
         st.a[i] = 0.0

@@ -57,6 +57,9 @@ E_ACCELERATION = 13
 E_DECELERATION = 14
 E_SHARE = 15
 """Share of the speed limit that a driver of traffic aims for."""
+E_HITCH = 16
+"""x of the hitch ahead of the reference point, and of the trailer's coupler."""
+E_COUPLER = 17
 
 # A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading, in the
 # world or relative to what the position gives. Of a point of the world x, y and z take their places.

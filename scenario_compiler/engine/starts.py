@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from scenario_compiler.engine.appearing import act_on_place
 from scenario_compiler.engine.failures import begin_failure, end_failures, update_camera
 from scenario_compiler.engine.faults import fault, log_event
 from scenario_compiler.engine.lane_changes import start_lane_change
 from scenario_compiler.engine.lane_offsets import start_lane_offset, start_limited_offset
 from scenario_compiler.engine.opcodes import (
+    ACTION_DISCONNECT_TRAILER,
     ACTION_END_FAILURE,
     ACTION_FAILURE,
     ACTION_FOLLOW_PATH,
@@ -19,6 +21,7 @@ from scenario_compiler.engine.opcodes import (
     ACTION_SENSOR_NOISE,
     ACTION_SPEED,
     ACTION_STOP,
+    ACTION_TELEPORT,
     ACTION_WEATHER,
     COMPLETE,
     EVENT_MESSAGE,
@@ -81,6 +84,8 @@ def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> 
         st.noise[0] = p.const[p.action_const[k] + A_TARGET]
         update_camera(p, st)
         log_event(st, EVENT_SENSOR_NOISE, st.noise[0])
+    elif op >= ACTION_TELEPORT and op <= ACTION_DISCONNECT_TRAILER:
+        act_on_place(n, p, st, k)
     else:
         act_at_once(p, st, k)
 

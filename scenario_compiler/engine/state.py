@@ -73,6 +73,11 @@ class State:
     """How long the entity has stood, s."""
     ended: list[int]
     """1 when the entity stands at the end of its road."""
+    visible: list[int]
+    """Who minds the entity, by SEEN_... bits."""
+    towed: list[int]
+    """Trailer that it tows, or NONE."""
+    towed_by: list[int]
     moved: list[int]
     """1 when an action has moved the entity in this step."""
     longitudinal: list[int]
@@ -314,6 +319,9 @@ _ENTITY = (
         "kept_off",
         "odometer",
         "ended",
+        "visible",
+        "towed",
+        "towed_by",
         "still",
     ],
     *[

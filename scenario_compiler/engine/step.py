@@ -36,6 +36,7 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import displace, run_triggers, trigger_fires
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.traffic import move_traffic
+from scenario_compiler.engine.trailers import draw_trailers
 from scenario_compiler.engine.weather import update_weather
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
@@ -103,6 +104,7 @@ def reset(n: RoadTables, p: Program, st: State) -> None:
         displace(p, st, p.init_action[c], 0)
         start_action(n, p, st, p.init_action[c], -1)
     play_story(n, p, st, 0.0)
+    draw_trailers(n, p, st)
     finish_frame(n, p, st, 0.0)
 
 
@@ -157,6 +159,7 @@ def finish_step(n: RoadTables, p: Program, st: State) -> None:
     st.clock[0] += dt
     move_entities(n, p, st, dt)
     move_traffic(n, p, st, dt)
+    draw_trailers(n, p, st)
     finish_frame(n, p, st, dt)
     if st.flag[0] != FAULT_NONE:
         return

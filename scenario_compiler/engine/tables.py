@@ -77,6 +77,8 @@ class Program:
     stop_trigger: list[int] = field(default_factory=lambda: [NONE])
 
     entity_motion: list[int] = field(default_factory=list)
+    entity_present: list[int] = field(default_factory=list)
+    """1 where it is there from the start, 0 where an action lets it appear."""
     entity_const: list[int] = field(default_factory=list)
     """First slot of the entity's block."""
     entity_position: list[int] = field(default_factory=list)
@@ -222,6 +224,7 @@ def validate(program: Program, roads: int) -> None:
     _inside("ego", p.ego, NONE, entities)
     _validate_run(p, roads)
     _column("entity_motion", p.entity_motion, entities, 0, MOTION_WALKER + 1)
+    _column("entity_present", p.entity_present, entities, 0, 2)
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
     _column("entity_position", p.entity_position, entities, NONE, positions)
     _column("entity_follows", p.entity_follows, entities, 0, 2)

@@ -78,6 +78,8 @@ CAR = (4.5, 1.8, 1.5, 2.7, 1.4, 0.6, 3.5, 8.0, 60.0)
 """Length, width, height, wheelbase, centre, greatest steering angle, acceleration, deceleration and speed."""
 
 FOLLOW = (1.5, 2.0, 1.5, 2.0)
+TOWING = (-1.0, 3.0)
+"""x of hitch and coupler."""
 USUAL = {
     slots.K_STEP: 0.05,
     slots.K_DURATION: 30.0,
@@ -180,7 +182,8 @@ class Draft:
         p.entity_leg_first.append(0)
         p.entity_leg_last.append(0)
         p.entity_seed.append(op.NONE)
-        p.entity_const.append(self.block(*car, speed, speed if desired is None else desired, *FOLLOW))
+        p.entity_present.append(1)
+        p.entity_const.append(self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING))
         if motion in (op.MOTION_BICYCLE, op.MOTION_POSED):
             p.ego[0] = at
         return at

@@ -10,6 +10,9 @@ from scenario_compiler.engine.program.draft import Draft, Slot
 from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.plan.model import Entity
+from scenario_compiler.vocabulary.actions import ConnectTrailerAction
+from scenario_compiler.vocabulary.entities import Vehicle
+from scenario_compiler.vocabulary.storyboard import Storyboard
 
 MOTIONS = {
     "ego": op.MOTION_BICYCLE,
@@ -31,8 +34,9 @@ def add_entities(draft: Draft, *, posed: bool) -> None:
         ValueError: Starts are relative to each other.
     """
     p = draft.program
+    touched = touched_by_init(draft.plan.storyboard)
     for entity in draft.plan.entities:
-        _add_entity(draft, entity, posed)
+        _add_entity(draft, entity, posed, touched)
     p.entity_count[0] = len(p.entity_motion)
     if draft.plan.entities and draft.plan.entities[0].kind == "ego":
         p.ego[0] = 0
@@ -42,7 +46,20 @@ def add_entities(draft: Draft, *, posed: bool) -> None:
         p.conflict_first, p.conflict_road = conflicts_of(draft.network)
 
 
-def _add_entity(draft: Draft, entity: Entity, posed: bool) -> None:
+def touched_by_init(storyboard: Storyboard) -> set[str]:
+    """Return the entities that the init does something with: without a start, these alone are there when it begins."""
+    touched = {initial.entity for initial in storyboard.init}
+    actions = [initial.action for initial in storyboard.init]
+    return touched | {action.trailer for action in actions if isinstance(action, ConnectTrailerAction)}
+
+
+def _towing(vehicle: Vehicle) -> tuple[float, float]:
+    """Return where a vehicle's hitch and coupler are, ahead of its reference point, m: at its ends if nowhere else."""
+    rear, front = vehicle.center - 0.5 * vehicle.length, vehicle.center + 0.5 * vehicle.length
+    return rear if vehicle.hitch is None else vehicle.hitch, front if vehicle.coupler is None else vehicle.coupler
+
+
+def _add_entity(draft: Draft, entity: Entity, posed: bool, touched: set[str]) -> None:
     p, vehicle = draft.program, entity.vehicle
     motion = MOTIONS[entity.kind]
     if posed and motion == op.MOTION_BICYCLE:
@@ -55,6 +72,7 @@ def _add_entity(draft: Draft, entity: Entity, posed: bool) -> None:
     p.entity_follows.append(0 if entity.follow is None else 1)
     start = op.NONE if entity.start is None else add_position(draft, entity.start, entity.kind)
     p.entity_position.append(start)
+    p.entity_present.append(1 if entity.start is not None or entity.id in touched else 0)
     p.entity_leg_first.append(len(p.leg_road))
     for leg in entity.route:
         road = draft.network.road_index(leg.road)
@@ -66,7 +84,7 @@ def _add_entity(draft: Draft, entity: Entity, posed: bool) -> None:
         draft.block(
             *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
             *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration),
-            *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow, entity.share),
+            *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow, entity.share, *_towing(vehicle)),
         )
     )
 

@@ -1,0 +1,183 @@
+"""Entities that are put somewhere: teleports, entities that appear and disappear, and what sees them.
+
+A teleport leaves the speed as it is. On a lane the entity is led by that lane from then on, with the offset and the
+heading that it has there; off every road it goes straight on. Its trailers stand in line behind it.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi
+
+from scenario_compiler.engine.faults import fault
+from scenario_compiler.engine.motion import place_scripted
+from scenario_compiler.engine.numbers import angle_between, heading_in_circle, is_number
+from scenario_compiler.engine.opcodes import (
+    ACTION_ADD_ENTITY,
+    ACTION_CONNECT_TRAILER,
+    ACTION_DELETE_ENTITY,
+    ACTION_TELEPORT,
+    ACTION_VISIBILITY,
+    FAULT_NO_ROOM,
+    FAULT_NOT_FINITE,
+    FAULT_OFF_ROAD_START,
+    MOTION_BICYCLE,
+    MOTION_POSED,
+    NONE,
+    PLACE_ATTEMPTS,
+    POSITION_RANDOM,
+)
+from scenario_compiler.engine.path import leave_road, locate_ego, set_path
+from scenario_compiler.engine.placing import clear_place
+from scenario_compiler.engine.positions import PLACE_NONE, PLACE_ON_LANE, place_of, position_is_number
+from scenario_compiler.engine.slots import P_TURN
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.trailers import connect_trailer, disconnect_trailer, straighten_trailers
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def lead_along(n: RoadTables, st: State, i: int, road: int, lane: int, s: float, offset: float, h: float) -> None:
+    """Let a lane lead an entity from a place on it, with the heading that it has in the world."""
+    _, _, _, along, _, _ = lane_pose(n, road, lane, s, offset)
+    direction = lane_direction(n, road, lane)
+    away = angle_between(h, along if direction > 0 else along + pi)
+    st.road[i] = road
+    st.s[i] = s
+    st.kept_lane[i] = lane
+    st.kept_off[i] = offset
+    st.facing[i] = direction
+    st.turn[i] = away
+    if cos(away) < 0.0:
+        st.facing[i] = -direction
+        st.turn[i] = angle_between(away, pi)
+
+
+@compiled
+def stand_free(st: State, i: int, x: float, y: float, z: float, h: float) -> None:
+    """Put an entity at a point off every road."""
+    leave_road(st, i)
+    st.kept_lane[i] = 0
+    st.kept_off[i] = 0.0
+    st.facing[i] = 1
+    st.turn[i] = 0.0
+    st.x[i] = x
+    st.y[i] = y
+    st.z[i] = z
+    st.h[i] = heading_in_circle(h)
+    st.pitch[i] = 0.0
+    st.roll[i] = 0.0
+
+
+@compiled
+def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
+    """Put an entity at a position; one that lies nowhere is a fault of the run."""
+    kind, road, lane, s, offset, x, y, z, h = place_of(n, p, st, k, i)
+    if kind == PLACE_NONE:
+        fault(st, FAULT_OFF_ROAD_START, i)
+        return
+    if kind == PLACE_ON_LANE:
+        lead_along(n, st, i, road, lane, s, offset, h)
+        place_scripted(n, p, st, i)
+    else:
+        stand_free(st, i, x, y, z, h)
+    note_arrival(n, p, st, i)
+
+
+@compiled
+def start_entity(n: RoadTables, p: Program, st: State, order: int) -> None:
+    """Put the entity at a place of the order where it starts; one without a start at the world's origin."""
+    i = p.entity_order[order]
+    k = p.entity_position[i]
+    if k < 0:
+        stand_free(st, i, 0.0, 0.0, 0.0, 0.0)
+        note_arrival(n, p, st, i)
+    elif is_number(st.v[i]) == 0 or position_is_number(p, k) == 0:
+        leave_road(st, i)
+        fault(st, FAULT_NOT_FINITE, i)
+    elif p.position_op[k] == POSITION_RANDOM:
+        start_at_random(n, p, st, i, order)
+    else:
+        put_at(n, p, st, i, k)
+
+
+@compiled
+def start_at_random(n: RoadTables, p: Program, st: State, i: int, order: int) -> None:
+    """Put an entity at a place that is drawn, clear of the entities before it in the order."""
+    k = p.entity_position[i]
+    road, lane, s, offset, direction = clear_place(n, p, st, k, order, 0, PLACE_ATTEMPTS)
+    if road < 0:
+        leave_road(st, i)
+        fault(st, FAULT_NO_ROOM, i)
+        return
+    st.road[i] = road
+    st.s[i] = s
+    st.kept_lane[i] = lane
+    st.kept_off[i] = offset
+    st.facing[i] = direction
+    st.turn[i] = p.const[p.position_const[k] + P_TURN]
+    place_scripted(n, p, st, i)
+    note_arrival(n, p, st, i)
+
+
+@compiled
+def note_arrival(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Let what goes with an entity follow to where it has been put: its odometer, its trailers, the ego's path."""
+    st.ended[i] = 0
+    st.last_x[i] = st.x[i]
+    st.last_y[i] = st.y[i]
+    if i == p.ego[0]:
+        set_path(st, st.road[i], st.kept_lane[i], st.s[i])
+        if p.entity_motion[i] == MOTION_BICYCLE or p.entity_motion[i] == MOTION_POSED:
+            locate_ego(n, p, st, i)
+    straighten_trailers(n, p, st, i)
+
+
+@compiled
+def add_entity(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
+    """Let an entity appear at a position; one that is there already stays where it is."""
+    if st.present[i] == 1:
+        return
+    st.present[i] = 1
+    put_at(n, p, st, i, k)
+
+
+@compiled
+def delete_entity(p: Program, st: State, i: int) -> None:
+    """Let an entity disappear; what it tows stays behind."""
+    st.present[i] = 0
+    st.v[i] = 0.0
+    st.a[i] = 0.0
+    if st.towed[i] >= 0:
+        st.towed_by[st.towed[i]] = NONE
+        st.towed[i] = NONE
+    if st.towed_by[i] >= 0:
+        st.towed[st.towed_by[i]] = NONE
+        st.towed_by[i] = NONE
+
+
+@compiled
+def act_on_place(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Do an action on where an entity is, on whether it is there and seen, or on its trailer; each is done at once.
+
+    A trailer that is connected by the init stands in line behind, one connected later where its hitch draws it.
+    """
+    op = p.action_op[k]
+    i = p.action_entity[k]
+    other = p.action_other[k]
+    if op == ACTION_TELEPORT:
+        put_at(n, p, st, i, p.action_position[k])
+    elif op == ACTION_ADD_ENTITY:
+        add_entity(n, p, st, other, p.action_position[k])
+    elif op == ACTION_DELETE_ENTITY:
+        delete_entity(p, st, other)
+    elif op == ACTION_VISIBILITY:
+        st.visible[i] = p.action_flags[k]
+    elif op == ACTION_CONNECT_TRAILER:
+        connect_trailer(p, st, i, other)
+        if st.action_element[k] < 0:
+            straighten_trailers(n, p, st, i)
+    else:
+        disconnect_trailer(st, i)
