@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scenario_compiler import Outcome, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.lower import Perception
+from scenario_compiler.recording.events import write_events
+from scenario_compiler.runtime.loop import NAMED
 from scenario_compiler.runtime.messages import TEXTS
 from scenario_compiler.worlds import Snapshot
 from scenario_compiler.worlds.kinematic import KinematicWorld, covered_pieces
@@ -193,3 +196,48 @@ def test_covered_pieces_are_as_many_as_is_said_and_more_cover_the_same_and_other
     assert set(some) < set(more)
     assert covered_pieces("1", 0.0, 10.0, 1.0) == [0.0, 2.0, 4.0, 6.0, 8.0]
     assert covered_pieces("1", 0.0, 10.0, 0.0) == []
+
+
+def test_an_event_is_logged_by_its_name_and_who_does_it(tmp_path: Path) -> None:
+    whens = '<when name="slower"><time after="0.5"/><do><sensor_noise sigma="1"/></do></when>'
+    recording, _ = played(compiled(tmp_path, whens=whens, duration=2))
+    logged = [(event.kind, event.message, event.entity) for event in recording.events if event.kind in NAMED]
+    assert logged == [("storyboard_start", "slower", "ego"), ("storyboard_end", "slower", "ego")]
+
+
+FAILS = '<camera><failure kind="blackout" onset="0.5"/></camera>'
+
+
+def test_hazard_lights_are_logged_until_the_driver_takes_over(tmp_path: Path) -> None:
+    unanswered, _ = played(compiled(tmp_path, camera=FAILS, duration=20, answer=60))
+    lights = [(event.t, event.value) for event in unanswered.events if event.kind == "hazard_lights"]
+    assert lights == [(event.t, 1.0) for event in unanswered.events if event.kind == "minimum_risk"]
+    answered, _ = played(compiled(tmp_path, camera=FAILS, duration=20, answer=12))
+    values = [event.value for event in answered.events if event.kind == "hazard_lights"]
+    assert values == [1.0, 0.0]
+    assert times(answered, "hazard_lights")[1] == times(answered, "response")[0]
+
+
+def test_a_stop_of_the_driver_is_a_standstill_of_its_own(tmp_path: Path) -> None:
+    wall = '<static id="wall"><at><ahead_of entity="ego" distance="70" turn="90"/></at></static>'
+    second = '<static id="second"><at><ahead_of entity="ego" distance="70" offset="5" turn="90"/></at></static>'
+    third = '<static id="third"><at><ahead_of entity="ego" distance="70" offset="-5" turn="90"/></at></static>'
+    recording, outcome = played(
+        compiled(tmp_path, camera=FAILS, markings=wall + second + third, duration=20, answer=0.5, speed=8)
+    )
+    (stop,) = [event for event in recording.events if event.kind == "standstill"]
+    assert stop.cause == "driver"
+    assert [interval.state for interval in outcome.timeline][-1] == "manual"
+    measured = outcome.measures["standstill_time"].value
+    assert measured == pytest.approx(stop.t)
+    assert recording.v[np.searchsorted(recording.t, stop.t - 1e-6), 0] < 0.05
+    assert recording.stop_reason == "standstill"
+
+
+def test_times_are_written_without_the_rounding_of_the_steps(tmp_path: Path) -> None:
+    recording, outcome = played(compiled(tmp_path, camera=FAILS, duration=4))
+    write_events(recording.events, tmp_path / "events.csv")
+    written = [line.split(",")[0] for line in (tmp_path / "events.csv").read_text().splitlines()[1:]]
+    assert written
+    assert max(map(len, written)) <= 4
+    assert max(len(repr(interval.end)) for interval in outcome.timeline) <= 4

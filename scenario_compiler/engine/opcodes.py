@@ -257,6 +257,7 @@ EVENT_MESSAGE = 20
 EVENT_LIGHT = 21
 EVENT_COMMAND = 22
 EVENT_SIGNAL = 23
+EVENT_HAZARD_LIGHTS = 24
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 

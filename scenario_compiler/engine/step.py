@@ -13,9 +13,11 @@ from scenario_compiler.engine.actions import run_actions
 from scenario_compiler.engine.automation import control_ego
 from scenario_compiler.engine.collision import check_collisions, update_boxes, watch_ttc
 from scenario_compiler.engine.failures import update_camera
+from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.motion import move_entities, take_stock
 from scenario_compiler.engine.numbers import length_of
 from scenario_compiler.engine.opcodes import (
+    EVENT_STANDSTILL,
     FAULT_NONE,
     MOTION_BICYCLE,
     MOTION_POSED,
@@ -126,16 +128,26 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
 
 
 @compiled
+def note_stop_by_hand(st: State) -> None:
+    """Log that the driver has brought the ego to a standstill."""
+    if st.time_standstill[0] < 0.0:
+        st.time_standstill[0] = st.clock[0]
+    log_event(st, EVENT_STANDSTILL, 1.0)
+
+
+@compiled
 def watch_standstill(p: Program, st: State) -> None:
     """End a run whose ego has stood for a while after a stop that ends the conflict."""
     ego = p.ego[0]
     state = st.takeover_state[0]
     ended = st.crashed[0] == 1 or state in (TAKEOVER_STANDSTILL, TAKEOVER_MANUAL)
-    if st.v[ego] > 0.0 or not ended:
+    if st.v[ego] >= STANDING or not ended:
         st.still_since[0] = -1.0
         return
     if st.still_since[0] < 0.0:
         st.still_since[0] = st.clock[0]
+        if state == TAKEOVER_MANUAL and st.crashed[0] == 0:
+            note_stop_by_hand(st)
     if st.clock[0] - st.still_since[0] >= STANDING_TIME - 1.0e-6:
         st.stop[0] = STOP_COLLISION if st.crashed[0] == 1 else STOP_STANDSTILL
 

@@ -23,6 +23,7 @@ from scenario_compiler.engine.opcodes import (
     EVENT_ACTIVATION,
     EVENT_ESCALATION,
     EVENT_HAND_BACK,
+    EVENT_HAZARD_LIGHTS,
     EVENT_MINIMUM_RISK,
     EVENT_REQUEST,
     EVENT_RESPONSE,
@@ -212,17 +213,25 @@ def step_automated(p: Program, st: State, i: int) -> None:
 
 
 @compiled
+def switch_hazard_lights(st: State, on: int) -> None:
+    """Switch the hazard lights, and log it where that changes them."""
+    if st.hazard_lights[0] != on:
+        st.hazard_lights[0] = on
+        log_event(st, EVENT_HAZARD_LIGHTS, 1.0 * on)
+
+
+@compiled
 def answer(st: State) -> None:
     """The driver takes over."""
     now = st.clock[0]
     st.takeover_state[0] = TAKEOVER_MANUAL
     st.manual_since[0] = now
-    st.hazard_lights[0] = 0
     st.manoeuvre[0] = MANOEUVRE_KEEP
     st.answer_at[0] = FAR
     if st.time_response[0] < 0.0:
         st.time_response[0] = now
     log_event(st, EVENT_RESPONSE, now - st.request_at[0])
+    switch_hazard_lights(st, 0)
 
 
 @compiled
@@ -239,10 +248,10 @@ def step_requested(p: Program, st: State, i: int) -> None:
             log_event(st, EVENT_STANDSTILL, 0.0)
     elif minimum_risk_due(p, st, i) == 1:
         st.takeover_state[0] = TAKEOVER_MINIMUM_RISK
-        st.hazard_lights[0] = p.hazard_lights[0]
         if st.time_minimum_risk[0] < 0.0:
             st.time_minimum_risk[0] = now
         log_event(st, EVENT_MINIMUM_RISK, 0.0)
+        switch_hazard_lights(st, p.hazard_lights[0])
     elif state == TAKEOVER_REQUEST and now - st.request_at[0] >= p.const[K_ESCALATE_AFTER] - 1.0e-6:
         st.takeover_state[0] = TAKEOVER_ESCALATION
         if st.time_escalation[0] < 0.0:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenario_compiler.recording.decimals import shortest
+from scenario_compiler.recording.decimals import shortest, to_the_nanosecond
 from scenario_compiler.recording.names import EventKind
 
 
@@ -20,8 +20,12 @@ class EventRow(BaseModel):
     t: float = Field(description="Time, s.")
     kind: EventKind = Field(description="What happened.")
     entity: str = Field(default="", description="Id of the entity concerned; at a collision, of the one that was hit.")
-    cause: str = Field(default="", description="Why: the cause of a warning or request, the kind of a failure.")
-    message: str = Field(default="", description="What the driver was told, or a sentence on what happened.")
+    cause: str = Field(
+        default="", description="Why: the cause of a warning or request, the kind of a failure, who stopped."
+    )
+    message: str = Field(
+        default="", description="What the driver was told, an event of the storyboard by name, or a sentence."
+    )
     value: float | None = Field(default=None, description="A number that belongs to it, SI unit.")
 
 
@@ -32,4 +36,6 @@ def write_events(events: Iterable[EventRow], path: Path) -> None:
         rows.writerow(EventRow.model_fields)
         for event in events:
             value = "" if event.value is None else shortest(event.value)
-            rows.writerow((shortest(event.t), event.kind, event.entity, event.cause, event.message, value))
+            rows.writerow(
+                (shortest(to_the_nanosecond(event.t)), event.kind, event.entity, event.cause, event.message, value)
+            )

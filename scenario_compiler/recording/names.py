@@ -15,7 +15,7 @@ StateName = Literal[
 EventKind = Literal[
     "activation", "warning", "warning_over", "request", "escalation", "response", "hand_back", "minimum_risk",
     "standstill", "collision", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure", "failure_end",
-    "weather", "storyboard_start", "storyboard_end", "message", "stop",
+    "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "stop",
 ]  # fmt: skip
 """Kinds of events. Activation, request (transition demand), response (override), minimum-risk manoeuvre and
 collision are occurrences that UN R157, 8.2.1, has a data storage system record; the others are ours."""
@@ -65,6 +65,7 @@ EVENT_KINDS: dict[int, EventKind] = {
     opcodes.EVENT_FAILURE_END: "failure_end",
     opcodes.EVENT_WEATHER: "weather",
     opcodes.EVENT_MESSAGE: "message",
+    opcodes.EVENT_HAZARD_LIGHTS: "hazard_lights",
 }
 
 FAILURES: dict[int, FailureKind] = {
@@ -98,6 +99,9 @@ FAULTS: dict[int, str] = {
     opcodes.FAULT_UNKNOWN_EDGE: "the program holds an unknown condition edge",
 }
 """What a run's fault code means."""
+
+BY_HAND = "driver"
+"""Cause of a standstill that a driver brought about: the takeover's state stays as it was."""
 
 STATE_AFTER: dict[EventKind, StateName] = {
     "activation": "automated",

@@ -12,8 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
+from scenario_compiler.recording.decimals import to_the_nanosecond
 from scenario_compiler.recording.measures import MEASURES, Measure, measures_of
-from scenario_compiler.recording.names import STATE_AFTER, StateName, StopReason
+from scenario_compiler.recording.names import BY_HAND, STATE_AFTER, StateName, StopReason
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.traces import Traces, traces_of
 
@@ -126,13 +127,16 @@ def timeline(recording: Recording) -> tuple[Interval, ...]:
     states: list[tuple[float, StateName]] = [(begin, "automated")]
     for event in recording.events:
         state = STATE_AFTER.get(event.kind)
-        if state is None or state == states[-1][1]:
+        if state is None or state == states[-1][1] or event.cause == BY_HAND:
             continue
         if event.t <= states[-1][0]:
             states.pop()
         states.append((min(event.t, end), state))
     ends = [at for at, _ in states[1:]] + [end]
-    return tuple(Interval(state=state, begin=at, end=until) for (at, state), until in zip(states, ends, strict=True))
+    return tuple(
+        Interval(state=state, begin=to_the_nanosecond(at), end=to_the_nanosecond(until))
+        for (at, state), until in zip(states, ends, strict=True)
+    )
 
 
 def _resolution(recording: Recording) -> Literal["no_request", "driver", "minimum_risk", "unanswered"]:

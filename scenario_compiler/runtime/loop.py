@@ -12,14 +12,14 @@ from importlib.metadata import version
 from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
 from scenario_compiler.engine.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.following import leader_gap
-from scenario_compiler.engine.opcodes import FAILURE_BLACKOUT, FAILURE_BLUR, FAILURE_DIRT, FAR, STOP_NONE
-from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.opcodes import ELEMENT_EVENT, FAILURE_BLACKOUT, FAILURE_BLUR, FAILURE_DIRT, FAR, STOP_NONE
+from scenario_compiler.engine.program import Program, build_program
 from scenario_compiler.engine.sensor import look_ahead
 from scenario_compiler.engine.slots import K_FIELD_OF_VIEW, K_SENSOR_RANGE
 from scenario_compiler.engine.state import State, make_draws, new_state
 from scenario_compiler.engine.step import reset, step
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.names import CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS
+from scenario_compiler.recording.names import BY_HAND, CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.messages import messages
@@ -93,6 +93,23 @@ def faults_of(state: State) -> CameraFaults:
 CAUSED = frozenset({"warning", "request", "escalation", "minimum_risk"})
 """Kinds of events that have a cause."""
 
+NAMED = frozenset({"storyboard_start", "storyboard_end"})
+"""Kinds of events that tell of an event of the storyboard."""
+
+
+def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
+    """Return the name of each event of the storyboard, and who does it where that is one, by the event's element."""
+    elements = (at for at, kind in enumerate(program.element_kind) if kind == ELEMENT_EVENT)
+    acts = (act for story in plan.storyboard.stories for act in story.acts)
+    groups = [group for act in acts for group in act.groups]
+    events = (
+        (event.name, group.actors[0] if len(group.actors) == 1 else "")
+        for group in groups
+        for maneuver in group.maneuvers
+        for event in maneuver.events
+    )
+    return dict(zip(elements, events, strict=True))
+
 
 class _Execution:
     """One run under way."""
@@ -105,6 +122,7 @@ class _Execution:
         self.state = new_state(self.program)
         self.weather_changes = self.program.weather_count[0] > 1
         self.told = [word for word in walk(plan.storyboard) if isinstance(word, MessageAction)]
+        self.named = named_events(plan, self.program)
         self.state.draw[:] = make_draws(seed, variant)
         self.controller: ControllerModel | None = None
         if plan.controller is not None and plan.perception == "camera":
@@ -190,15 +208,21 @@ class _Execution:
         for at in range(self.logged, kept):
             kind, value = EVENT_KINDS[st.log_kind[at]], st.log_value[at]
             cause = self._cause(kind, value)
-            if kind != "message":
-                self.builder.event(st.log_time[at], kind, entity=self._entity(kind, value), cause=cause)
+            if kind in NAMED:
+                name, entity = self.named[int(value)]
+                self.builder.event(st.log_time[at], kind, entity=entity, message=name)
+            elif kind != "message":
+                told = value if kind == "hazard_lights" else None
+                self.builder.event(st.log_time[at], kind, entity=self._entity(kind, value), cause=cause, value=told)
             for modality, text in self._messages(kind, cause, value):
                 self.builder.event(st.log_time[at], "message", cause=modality, message=text)
             self._picture(st.log_time[at], kind, cause)
         self.logged = kept
 
     def _cause(self, kind: str, value: float) -> str:
-        """Return why something happened: the cause of a request, the kind of a failure; empty where there is none."""
+        """Return why something happened: the cause of a request, the kind of a failure, who stopped; else empty."""
+        if kind == "standstill":
+            return BY_HAND if value > 0.0 else ""
         if kind in ("failure", "failure_end"):
             return FAILURES[int(value)]
         return CAUSES[self.state.cause[0]] if kind in CAUSED else ""
