@@ -15,8 +15,9 @@ from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
 from scenario_compiler.plan.defaults import complete_takeover
-from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg, StartPose
+from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg
 from scenario_compiler.plan.places import spans_of
+from scenario_compiler.plan.standing import Standing, after_init, stands_at
 from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
@@ -24,14 +25,13 @@ from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
 from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
-    BesidePosition,
     BoundPosition,
+    GeoPosition,
     LanePosition,
     NumberedSpawnPoint,
     Position,
     RandomPosition,
     RandomSpawnPoint,
-    RelativeLanePosition,
     RoadPosition,
     SpawnPoint,
     WorldPosition,
@@ -83,8 +83,7 @@ class Draft:
     sink: Diagnostics
     binder: Binder
     entities: list[Entity] = field(default_factory=list)
-    lanes: dict[str, FoundLane] = field(default_factory=dict)
-    poses: dict[str, StartPose] = field(default_factory=dict)
+    standings: dict[str, Standing] = field(default_factory=dict)
     unresolved: set[str] = field(default_factory=set)
     destination: LanePosition | None = None
     route: tuple[RouteLeg, ...] = ()
@@ -142,7 +141,7 @@ def lower(
         takeover=draft.takeover,
         criteria=scenario.criteria,
         classification=scenario.classification,
-        derived=draft.poses,
+        derived={name: one.pose for name, one in draft.standings.items()},
         origins=draft.origins,
     )
     for check in CHECKS:
@@ -177,19 +176,15 @@ def resolve_starts(draft: Draft, starts: Mapping[str, BoundPosition]) -> None:
     """Find every start's lane and pose, those that stand relative to another entity after that one."""
     waiting = dict(starts)
     while waiting:
-        ready = {
-            name: start
-            for name, start in waiting.items()
-            if not isinstance(start, RelativeLanePosition | BesidePosition) or start.entity not in waiting
-        }
+        ready = {name: start for name, start in waiting.items() if getattr(start, "entity", None) not in waiting}
         if not ready:
             draft.unresolved.update(waiting)
             return
         for name, start in ready.items():
             del waiting[name]
-            found = draft.binder.resolve(start, draft.lanes)
+            found = stands_at(draft.binder, start, draft.standings)
             if found is not None:
-                draft.lanes[name], draft.poses[name] = found
+                draft.standings[name] = found
 
 
 def start_of(entity: Ego | Static | Dynamic) -> Position | None:
@@ -243,11 +238,12 @@ def find_way(draft: Draft, entity: str, written: Position) -> tuple[FoundLane | 
         message = f"'{entity}' starts at random, so its way to a destination would differ from run to run"
         draft.sink.add(RANDOM_HERE, message, placed.origin)
         return None, ()
-    start = draft.lanes.get(entity)
-    found = None if bound is None or start is None else draft.binder.resolve(bound, draft.lanes)
-    if found is None or start is None:
+    standing = draft.standings.get(entity)
+    start = None if standing is None else standing.lane
+    found = None if bound is None or start is None else stands_at(draft.binder, bound, draft.standings)
+    goal = None if found is None else found.lane
+    if goal is None or start is None:
         return None, ()
-    goal = found[0]
     route = draft.network.route(start, goal)
     if route is None:
         message = f"no route leads from road '{start.road}', lane {start.lane} to road '{goal.road}', lane {goal.lane}"
@@ -275,6 +271,7 @@ POSITIONS = (
     RandomSpawnPoint,
     RandomPosition,
     LanePosition,
+    GeoPosition,
 )
 """Positions that are not bound to the map before `bind_fixed`."""
 
@@ -289,6 +286,11 @@ def bind_storyboard(draft: Draft) -> None:
     draft.entities = [
         one if one.path is None else one.model_copy(update={"path": replaced(one.path, bind)}) for one in draft.entities
     ]
+
+
+def place_by_init(draft: Draft) -> None:
+    """Find where the entities stand that the init puts somewhere."""
+    draft.standings = after_init(draft.binder, draft.storyboard, draft.standings)
 
 
 def add_traffic(draft: Draft) -> None:
@@ -361,6 +363,7 @@ PASSES: tuple[Callable[[Draft], None], ...] = (
     bind_entities,
     plan_routes,
     bind_storyboard,
+    place_by_init,
     add_traffic,
     check_markings,
     complete_policy,

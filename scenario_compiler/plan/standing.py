@@ -19,6 +19,7 @@ from scenario_compiler.roads.relative import across_road, lanes_away
 from scenario_compiler.roads.travel import advance
 from scenario_compiler.vocabulary.actions import AddEntityAction, TeleportAction
 from scenario_compiler.vocabulary.positions import (
+    BoundPosition,
     FreePosition,
     LanesAwayPosition,
     Position,
@@ -60,7 +61,7 @@ def after_init(binder: Binder, storyboard: Storyboard, starts: Standings) -> dic
     return standings
 
 
-def stands_at(binder: Binder, position: Position, standings: Standings) -> Standing | None:
+def stands_at(binder: Binder, position: Position | BoundPosition, standings: Standings) -> Standing | None:
     """Return where a bound position lies; None for one drawn when a run begins, or relative to what stands nowhere."""
     if isinstance(position, FreePosition):
         x, y, heading = (binder.value(n, position) for n in (position.x, position.y, position.heading))
