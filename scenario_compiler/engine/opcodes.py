@@ -107,6 +107,39 @@ SIDE_RIGHT = 2
 SIDE_EITHER = 3
 """Of which side of the lane a condition on the confidence speaks."""
 
+# How a condition measures: in which system, which part, which angle; and which transition it waits for.
+FRAME_ENTITY = 0
+FRAME_LANE = 1
+FRAME_ROAD = 2
+FRAME_TRAJECTORY = 3
+FRAME_WORLD = 4
+
+MEASURE_STRAIGHT = 0
+MEASURE_ALONG = 1
+MEASURE_ACROSS = 2
+
+PART_TOTAL = 0
+PART_ALONG = 1
+PART_ACROSS = 2
+PART_UP = 3
+
+ANGLE_HEADING = 0
+ANGLE_PITCH = 1
+ANGLE_ROLL = 2
+
+TRANSITION_START = 0
+TRANSITION_END = 1
+TRANSITION_STOP = 2
+TRANSITION_SKIP = 3
+
+KIND_ANY = 0
+KIND_VEHICLE = 1
+KIND_PEDESTRIAN = 2
+KIND_THING = 3
+
+AT_REST = 1.0e-3
+"""Speed under which an entity counts as standing for a condition, m/s (esmini 3.6)."""
+
 RULE_LESS = 0
 RULE_LESS_OR_EQUAL = 1
 RULE_GREATER = 2
@@ -177,9 +210,32 @@ FLAG_BEHIND = 32
 FLAG_AHEAD = 64
 """Ahead of the other entity, or to its left."""
 
+FLAG_SMOOTH = 128
+"""Speeds are met smoothly."""
+
 # Whether a value is added to another entity's or multiplied by it.
 MODE_DELTA = 0
 MODE_FACTOR = 1
+
+# The speed on arrival: none given, a number, added to another's, or multiplied by it.
+FINAL_NONE = 0
+FINAL_ABSOLUTE = 1
+FINAL_DELTA = 2
+FINAL_FACTOR = 3
+
+MODIFY_ADD = 0
+MODIFY_MULTIPLY = 1
+
+CONTROLLER_DEFAULT = 0
+CONTROLLER_FOLLOW = 1
+
+HELD_THROTTLE = 0
+HELD_BRAKE = 1
+HELD_CLUTCH = 2
+HELD_PARKING_BRAKE = 3
+HELD_WHEEL = 4
+HELD_GEAR = 5
+HELD_INPUTS = 6
 
 # Failures of the camera.
 FAILURE_NOISE = 0

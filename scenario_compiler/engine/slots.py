@@ -79,10 +79,29 @@ M_SIZE = 5
 # A condition: the value compared with, the delay, and the radius of a position.
 C_VALUE = 0
 C_DELAY = 1
+C_TOLERANCE = 2
+"""Of an angle."""
+C_FORWARD = 2
+C_BACKWARD = 3
+"""Ranges of a clearance."""
 
 # An action: the target and the value of its dynamics.
 A_TARGET = 0
 A_DYNAMICS = 1
+
+# Limits of a motion, negative for none; then a speed profile's entries, each a speed and a time (negative for none).
+A_ACCELERATION = 2
+A_ACCELERATION_RATE = 3
+A_DECELERATION = 4
+A_DECELERATION_RATE = 5
+A_MOST_SPEED = 6
+A_ENTRIES = 7
+
+# What counts as there, and the last stretch of an arrival.
+A_TOLERANCE = 2
+A_MASTER_TOLERANCE = 3
+A_STEADY_TIME = 4
+A_STEADY_DISTANCE = 5
 
 # A failure of the camera: when it begins after the start or its action, how long it lasts (negative: for good), in
 # which time it grows and goes, and how severe it is.

@@ -1,0 +1,153 @@
+"""Reaching and keeping a distance to another entity across the road.
+
+Sides are those of the other entity's forward direction. Without limits the entity is put at the distance; with a limit
+of speed it moves there by that speed, with one of acceleration by a critically damped spring, and what it moves to the
+side is missing ahead. It acts from the step after the one it starts in (esmini 3.6).
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos
+
+from scenario_compiler.engine.distances import along_axis, along_roads, turned_against
+from scenario_compiler.engine.keeping_distance import NEAR_ENOUGH, limit_or
+from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
+from scenario_compiler.engine.motion import glide, place_scripted
+from scenario_compiler.engine.numbers import angle_between, clip, safe_sqrt
+from scenario_compiler.engine.opcodes import (
+    FAR,
+    FLAG_AHEAD,
+    FLAG_BEHIND,
+    FLAG_CONTINUOUS,
+    FLAG_FREESPACE,
+    FLAG_LIMITED,
+    FLAG_PRESENT,
+    FRAME_ENTITY,
+    FRAME_WORLD,
+    MEASURE_ACROSS,
+    MOTION_SCRIPTED,
+    TOLERANCE,
+)
+from scenario_compiler.engine.slots import (
+    A_ACCELERATION,
+    A_DECELERATION,
+    A_MOST_SPEED,
+    A_TARGET,
+    E_MAX_ACCELERATION,
+    E_WIDTH,
+)
+from scenario_compiler.engine.spring import spring_acceleration
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_centre
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def left_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, float]:
+    """Return (how far the other is to the left of the entity, 1 where it faces the same way, else -1).
+
+    FAR to the left where no road leads there. Left is as the entity goes along its road, or in its own axes.
+    """
+    i = p.action_entity[k]
+    j = p.action_other[k]
+    if p.action_mode[k] in (FRAME_ENTITY, FRAME_WORLD):
+        axis = st.h[i] - st.turn[i]
+        left = along_axis(axis, st.x[j] - st.x[i], st.y[j] - st.y[i], MEASURE_ACROSS)
+        return left, 1.0 if cos(angle_between(st.h[j], axis)) >= 0.0 else -1.0
+    ahead, left, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if ahead >= FAR:
+        return FAR, 1.0
+    return left, 1.0 if cos(turned_against(n, st.road[j], st.s[j], direction, st.h[j])) >= 0.0 else -1.0
+
+
+@compiled
+def widths_between(p: Program, k: int) -> float:
+    """Return what of the distance the boxes take."""
+    if p.action_flags[k] & FLAG_FREESPACE == 0:
+        return 0.0
+    own = p.const[p.entity_const[p.action_entity[k]] + E_WIDTH]
+    return 0.5 * (own + p.const[p.entity_const[p.action_other[k]] + E_WIDTH])
+
+
+@compiled
+def start_keep_aside(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Choose the side, where any will do the present one, and the distance, where none is given the present one."""
+    st.lateral[p.action_entity[k]] = k
+    flags = p.action_flags[k]
+    left, same = left_between(n, p, st, k)
+    side = 1.0
+    if flags & FLAG_BEHIND != 0 or (flags & FLAG_AHEAD == 0 and same * left > 0.0):
+        side = -1.0
+    st.action_a[k] = side
+    st.action_b[k] = p.const[p.action_const[k] + A_TARGET]
+    if flags & FLAG_PRESENT != 0 and left < FAR:
+        st.action_b[k] = -side * same * left - widths_between(p, k)
+    st.action_change[k] = 0.0
+
+
+@compiled
+def shift_by(n: RoadTables, p: Program, st: State, i: int, left: float) -> None:
+    """Move a scripted entity to the left, by its lane; its heading is left alone."""
+    centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
+    st.kept_off[i] += st.facing[i] * left
+    st.t[i] = centre + st.kept_off[i]
+
+
+@compiled
+def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Go on towards the distance; return 1 where it is reached and need not be kept."""
+    i = p.action_entity[k]
+    if p.action_other[k] < 0 or st.road[i] < 0:
+        return 1
+    if st.action_progress[k] <= 0.0:
+        st.action_progress[k] = 1.0
+        return 0
+    left, same = left_between(n, p, st, k)
+    if left >= FAR:
+        return 0
+    error = left + same * st.action_a[k] * (st.action_b[k] + widths_between(p, k))
+    flags = p.action_flags[k]
+    if p.entity_motion[i] != MOTION_SCRIPTED:
+        if i == p.ego[0]:
+            aside = st.path_off[0] + error
+            plan_shift(st, i, aside, shift_distance(st.v[i], error, 1.0))
+        return 1
+    if abs(error) < NEAR_ENOUGH and abs(st.action_change[k]) < NEAR_ENOUGH and flags & FLAG_CONTINUOUS == 0:
+        st.turn[i] = 0.0
+        place_scripted(n, p, st, i)
+        return 1
+    if dt <= 0.0:
+        return 0
+    if flags & FLAG_LIMITED != 0:
+        drive_aside(n, p, st, k, error, dt)
+    else:
+        shift_by(n, p, st, i, error)
+        st.turn[i] = atan2(error, st.v[i] * dt) if abs(error) > TOLERANCE else 0.0
+        place_scripted(n, p, st, i)
+    return 0
+
+
+@compiled
+def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: float) -> None:
+    """Move for one step to the side as the spring and the limits say, and ahead by what is left of the way."""
+    i = p.action_entity[k]
+    fastest = limit_or(p, k, A_MOST_SPEED, FAR)
+    most = p.const[p.action_const[k] + A_ACCELERATION]
+    least = p.const[p.action_const[k] + A_DECELERATION]
+    speed = error / max(dt, TOLERANCE)
+    if most >= 0.0 or least >= 0.0:
+        usual = p.const[p.entity_const[i] + E_MAX_ACCELERATION]
+        most = most if most >= 0.0 else usual
+        speed = st.action_change[k] + spring_acceleration(error, st.action_change[k], most, most, most) * dt
+    speed = clip(speed, -fastest, fastest)
+    st.action_change[k] = speed
+    path = abs(st.v[i]) * dt
+    side = clip(speed * dt, -path, path)
+    ahead = safe_sqrt(path * path - side * side)
+    st.turn[i] = atan2(side, ahead) if abs(side) > TOLERANCE else 0.0
+    shift_by(n, p, st, i, side)
+    glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
+    st.moved[i] = 1
+    place_scripted(n, p, st, i)

@@ -1,0 +1,149 @@
+"""Reaching and keeping a distance or a time gap to another entity along the road.
+
+Without limits the entity is put at the distance and takes the other's speed; with them a critically damped spring
+drives it there. The distance is that along the roads, or along the entity's own axis, between the reference points or
+the boxes. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from math import cos
+
+from scenario_compiler.engine.distances import along_axis, along_roads, half_extent, turned_against
+from scenario_compiler.engine.motion import glide, place_scripted
+from scenario_compiler.engine.numbers import angle_between, clip
+from scenario_compiler.engine.opcodes import (
+    FAR,
+    FLAG_AHEAD,
+    FLAG_BEHIND,
+    FLAG_CONTINUOUS,
+    FLAG_FREESPACE,
+    FLAG_LIMITED,
+    FLAG_PRESENT,
+    FLAG_TIME_GAP,
+    FRAME_ENTITY,
+    FRAME_WORLD,
+    MEASURE_ALONG,
+    MOTION_SCRIPTED,
+)
+from scenario_compiler.engine.slots import (
+    A_ACCELERATION,
+    A_ACCELERATION_RATE,
+    A_DECELERATION,
+    A_DECELERATION_RATE,
+    A_MOST_SPEED,
+    A_TARGET,
+    E_CENTER,
+    E_MAX_ACCELERATION,
+    E_MAX_DECELERATION,
+    E_MAX_SPEED,
+)
+from scenario_compiler.engine.speeds import set_speed
+from scenario_compiler.engine.spring import spring_acceleration
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+NEAR_ENOUGH = 0.1
+"""Error at which a distance counts as reached, m (esmini 3.6)."""
+
+
+@compiled
+def limit_or(p: Program, k: int, slot: int, otherwise: float) -> float:
+    """Return a limit of an action, or another number where the action sets none (negative)."""
+    value = p.const[p.action_const[k] + slot]
+    return value if value >= 0.0 else otherwise
+
+
+@compiled
+def limit_of_vehicle(p: Program, k: int, slot: int, of_vehicle: int) -> float:
+    """Return a limit of an action, or its vehicle's own where the action sets none."""
+    return limit_or(p, k, slot, max(p.const[p.entity_const[p.action_entity[k]] + of_vehicle], 0.0))
+
+
+@compiled
+def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, float]:
+    """Return (how far the other is ahead, what of it the boxes take): between the points, or the boxes' centres.
+
+    FAR ahead where no road leads there.
+    """
+    i = p.action_entity[k]
+    j = p.action_other[k]
+    freespace = p.action_flags[k] & FLAG_FREESPACE
+    if p.action_mode[k] in (FRAME_ENTITY, FRAME_WORLD):
+        axis = st.h[i]
+        if freespace == 0:
+            return along_axis(axis, st.x[j] - st.x[i], st.y[j] - st.y[i], MEASURE_ALONG), 0.0
+        reach = half_extent(p, i, 0.0) + half_extent(p, j, angle_between(st.h[j], axis))
+        ahead = along_axis(axis, st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i], MEASURE_ALONG)
+        return ahead, reach
+    ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if ahead >= FAR or freespace == 0:
+        return ahead, 0.0
+    own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
+    other = turned_against(n, st.road[j], st.s[j], direction, st.h[j])
+    ahead = (
+        ahead + p.const[p.entity_const[j] + E_CENTER] * cos(other) - p.const[p.entity_const[i] + E_CENTER] * cos(own)
+    )
+    return ahead, half_extent(p, i, own) + half_extent(p, j, other)
+
+
+@compiled
+def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Choose the side, where any will do the present one, and the distance, where none is given the present one."""
+    st.longitudinal[p.action_entity[k]] = k
+    flags = p.action_flags[k]
+    ahead, reach = ahead_between(n, p, st, k)
+    side = 1.0
+    if flags & FLAG_AHEAD != 0 or (flags & FLAG_BEHIND == 0 and ahead < 0.0):
+        side = -1.0
+    st.action_a[k] = side
+    st.action_b[k] = p.const[p.action_const[k] + A_TARGET]
+    if flags & FLAG_PRESENT != 0 and ahead < FAR:
+        st.action_b[k] = side * ahead - reach
+    st.action_change[k] = 0.0
+
+
+@compiled
+def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Go on towards the distance; return 1 where it is reached and need not be kept."""
+    i = p.action_entity[k]
+    j = p.action_other[k]
+    if j < 0 or (p.entity_motion[i] != MOTION_SCRIPTED and i != p.ego[0]):
+        return 1
+    ahead, reach = ahead_between(n, p, st, k)
+    if ahead >= FAR:
+        return 0
+    flags = p.action_flags[k]
+    wanted = st.action_b[k]
+    if flags & FLAG_TIME_GAP != 0:
+        wanted = wanted * abs(st.v[j])
+    error = ahead - st.action_a[k] * (wanted + reach)
+    if flags & FLAG_CONTINUOUS == 0 and abs(error) < NEAR_ENOUGH:
+        return 1
+    if flags & FLAG_LIMITED != 0:
+        drive_to_distance(p, st, k, error, dt)
+    else:
+        if p.entity_motion[i] == MOTION_SCRIPTED:
+            glide(n, p, st, i, error)
+            place_scripted(n, p, st, i)
+        set_speed(p, st, i, st.v[j])
+    return 0
+
+
+@compiled
+def drive_to_distance(p: Program, st: State, k: int, error: float, dt: float) -> None:
+    """Change the speed for one step as the spring and the limits say."""
+    i = p.action_entity[k]
+    most = limit_of_vehicle(p, k, A_ACCELERATION, E_MAX_ACCELERATION)
+    least = limit_of_vehicle(p, k, A_DECELERATION, E_MAX_DECELERATION)
+    stiff = most if error < 0.0 else least
+    acceleration = spring_acceleration(error, st.v[i] - st.v[p.action_other[k]], stiff, most, least)
+    before = st.action_change[k]
+    rise = limit_or(p, k, A_ACCELERATION_RATE, FAR) * dt
+    fall = limit_or(p, k, A_DECELERATION_RATE, FAR) * dt
+    acceleration = clip(acceleration, before - fall, before + rise)
+    st.action_change[k] = acceleration
+    fastest = limit_of_vehicle(p, k, A_MOST_SPEED, E_MAX_SPEED)
+    set_speed(p, st, i, clip(st.v[i] + acceleration * dt, -fastest, fastest))

@@ -1,0 +1,118 @@
+"""Arriving at a position when another entity, the master, arrives at its own.
+
+The speed is solved for anew in each step from the distances that remain. With a speed on arrival the acceleration is
+that of the smoothest motion that ends at the position, at that speed, at that time (of least squared acceleration; a
+straight line of speed where one does); without one it is twice what the mean speed asks for. The entity waits rather
+than goes back, and waits while the master stands. A steady state keeps its last stretch for the final speed alone.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.distances import distance_to, place_now
+from scenario_compiler.engine.numbers import clip, length_of
+from scenario_compiler.engine.opcodes import (
+    FAR,
+    FINAL_ABSOLUTE,
+    FINAL_DELTA,
+    FINAL_NONE,
+    FRAME_ROAD,
+    MEASURE_ALONG,
+    MODE_DELTA,
+    MODE_FACTOR,
+    MOTION_SCRIPTED,
+    TOLERANCE,
+)
+from scenario_compiler.engine.slots import (
+    A_MASTER_TOLERANCE,
+    A_STEADY_DISTANCE,
+    A_STEADY_TIME,
+    A_TARGET,
+    A_TOLERANCE,
+    E_MAX_SPEED,
+)
+from scenario_compiler.engine.speeds import related_speed, set_speed
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+ALONG_ROAD = 4 * FRAME_ROAD + MEASURE_ALONG
+"""Along the roads, as `distance_to` takes it."""
+
+
+@compiled
+def way_to(n: RoadTables, p: Program, st: State, i: int, k: int) -> float:
+    """Return how far an entity is from a position, along the roads or else straight."""
+    along = distance_to(n, p, st, i, k, ALONG_ROAD, 0)
+    if abs(along) < FAR:
+        return abs(along)
+    found, x, y, _, _, _ = place_now(n, p, st, k, i)
+    if found == 0:
+        return FAR
+    return length_of(x - st.x[i], y - st.y[i])
+
+
+@compiled
+def final_speed(p: Program, st: State, k: int) -> float:
+    """Return the speed on arrival as it is now."""
+    value = p.const[p.action_const[k] + A_TARGET]
+    if p.action_mode[k] == FINAL_ABSOLUTE:
+        return value
+    return related_speed(st, p.action_lanes[k], MODE_DELTA if p.action_mode[k] == FINAL_DELTA else MODE_FACTOR, value)
+
+
+@compiled
+def start_synchronize(p: Program, st: State, k: int) -> None:
+    """Begin with no distances known."""
+    st.longitudinal[p.action_entity[k]] = k
+    st.action_a[k] = FAR
+    st.action_b[k] = FAR
+
+
+@compiled
+def speed_to_meet(p: Program, st: State, k: int, way: float, time: float, dt: float) -> float:
+    """Return the speed after dt with a way and a time left."""
+    v = st.v[p.action_entity[k]]
+    if p.action_mode[k] == FINAL_NONE:
+        return v + 2.0 * (way / time - v) / time * dt
+    last = final_speed(p, st, k)
+    steady = p.const[p.action_const[k] + A_STEADY_TIME]
+    stretch = p.const[p.action_const[k] + A_STEADY_DISTANCE]
+    if steady > 0.0:
+        time = time - steady
+        way = way - last * steady
+    elif stretch > 0.0 and last > TOLERANCE:
+        time = time - stretch / last
+        way = way - stretch
+    if time <= dt or way <= 0.0:
+        return last
+    return v + (6.0 * way / time - 4.0 * v - 2.0 * last) / time * dt
+
+
+@compiled
+def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Choose the speed for one step; return 1 on arrival of either, or where one goes away from its position."""
+    i = p.action_entity[k]
+    master = p.action_other[k]
+    if master < 0 or (p.entity_motion[i] != MOTION_SCRIPTED and i != p.ego[0]):
+        return 1
+    if dt <= 0.0:
+        return 0
+    base = p.action_const[k]
+    way = way_to(n, p, st, i, p.action_position[k])
+    masters = way_to(n, p, st, master, p.point_position[p.action_point[k]])
+    speed = abs(st.v[master])
+    there = way <= p.const[base + A_TOLERANCE] + TOLERANCE or masters <= p.const[base + A_MASTER_TOLERANCE] + TOLERANCE
+    passed = way > st.action_a[k] + TOLERANCE or masters > st.action_b[k] + TOLERANCE
+    st.action_a[k] = way
+    st.action_b[k] = masters
+    if there or passed or masters < speed * dt:
+        if p.action_mode[k] != FINAL_NONE:
+            set_speed(p, st, i, final_speed(p, st, k))
+        return 1
+    if speed < TOLERANCE:
+        set_speed(p, st, i, 0.0)
+        return 0
+    fastest = max(p.const[p.entity_const[i] + E_MAX_SPEED], 0.0)
+    set_speed(p, st, i, clip(speed_to_meet(p, st, k, way, masters / speed, dt), 0.0, fastest))
+    return 0
