@@ -7,24 +7,34 @@ esmini 3.6.
 
 from __future__ import annotations
 
+from scenario_compiler.engine.keeping_aside import step_keep_aside
+from scenario_compiler.engine.keeping_distance import step_keep_distance
 from scenario_compiler.engine.lane_changes import step_lane_change
 from scenario_compiler.engine.lane_offsets import step_limited_offset
 from scenario_compiler.engine.opcodes import (
+    ACTION_ANIMATION,
     ACTION_FOLLOW_PATH,
+    ACTION_KEEP_DISTANCE,
+    ACTION_KEEP_LATERAL_DISTANCE,
     ACTION_LANE_CHANGE,
     ACTION_LANE_CHANGE_TO,
     ACTION_LANE_OFFSET,
     ACTION_LIMITED_LANE_OFFSET,
     ACTION_RELATIVE_SPEED,
     ACTION_SPEED,
+    ACTION_SPEED_PROFILE,
+    ACTION_SYNCHRONIZE,
     ELEMENT_ACTION,
     RUNNING,
 )
 from scenario_compiler.engine.own_path import step_follow_path
+from scenario_compiler.engine.speed_profiles import step_profile
 from scenario_compiler.engine.speeds import step_speed
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import action_done
+from scenario_compiler.engine.synchronizing import step_synchronize
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.world_actions import step_animation
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -40,10 +50,20 @@ def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None
         done = step_lane_change(n, p, st, k, dt)
     elif op == ACTION_LIMITED_LANE_OFFSET:
         done = step_limited_offset(n, p, st, k, dt)
+    elif op == ACTION_KEEP_DISTANCE:
+        done = step_keep_distance(n, p, st, k, dt)
+    elif op == ACTION_KEEP_LATERAL_DISTANCE:
+        done = step_keep_aside(n, p, st, k, dt)
+    elif op == ACTION_SPEED_PROFILE:
+        done = step_profile(p, st, k, dt)
+    elif op == ACTION_SYNCHRONIZE:
+        done = step_synchronize(n, p, st, k, dt)
+    elif op == ACTION_ANIMATION:
+        done = step_animation(p, st, k, dt)
     elif op == ACTION_FOLLOW_PATH:
         done = step_follow_path(n, p, st, k, dt)
     if done == 1:
-        action_done(p, st, k, st.frame[0] + 1)
+        action_done(p, st, k, 2 * (st.frame[0] + 1))
 
 
 @compiled

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import cos, sin
 
 from scenario_compiler.engine.numbers import angle_between
-from scenario_compiler.engine.opcodes import FAR, WAY_SIZE
+from scenario_compiler.engine.opcodes import WAY_SIZE
 from scenario_compiler.engine.path import HALF_TURN, STEP_OVER, preferred_road
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
@@ -85,18 +85,25 @@ def place_on_way(n: RoadTables, st: State, j: int) -> tuple[int, float, float, f
 
     An entity in a junction, on another of its overlapping roads, is projected onto the way's road there.
     """
-    road = st.road[j]
+    return point_on_way(n, st, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+
+
+@compiled
+def point_on_way(
+    n: RoadTables, st: State, road: int, at_s: float, at_t: float, x: float, y: float
+) -> tuple[int, float, float, float]:
+    """Return what `place_on_way` does, of a point at a place on a road."""
     if road < 0:
         return -1, 0.0, 0.0, 0.0
     for w in range(st.way_count[0]):
         at = st.way_road[w]
-        s = st.s[j]
-        t = st.t[j]
+        s = at_s
+        t = at_t
         on = 1
         if at != road:
             on = 0
             if n.road_junction[at] >= 0 and n.road_junction[at] == n.road_junction[road]:
-                s, t = project_on_road(n, at, 0.5 * n.road_length[at], st.x[j], st.y[j])
+                s, t = project_on_road(n, at, 0.5 * n.road_length[at], x, y)
                 if s >= 0.0 and s <= n.road_length[at] and abs(t) < BESIDE:
                     on = 1
         if on == 1:
@@ -146,26 +153,3 @@ def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
     st.border_right[j] = -st.border_left[j]
     st.on_way[j] = 1
     return 1
-
-
-@compiled
-def longitudinal_distance(n: RoadTables, st: State, i: int, j: int) -> float:
-    """Return the distance along the road between two reference points, negative behind, FAR where no road leads there.
-
-    On one road it is the difference of s; over links the lanes are followed straight on, first ahead, then behind.
-    """
-    if st.road[i] < 0 or st.road[j] < 0:
-        return FAR
-    if st.road[i] == st.road[j]:
-        return st.facing[i] * (st.s[j] - st.s[i])
-    road = st.road[i]
-    along = st.facing[i] * lane_direction(n, road, st.lane[i])
-    walk(n, st, road, st.lane[i], st.s[i], along, 1000.0, -1)
-    w, _, _, distance = place_on_way(n, st, j)
-    if w >= 0:
-        return distance
-    walk(n, st, road, st.lane[i], st.s[i], -along, 1000.0, -1)
-    w, _, _, distance = place_on_way(n, st, j)
-    if w >= 0:
-        return -distance
-    return FAR

@@ -1,123 +1,98 @@
-"""Conditions: what a trigger measures, with rule, edge and delay (see `storyboard` for triggers).
+"""Conditions: those on the run as a whole, and the edge and delay of all of them (see `storyboard` for triggers).
 
-A condition is evaluated on the states before the step. Comparisons have a tolerance of 1e-6, edges need an earlier
-evaluation that is forgotten whenever the edge fires, and a delay shifts the record of the edge's results in time: all
-as in esmini 3.6.
+A condition is evaluated on the states before the step. Edges need an earlier evaluation that is forgotten whenever the
+edge fires, and a delay shifts the record of the edge's results in time: all as in esmini 3.6.
 """
 
 from __future__ import annotations
 
-from math import cos, sin
-
-from scenario_compiler.engine.ahead import longitudinal_distance
+from scenario_compiler.engine.comparing import compare
+from scenario_compiler.engine.entity_conditions import holds_for
 from scenario_compiler.engine.faults import fault
-from scenario_compiler.engine.numbers import length_of
 from scenario_compiler.engine.opcodes import (
-    CONDITION_DISTANCE,
     CONDITION_ELEMENT_STATE,
     CONDITION_LANE_CONFIDENCE,
-    CONDITION_LONGITUDINAL_DISTANCE,
-    CONDITION_REACH_POSITION,
     CONDITION_SENSOR_HEALTH,
-    CONDITION_SPEED,
-    CONDITION_STANDSTILL,
+    CONDITION_SIGNAL,
+    CONDITION_SIGNAL_PHASE,
     CONDITION_TAKEOVER_STATE,
     CONDITION_TIME,
-    CONDITION_TIME_HEADWAY,
-    CONDITION_TIME_TO_COLLISION,
-    CONDITION_TRAVELED_DISTANCE,
+    CONDITION_TIME_OF_DAY,
+    CONDITION_TRANSITION,
+    CONDITION_USER_VALUE,
+    CONDITION_VARIABLE,
     DELAY_RECORDS,
     EDGE_BOTH,
     EDGE_FALLING,
     EDGE_NONE,
     EDGE_RISING,
-    FAR,
     FAULT_DELAY_OVERFLOW,
-    FAULT_UNKNOWN_CONDITION,
     FAULT_UNKNOWN_EDGE,
-    FAULT_UNKNOWN_RULE,
-    RULE_EQUAL,
-    RULE_GREATER,
-    RULE_GREATER_OR_EQUAL,
-    RULE_LESS,
-    RULE_LESS_OR_EQUAL,
-    RULE_NOT_EQUAL,
     SIDE_EITHER,
     SIDE_LEFT,
     SIDE_RIGHT,
-    STANDING,
     TOLERANCE,
+    TRANSITION_END,
+    TRANSITION_START,
+    TRANSITION_STOP,
 )
+from scenario_compiler.engine.signals import phase_holds
 from scenario_compiler.engine.slots import C_DELAY, C_VALUE
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.surroundings import time_of_day
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 
 @compiled
-def compare(st: State, rule: int, value: float, limit: float) -> int:
-    """Return 1 where the value stands to the limit as the rule says, with the tolerance of esmini."""
-    if rule == RULE_LESS:
-        return 1 if value < limit - TOLERANCE else 0
-    if rule == RULE_LESS_OR_EQUAL:
-        return 1 if value <= limit + TOLERANCE else 0
-    if rule == RULE_GREATER:
-        return 1 if value > limit + TOLERANCE else 0
-    if rule == RULE_GREATER_OR_EQUAL:
-        return 1 if value >= limit - TOLERANCE else 0
-    near = 1 if abs(value - limit) <= TOLERANCE else 0
-    if rule == RULE_EQUAL:
-        return near
-    if rule == RULE_NOT_EQUAL:
-        return 1 - near
-    fault(st, FAULT_UNKNOWN_RULE, rule)
-    return 0
-
-
-@compiled
-def distance_between(st: State, i: int, j: int) -> float:
-    """Return the straight distance between two reference points in the plane, m."""
-    return length_of(st.x[j] - st.x[i], st.y[j] - st.y[i])
-
-
-@compiled
-def headway(n: RoadTables, st: State, i: int, j: int) -> float:
-    """Return the time gap to an entity ahead along the road, s; FAR where it is behind or the speed is 0."""
-    ahead = longitudinal_distance(n, st, i, j)
-    speed = abs(st.v[i])
-    if ahead <= 0.0 or ahead >= FAR or speed < TOLERANCE:
-        return FAR
-    return ahead / speed
-
-
-@compiled
-def time_to_collision(st: State, i: int, j: int) -> float:
-    """Return distance over closing speed, FAR where the gap does not close.
-
-    Distance is between the reference points, closing speed the difference of the velocities along the line between
-    them.
-    """
-    dx = st.x[j] - st.x[i]
-    dy = st.y[j] - st.y[i]
-    between = length_of(dx, dy)
-    if between < TOLERANCE:
-        return 0.0
-    ux = dx / between
-    uy = dy / between
-    vx = st.v[i] * cos(st.h[i]) - st.v[j] * cos(st.h[j])
-    vy = st.v[i] * sin(st.h[i]) - st.v[j] * sin(st.h[j])
-    closing = vx * ux + vy * uy
-    if closing <= TOLERANCE:
-        return FAR
-    return between / closing
-
-
-@compiled
 def element_state_holds(p: Program, st: State, c: int) -> int:
-    """Return 1 where the state of the element that a condition watches compares as it says: 1 runs, 2 is complete."""
-    state = 1.0 * st.element_state[p.condition_other[c]]
-    return compare(st, p.condition_rule[c], state, p.const[p.condition_const[c] + C_VALUE])
+    """Return 1 where the states of the elements that a condition watches compare as it says: 1 runs, 2 is complete.
+
+    An action of several actors is several elements; all must be as it says, or any where its mode is 1.
+    """
+    any_suffices = p.condition_mode[c]
+    limit = p.const[p.condition_const[c] + C_VALUE]
+    for e in range(p.condition_other[c], p.condition_other[c] + p.condition_flags[c] + 1):
+        holds = compare(st, p.condition_rule[c], 1.0 * st.element_state[e], limit)
+        if holds == any_suffices:
+            return holds
+    return 1 - any_suffices
+
+
+@compiled
+def transition_seen(p: Program, st: State, c: int, e: int, mark: int) -> int:
+    """Return 1 where a condition sees a transition of an element that was marked: for one frame.
+
+    What happened while the actions were run is seen in the next frame. What happens in a pass of triggers is seen in
+    that pass by what comes later in the storyboard, in the next one by what had its turn already.
+    """
+    owner = p.condition_owner[c]
+    frame = st.frame[0] if owner >= 0 else st.frame[0] + 1
+    if mark == 2 * frame or mark == 2 * frame + 1:
+        return 1
+    return 1 if mark == 2 * frame - 1 and e >= owner else 0
+
+
+@compiled
+def transition_holds(p: Program, st: State, c: int) -> int:
+    """Return 1 where an element, or all elements of an action, go through the transition that a condition waits for."""
+    kind = p.condition_mode[c]
+    seen = 0
+    for e in range(p.condition_other[c], p.condition_other[c] + p.condition_flags[c] + 1):
+        if kind == TRANSITION_START:
+            mark = st.element_started[e]
+        elif kind == TRANSITION_END:
+            mark = st.element_ended[e]
+        elif kind == TRANSITION_STOP:
+            mark = st.element_stopped[e]
+        else:
+            mark = st.element_skipped[e]
+        if mark < 0:
+            return 0
+        if transition_seen(p, st, c, e, mark) == 1:
+            seen = 1
+    return seen
 
 
 @compiled
@@ -134,59 +109,42 @@ def side_confidence(p: Program, st: State, c: int) -> float:
 
 
 @compiled
-def holds_for(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a condition on an entity holds for entity i."""
-    op = p.condition_op[c]
-    other = p.condition_other[c]
-    value = 0.0
-    if op == CONDITION_TIME_HEADWAY:
-        value = headway(n, st, i, other)
-        if value >= FAR:
-            return 0
-    elif op == CONDITION_DISTANCE:
-        value = distance_between(st, i, other)
-    elif op == CONDITION_SPEED:
-        value = st.v[i]
-    elif op == CONDITION_TIME_TO_COLLISION:
-        value = time_to_collision(st, i, other)
-        if value >= FAR:
-            return 0
-    elif op == CONDITION_LONGITUDINAL_DISTANCE:
-        value = abs(longitudinal_distance(n, st, i, other))
-        if value >= FAR:
-            return 0
-    elif op == CONDITION_REACH_POSITION:
-        at = p.condition_position[c]
-        if at < 0:
-            return 0
-        value = length_of(st.x[i] - st.position_x[at], st.y[i] - st.position_y[at])
-    elif op == CONDITION_TRAVELED_DISTANCE:
-        value = st.odometer[i]
-    elif op == CONDITION_STANDSTILL:
-        if abs(st.v[i]) >= STANDING:
-            return 0
-        value = st.still[i]
-    else:
-        fault(st, FAULT_UNKNOWN_CONDITION, c)
-        return 0
-    return compare(st, p.condition_rule[c], value, p.const[p.condition_const[c] + C_VALUE])
-
-
-@compiled
-def holds_now(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition holds on the states of now, before edge and delay."""
+def holds_of_run(p: Program, st: State, c: int) -> int:
+    """Return 1 where a condition on the run as a whole holds, 0 where not, -1 where it is none of these."""
     op = p.condition_op[c]
     limit = p.const[p.condition_const[c] + C_VALUE]
+    other = p.condition_other[c]
     if op == CONDITION_TIME:
         return compare(st, p.condition_rule[c], st.clock[0], limit)
+    if op == CONDITION_ELEMENT_STATE:
+        return element_state_holds(p, st, c)
+    if op == CONDITION_TRANSITION:
+        return transition_holds(p, st, c)
     if op == CONDITION_LANE_CONFIDENCE:
         return compare(st, p.condition_rule[c], side_confidence(p, st, c), limit)
     if op == CONDITION_SENSOR_HEALTH:
         return compare(st, p.condition_rule[c], st.health[0], limit)
     if op == CONDITION_TAKEOVER_STATE:
-        return 1 if st.takeover_state[0] == p.condition_other[c] else 0
-    if op == CONDITION_ELEMENT_STATE:
-        return element_state_holds(p, st, c)
+        return 1 if st.takeover_state[0] == other else 0
+    if op == CONDITION_VARIABLE:
+        return compare(st, p.condition_rule[c], st.variable[other], limit)
+    if op == CONDITION_TIME_OF_DAY:
+        return compare(st, p.condition_rule[c], time_of_day(st) - limit, 0.0) if st.day_known[0] == 1 else 0
+    if op == CONDITION_SIGNAL:
+        return 1 if st.signal_state[other] == p.condition_mode[c] else 0
+    if op == CONDITION_SIGNAL_PHASE:
+        return phase_holds(p, st, other, p.condition_mode[c])
+    if op == CONDITION_USER_VALUE:
+        return 0
+    return -1
+
+
+@compiled
+def holds_now(n: RoadTables, p: Program, st: State, c: int) -> int:
+    """Return 1 where a condition holds on the states of now, before edge and delay."""
+    of_run = holds_of_run(p, st, c)
+    if of_run >= 0:
+        return of_run
     every = p.condition_all[c]
     for k in range(p.condition_first[c], p.condition_first[c + 1]):
         held = holds_for(n, p, st, c, p.condition_entity[k])

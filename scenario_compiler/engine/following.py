@@ -12,7 +12,6 @@ from scenario_compiler.engine.slots import (
     E_ACCELERATION,
     E_CENTER,
     E_DECELERATION,
-    E_DESIRED_SPEED,
     E_LENGTH,
     E_MAX_DECELERATION,
     E_MINIMUM_GAP,
@@ -84,5 +83,5 @@ def follow_leader(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
         if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < FOLLOW_HORIZON:
             measure_on_way(n, p, st, j)
     gap, speed = leader_gap(p, st, i, st.facing[i] * st.off[i], 0, -FAR)
-    desired = p.const[p.entity_const[i] + E_DESIRED_SPEED]
-    st.v[i] = max(0.0, st.v[i] + dt * idm_acceleration(p, i, st.v[i], desired, gap, speed))
+    pull = idm_acceleration(p, i, st.v[i], st.desired[i], gap, speed)
+    st.v[i] = max(0.0, st.v[i] + dt * pull)

@@ -130,7 +130,7 @@ def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
     if st.ended[i] == 1:
         st.v[i] = 0.0
         return
-    if p.entity_follows[i] == 1 and st.longitudinal[i] < 0 and st.road[i] >= 0:
+    if st.follows[i] == 1 and st.longitudinal[i] < 0 and st.road[i] >= 0:
         follow_leader(n, p, st, i, dt)
     if st.moved[i] == 0 and abs(st.v[i]) > TOLERANCE:
         glide(n, p, st, i, st.v[i] * dt)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.appearing import start_entity
 from scenario_compiler.engine.collision import prepare_boxes, update_boxes
+from scenario_compiler.engine.controllers import reset_controllers
 from scenario_compiler.engine.failures import reset_camera
 from scenario_compiler.engine.opcodes import (
     CAUSES,
@@ -19,13 +20,17 @@ from scenario_compiler.engine.opcodes import (
     TAKEOVER_AUTOMATED,
 )
 from scenario_compiler.engine.placing import reset_positions
+from scenario_compiler.engine.signals import reset_signals
 from scenario_compiler.engine.slots import (
     E_DESIRED_SPEED,
     E_SPEED,
 )
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.surroundings import reset_surroundings
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.traffic import prepare_traffic
+from scenario_compiler.engine.variables import reset_variables
+from scenario_compiler.engine.watching import reset_watches
 from scenario_compiler.engine.weather import reset_weather
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -47,7 +52,6 @@ def reset_entities(p: Program, st: State) -> None:
         st.throttle[i] = 0.0
         st.brake[i] = 0.0
         st.odometer[i] = 0.0
-        st.still[i] = 0.0
         st.ended[i] = 0
         st.moved[i] = 0
         st.longitudinal[i] = NONE
@@ -176,7 +180,12 @@ def reset_columns(n: RoadTables, p: Program, st: State) -> None:
     reset_run(p, st)
     reset_camera(p, st)
     reset_weather(p, st)
+    reset_surroundings(st)
+    reset_variables(p, st)
+    reset_signals(p, st)
     reset_entities(p, st)
+    reset_watches(p, st)
+    reset_controllers(p, st)
     reset_story(p, st)
     reset_takeover(p, st)
     for k in range(p.entity_count[0]):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from scenario_compiler.engine.appearing import act_on_place
 from scenario_compiler.engine.failures import begin_failure, end_failures, update_camera
-from scenario_compiler.engine.faults import fault, log_event
+from scenario_compiler.engine.faults import log_event
+from scenario_compiler.engine.keeping_aside import start_keep_aside
+from scenario_compiler.engine.keeping_distance import start_keep_distance
 from scenario_compiler.engine.lane_changes import start_lane_change
 from scenario_compiler.engine.lane_offsets import start_lane_offset, start_limited_offset
 from scenario_compiler.engine.opcodes import (
@@ -12,6 +14,8 @@ from scenario_compiler.engine.opcodes import (
     ACTION_END_FAILURE,
     ACTION_FAILURE,
     ACTION_FOLLOW_PATH,
+    ACTION_KEEP_DISTANCE,
+    ACTION_KEEP_LATERAL_DISTANCE,
     ACTION_LANE_CHANGE,
     ACTION_LANE_CHANGE_TO,
     ACTION_LANE_OFFSET,
@@ -20,13 +24,14 @@ from scenario_compiler.engine.opcodes import (
     ACTION_RELATIVE_SPEED,
     ACTION_SENSOR_NOISE,
     ACTION_SPEED,
+    ACTION_SPEED_PROFILE,
     ACTION_STOP,
+    ACTION_SYNCHRONIZE,
     ACTION_TELEPORT,
     ACTION_WEATHER,
     COMPLETE,
     EVENT_MESSAGE,
     EVENT_SENSOR_NOISE,
-    FAULT_UNKNOWN_ACTION,
     NONE,
     RUNNING,
     STOP_NONE,
@@ -34,10 +39,13 @@ from scenario_compiler.engine.opcodes import (
 )
 from scenario_compiler.engine.own_path import start_follow_path
 from scenario_compiler.engine.slots import A_TARGET
+from scenario_compiler.engine.speed_profiles import start_profile
 from scenario_compiler.engine.speeds import start_speed
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.synchronizing import start_synchronize
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.weather import begin_weather
+from scenario_compiler.engine.world_actions import act_on_world
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -60,7 +68,7 @@ def act_at_once(p: Program, st: State, k: int) -> None:
         if st.stop[0] == STOP_NONE:
             st.stop[0] = STOP_TRIGGER
     else:
-        fault(st, FAULT_UNKNOWN_ACTION, k)
+        act_on_world(p, st, k)
 
 
 @compiled
@@ -78,6 +86,14 @@ def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> 
         start_lane_offset(p, st, k)
     elif op == ACTION_LIMITED_LANE_OFFSET:
         start_limited_offset(n, p, st, k)
+    elif op == ACTION_KEEP_DISTANCE:
+        start_keep_distance(n, p, st, k)
+    elif op == ACTION_KEEP_LATERAL_DISTANCE:
+        start_keep_aside(n, p, st, k)
+    elif op == ACTION_SPEED_PROFILE:
+        start_profile(p, st, k)
+    elif op == ACTION_SYNCHRONIZE:
+        start_synchronize(p, st, k)
     elif op == ACTION_FOLLOW_PATH:
         start_follow_path(p, st, k)
     elif op == ACTION_SENSOR_NOISE:

@@ -12,6 +12,7 @@ from scenario_compiler.engine.opcodes import (
     DELAY_RECORDS,
     DRAWS_PER_RUN,
     FAILURES,
+    HELD_INPUTS,
     LOG_SIZE,
     WAY_SIZE,
     WEATHER_SIZE,
@@ -70,7 +71,27 @@ class State:
     kept_off: list[float]
     odometer: list[float]
     still: list[float]
-    """How long the entity has stood, s."""
+    """How long the entity has stood, s; negative while it moves."""
+    at_end: list[float]
+    """How long it has stood at the end of a road, s; negative while it does not."""
+    off_road: list[float]
+    """How long it has been off every lane, s; negative while it is on one."""
+    velocity_x: list[float]
+    """Velocity and acceleration in the world, where a condition asks for them."""
+    velocity_y: list[float]
+    velocity_z: list[float]
+    acceleration_x: list[float]
+    acceleration_y: list[float]
+    acceleration_z: list[float]
+    before_x: list[float]
+    before_y: list[float]
+    before_z: list[float]
+    follows: list[int]
+    """1 while it follows the vehicle ahead."""
+    controller: list[int]
+    """CONTROLLER_... that it has."""
+    desired: list[float]
+    """Speed that it aims for while it follows."""
     ended: list[int]
     """1 when the entity stands at the end of its road."""
     visible: list[int]
@@ -100,6 +121,26 @@ class State:
     position_at_road: list[int]
     position_at_lane: list[int]
     position_at_s: list[float]
+
+    # Variables, traffic signals, the time of day and the road.
+    variable: list[float]
+    signal_state: list[int]
+    """State of each signal as the place of a text, NONE for an unknown one."""
+    phase_now: list[int]
+    """Phase of each controller of signals, NONE before its begin."""
+    phase_since: list[float]
+    """When that phase began, or the controller's begin."""
+    day_known: list[int]
+    """1 when there is a time of day."""
+    day_runs: list[int]
+    day_from: list[float]
+    """Date and time at `day_since`, s since 1970."""
+    day_since: list[float]
+    friction: list[float]
+    """Factor of the road's friction."""
+    held_on: list[int]
+    """1 for each input of the ego that an action holds."""
+    held_value: list[float]
 
     # Storyboard.
     element_state: list[int]
@@ -323,6 +364,20 @@ _ENTITY = (
         "towed",
         "towed_by",
         "still",
+        "at_end",
+        "off_road",
+        "velocity_x",
+        "velocity_y",
+        "velocity_z",
+        "acceleration_x",
+        "acceleration_y",
+        "acceleration_z",
+        "before_x",
+        "before_y",
+        "before_z",
+        "follows",
+        "controller",
+        "desired",
     ],
     *[
         "moved",
@@ -381,6 +436,9 @@ def new_state(program: Program) -> State:
     sizes |= dict.fromkeys(_RING, p.ring_count[0])
     sizes |= dict.fromkeys(_ACTION, p.action_count[0])
     sizes |= dict.fromkeys(_WAY, WAY_SIZE)
+    sizes |= {"variable": p.variable_count[0], "signal_state": p.signal_count[0]}
+    sizes |= dict.fromkeys(("phase_now", "phase_since"), p.controller_count[0])
+    sizes |= dict.fromkeys(("held_on", "held_value"), HELD_INPUTS)
     sizes |= dict.fromkeys(_LOG, LOG_SIZE)
     sizes |= dict.fromkeys(("failure_since", "failure_active"), p.failure_count[0])
     sizes |= {"failure_now": FAILURES, "weather": WEATHER_SIZE, "weather_from": WEATHER_SIZE}

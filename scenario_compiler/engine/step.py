@@ -12,6 +12,7 @@ from __future__ import annotations
 from scenario_compiler.engine.actions import run_actions
 from scenario_compiler.engine.automation import control_ego
 from scenario_compiler.engine.collision import check_collisions, update_boxes, watch_ttc
+from scenario_compiler.engine.controllers import hold_inputs
 from scenario_compiler.engine.failures import update_camera
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.motion import move_entities, take_stock
@@ -32,6 +33,7 @@ from scenario_compiler.engine.opcodes import (
     TAKEOVER_STANDSTILL,
 )
 from scenario_compiler.engine.reset import reset_columns
+from scenario_compiler.engine.signals import update_signals
 from scenario_compiler.engine.slots import K_DESTINATION_OFFSET, K_DESTINATION_S, K_DURATION, K_STEP
 from scenario_compiler.engine.starts import start_action
 from scenario_compiler.engine.state import State
@@ -39,6 +41,7 @@ from scenario_compiler.engine.storyboard import displace, run_triggers, trigger_
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.traffic import move_traffic
 from scenario_compiler.engine.trailers import draw_trailers
+from scenario_compiler.engine.watching import watch_entities
 from scenario_compiler.engine.weather import update_weather
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
@@ -76,19 +79,13 @@ def play_story(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 
 @compiled
-def watch_standing(p: Program, st: State, dt: float) -> None:
-    """Count how long each entity has stood."""
-    for i in range(p.entity_count[0]):
-        st.still[i] = st.still[i] + dt if abs(st.v[i]) < STANDING else 0.0
-
-
-@compiled
 def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
     """Take stock after all have moved."""
     take_stock(n, p, st, dt)
-    watch_standing(p, st, dt)
+    watch_entities(n, p, st, dt)
     update_camera(p, st)
     update_weather(p, st)
+    update_signals(p, st)
     if st.flag[0] != FAULT_NONE:
         return
     update_boxes(p, st)
@@ -105,6 +102,8 @@ def reset(n: RoadTables, p: Program, st: State) -> None:
     for c in range(p.init_count[0]):
         displace(p, st, p.init_action[c], 0)
         start_action(n, p, st, p.init_action[c], -1)
+    update_boxes(p, st)
+    update_signals(p, st)
     play_story(n, p, st, 0.0)
     draw_trailers(n, p, st)
     finish_frame(n, p, st, 0.0)
@@ -122,6 +121,8 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
     play_story(n, p, st, p.const[K_STEP])
     if drives_ego(p) == 1 and (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
         control_ego(n, p, st, p.ego[0])
+    if drives_ego(p) == 1:
+        hold_inputs(p, st, p.ego[0])
     if st.flag[0] != FAULT_NONE:
         return 0
     return 1

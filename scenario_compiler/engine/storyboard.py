@@ -2,8 +2,9 @@
 
 A frame has two passes. `run_triggers` goes through the elements in document order, parents before children, on the
 states before the step; what starts there acts in the same frame. `run_actions` (in `actions`) steps the running
-actions and calls `action_done`, which completes parents at once. A transition is seen as a pulse of one frame: in the
-triggers' pass by what comes later in it, in the actions' pass by the next frame. After esmini 3.6.
+actions and calls `action_done`, which completes parents at once. A transition leaves a mark, by which conditions see it
+for one frame (see `conditions`): twice the frame and one in a pass of triggers, twice the next frame while actions are
+run. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from scenario_compiler.engine.opcodes import (
     ELEMENT_GROUP,
     EVENT_STORYBOARD_END,
     EVENT_STORYBOARD_START,
+    NONE,
     PRIORITY_OVERRIDE,
     PRIORITY_SKIP,
     RUNNING,
@@ -55,19 +57,19 @@ def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
 
 
 @compiled
-def start_element(p: Program, st: State, e: int, frame: int) -> None:
+def start_element(p: Program, st: State, e: int, mark: int) -> None:
     """Set an element running."""
     st.element_state[e] = RUNNING
     st.element_runs[e] += 1
-    st.element_started[e] = frame
+    st.element_started[e] = mark
 
 
 @compiled
-def stop_below(p: Program, st: State, e: int, frame: int) -> None:
+def stop_below(p: Program, st: State, e: int, mark: int) -> None:
     """Stop an element and all that runs below it, actions included."""
     for k in range(e, p.element_end[e]):
         if st.element_state[k] == RUNNING:
-            st.element_stopped[k] = frame
+            st.element_stopped[k] = mark
             if p.element_kind[k] == ELEMENT_ACTION and p.element_action[k] >= 0:
                 end_action(p, st, p.element_action[k])
         st.element_state[k] = COMPLETE
@@ -93,14 +95,26 @@ def children_complete(p: Program, st: State, e: int) -> int:
 
 
 @compiled
-def complete_element(p: Program, st: State, e: int, frame: int) -> None:
+def parent_done(p: Program, st: State, e: int) -> int:
+    """Return the running parent of a complete element where all its children are complete, else NONE."""
+    parent = p.element_parent[e]
+    if parent < 0 or st.element_state[parent] != RUNNING:
+        return NONE
+    after = p.element_end[e]
+    if after < p.element_end[parent] and st.element_state[after] != COMPLETE:
+        return NONE
+    return parent if children_complete(p, st, parent) == 1 else NONE
+
+
+@compiled
+def complete_element(p: Program, st: State, e: int, mark: int) -> None:
     """End an element, and its parents as far as all their children are complete.
 
-    An event or group with executions left goes back to standby instead. `frame` is the one from which it is seen.
+    An event or group with executions left goes back to standby instead.
     """
     at = e
     while at >= 0:
-        st.element_ended[at] = frame
+        st.element_ended[at] = mark
         kind = p.element_kind[at]
         if kind == ELEMENT_EVENT:
             log_event(st, EVENT_STORYBOARD_END, 1.0 * at)
@@ -110,23 +124,20 @@ def complete_element(p: Program, st: State, e: int, frame: int) -> None:
             rest_below(p, st, at)
             return
         st.element_state[at] = COMPLETE
-        parent = p.element_parent[at]
-        if parent < 0 or st.element_state[parent] != RUNNING or children_complete(p, st, parent) == 0:
-            return
-        at = parent
+        at = parent_done(p, st, at)
 
 
 @compiled
-def action_done(p: Program, st: State, k: int, frame: int) -> None:
+def action_done(p: Program, st: State, k: int, mark: int) -> None:
     """End an action of the story or the init, and complete what that completes."""
     end_action(p, st, k)
     e = st.action_element[k]
     if e >= 0 and st.element_state[e] == RUNNING:
-        complete_element(p, st, e, frame)
+        complete_element(p, st, e, mark)
 
 
 @compiled
-def displace(p: Program, st: State, k: int, frame: int) -> None:
+def displace(p: Program, st: State, k: int, mark: int) -> None:
     """End what runs on the domains (speed, lane) of the entity that action k is about to take."""
     i = p.action_entity[k]
     if i < 0:
@@ -134,22 +145,22 @@ def displace(p: Program, st: State, k: int, frame: int) -> None:
     op = p.action_op[k]
     older = st.longitudinal[i]
     if holds_speed(op) == 1 and older >= 0 and older != k:
-        action_done(p, st, older, frame)
+        action_done(p, st, older, mark)
     older = st.lateral[i]
     if holds_lane(op) == 1 and older >= 0 and older != k and older < p.action_count[0]:
-        action_done(p, st, older, frame)
+        action_done(p, st, older, mark)
 
 
 @compiled
-def start_event(n: RoadTables, p: Program, st: State, e: int, frame: int) -> None:
+def start_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
     """Start an event and its actions, in order; each ends the action that holds its entity's domain."""
-    start_element(p, st, e, frame)
+    start_element(p, st, e, mark)
     log_event(st, EVENT_STORYBOARD_START, 1.0 * e)
     for c in range(e + 1, p.element_end[e]):
-        start_element(p, st, c, frame)
+        start_element(p, st, c, mark)
         k = p.element_action[c]
         if k >= 0:
-            displace(p, st, k, frame)
+            displace(p, st, k, mark)
             start_action(n, p, st, k, c)
 
 
@@ -166,58 +177,59 @@ def sibling_runs(p: Program, st: State, e: int) -> int:
 
 
 @compiled
-def stop_siblings(p: Program, st: State, e: int, frame: int) -> None:
-    """Stop the other running events of the same maneuver."""
+def stop_siblings(p: Program, st: State, e: int, mark: int) -> None:
+    """Stop the other running events of the same maneuver; executions that they have left are lost."""
     parent = p.element_parent[e]
     k = parent + 1
     while k < p.element_end[parent]:
         if k != e and st.element_state[k] == RUNNING:
-            stop_below(p, st, k, frame)
-            if st.element_runs[k] < p.element_limit[k]:
-                st.element_state[k] = STANDBY
+            stop_below(p, st, k, mark)
         k = p.element_end[k]
 
 
 @compiled
-def try_event(n: RoadTables, p: Program, st: State, e: int, frame: int) -> None:
+def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
     """Start an event in standby where its trigger fires and its priority lets it."""
     trigger = p.element_start[e]
     if trigger >= 0 and trigger_fires(n, p, st, trigger) == 0:
         return
     priority = p.element_priority[e]
     if priority == PRIORITY_SKIP and sibling_runs(p, st, e) == 1:
-        st.element_skipped[e] = frame
+        st.element_skipped[e] = mark
         return
     if priority == PRIORITY_OVERRIDE:
-        stop_siblings(p, st, e, frame)
-    start_event(n, p, st, e, frame)
+        stop_siblings(p, st, e, mark)
+    start_event(n, p, st, e, mark)
     if p.element_end[e] == e + 1:
-        complete_element(p, st, e, frame)
+        complete_element(p, st, e, mark)
 
 
 @compiled
-def run_element(n: RoadTables, p: Program, st: State, e: int, frame: int) -> None:
+def run_element(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
     """Bring one element of a running parent from standby to running, or stop an act whose stop trigger fires."""
     kind = p.element_kind[e]
     if st.element_state[e] == STANDBY:
         if kind == ELEMENT_EVENT:
-            try_event(n, p, st, e, frame)
+            try_event(n, p, st, e, mark)
         elif kind != ELEMENT_ACTION:
             trigger = p.element_start[e]
             if trigger < 0 or trigger_fires(n, p, st, trigger) == 1:
-                start_element(p, st, e, frame)
+                start_element(p, st, e, mark)
     stops = kind == ELEMENT_ACT and st.element_state[e] == RUNNING and p.element_stop[e] >= 0
     if stops and trigger_fires(n, p, st, p.element_stop[e]) == 1:
-        stop_below(p, st, e, frame)
+        stop_below(p, st, e, mark)
+        parent = parent_done(p, st, e)
+        if parent >= 0:
+            complete_element(p, st, parent, mark)
 
 
 @compiled
 def run_triggers(n: RoadTables, p: Program, st: State) -> None:
     """Go through all elements in document order; what stands below an element that does not run is passed over."""
     e = 0
-    frame = st.frame[0]
+    mark = 2 * st.frame[0] + 1
     while e < p.element_count[0]:
-        run_element(n, p, st, e, frame)
+        run_element(n, p, st, e, mark)
         if st.element_state[e] == RUNNING and p.element_kind[e] != ELEMENT_EVENT:
             e = e + 1
         else:

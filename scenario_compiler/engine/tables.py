@@ -10,21 +10,43 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 
 from scenario_compiler.engine.opcodes import (
+    ACTION_COMMAND,
     ACTION_END_FAILURE,
+    ACTION_ENVIRONMENT,
     ACTION_FAILURE,
     ACTION_KINDS,
     ACTION_MESSAGE,
+    ACTION_MODIFY_VARIABLE,
+    ACTION_OVERRIDE_CONTROLLER,
     ACTION_SENSOR_NOISE,
+    ACTION_SET_VARIABLE,
+    ACTION_SIGNAL_PHASE,
+    ACTION_SIGNAL_STATE,
     ACTION_STOP,
+    ACTION_STOP_TRAFFIC,
     ACTION_WEATHER,
     ALL_MARKS,
     CAUSES,
+    CONDITION_CLEARANCE,
+    CONDITION_DISTANCE,
+    CONDITION_ELEMENT_STATE,
     CONDITION_KINDS,
+    CONDITION_POSITION_DISTANCE,
+    CONDITION_REACH_POSITION,
+    CONDITION_RELATIVE_ANGLE,
+    CONDITION_RELATIVE_SPEED,
+    CONDITION_SIGNAL,
+    CONDITION_SIGNAL_PHASE,
+    CONDITION_TIME_HEADWAY,
+    CONDITION_TRANSITION,
+    CONDITION_VARIABLE,
     DIMENSION_DISTANCE,
     DRIVER_FIXED,
     EDGE_BOTH,
     ELEMENT_ACTION,
     FAILURES,
+    HELD_INPUTS,
+    KIND_THING,
     MOTION_WALKER,
     NONE,
     PERCEPTION_CAMERA,
@@ -42,9 +64,25 @@ OF_THE_RUN = frozenset(
         ACTION_WEATHER,
         ACTION_MESSAGE,
         ACTION_STOP,
+        ACTION_SET_VARIABLE,
+        ACTION_MODIFY_VARIABLE,
+        ACTION_SIGNAL_STATE,
+        ACTION_SIGNAL_PHASE,
+        ACTION_ENVIRONMENT,
+        ACTION_COMMAND,
+        ACTION_STOP_TRAFFIC,
     }
 )
 """Actions that need no entity."""
+
+OF_AN_ENTITY = (CONDITION_TIME_HEADWAY, CONDITION_DISTANCE, CONDITION_RELATIVE_SPEED, CONDITION_RELATIVE_ANGLE)
+"""Conditions between two entities."""
+
+OF_AN_ELEMENT = (CONDITION_ELEMENT_STATE, CONDITION_TRANSITION)
+"""Conditions on elements of the storyboard: the first, and by their flags how many after it."""
+
+OF_A_POSITION = (CONDITION_REACH_POSITION, CONDITION_POSITION_DISTANCE)
+"""Conditions on a position."""
 
 
 @dataclass(slots=True)
@@ -77,6 +115,8 @@ class Program:
     stop_trigger: list[int] = field(default_factory=lambda: [NONE])
 
     entity_motion: list[int] = field(default_factory=list)
+    entity_type: list[int] = field(default_factory=list)
+    """KIND_... of what the entity is."""
     entity_present: list[int] = field(default_factory=list)
     """1 where it is there from the start, 0 where an action lets it appear."""
     entity_const: list[int] = field(default_factory=list)
@@ -173,9 +213,36 @@ class Program:
     condition_first: list[int] = field(default_factory=lambda: [0])
     """Row starts of triggering entities by condition."""
     condition_entity: list[int] = field(default_factory=list)
+    condition_owner: list[int] = field(default_factory=list)
+    """Element whose trigger it stands in, NONE for the stop trigger of the storyboard."""
     condition_ring: list[int] = field(default_factory=list)
     """Number of its record of past values, or NONE for a condition without delay."""
     ring_count: list[int] = field(default_factory=lambda: [0])
+
+    set_first: list[int] = field(default_factory=lambda: [0])
+    """Row starts of sets of integers that conditions look into."""
+    set_member: list[int] = field(default_factory=list)
+    watches: list[int] = field(default_factory=lambda: [0])
+    """WATCH_... bits: what is measured of entities because some condition asks for it."""
+
+    variable_const: list[int] = field(default_factory=list)
+    """Slot of the value that each variable begins with."""
+    variable_count: list[int] = field(default_factory=lambda: [0])
+    signal_count: list[int] = field(default_factory=lambda: [0])
+    """Number of traffic signals that the scenario names."""
+    controller_reference: list[int] = field(default_factory=list)
+    """By controller of signals the one that its delay counts from, or NONE."""
+    controller_const: list[int] = field(default_factory=list)
+    controller_count: list[int] = field(default_factory=lambda: [0])
+    phase_first: list[int] = field(default_factory=lambda: [0])
+    """Row starts of phases by controller."""
+    phase_name: list[int] = field(default_factory=list)
+    """Place of the phase's name in the list of texts."""
+    phase_const: list[int] = field(default_factory=list)
+    light_first: list[int] = field(default_factory=lambda: [0])
+    """Row starts of states by phase."""
+    light_signal: list[int] = field(default_factory=list)
+    light_state: list[int] = field(default_factory=list)
 
     action_op: list[int] = field(default_factory=list)
     action_entity: list[int] = field(default_factory=list)
@@ -183,7 +250,7 @@ class Program:
     action_shape: list[int] = field(default_factory=list)
     action_dimension: list[int] = field(default_factory=list)
     action_lanes: list[int] = field(default_factory=list)
-    """Lanes to the left that a lane change goes."""
+    """Lanes to the left, the lane's id, the number of entries or an entity, by kind."""
     action_other: list[int] = field(default_factory=list)
     """The failure that an action begins, the kind that it ends, the weather or the message; by kind."""
     action_mode: list[int] = field(default_factory=list)
@@ -224,6 +291,7 @@ def validate(program: Program, roads: int) -> None:
     _inside("ego", p.ego, NONE, entities)
     _validate_run(p, roads)
     _column("entity_motion", p.entity_motion, entities, 0, MOTION_WALKER + 1)
+    _column("entity_type", p.entity_type, entities, 0, KIND_THING + 1)
     _column("entity_present", p.entity_present, entities, 0, 2)
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
     _column("entity_position", p.entity_position, entities, NONE, positions)
@@ -296,9 +364,12 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _column("condition_flags", p.condition_flags, conditions, 0, 1 << 30)
     _column("condition_position", p.condition_position, conditions, NONE, p.position_count[0])
     _column("condition_all", p.condition_all, conditions, 0, 2)
+    _column("condition_owner", p.condition_owner, conditions, NONE, elements)
     _column("condition_ring", p.condition_ring, conditions, NONE, p.ring_count[0])
     _rows("condition_first", p.condition_first, len(p.condition_entity))
     _inside("condition_entity", p.condition_entity, 0, entities)
+    _rows("set_first", p.set_first, len(p.set_member))
+    _validate_world(p)
     _column("action_op", p.action_op, actions, 0, ACTION_KINDS)
     _column("action_entity", p.action_entity, actions, NONE, entities)
     for kind, entity in zip(p.action_op, p.action_entity, strict=True):
@@ -317,6 +388,51 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _inside("point_position", p.point_position, 0, p.position_count[0])
     _column("point_const", p.point_const, len(p.point_position), 0, len(p.const) + 1)
     _column("init_action", p.init_action, p.init_count[0], 0, actions)
+
+
+def _validate_world(p: Program) -> None:
+    """Check the columns of variables and traffic signals, and what conditions and actions refer to."""
+    entities, elements, slots = p.entity_count[0], p.element_count[0], len(p.const) + 1
+    phases, lights = len(p.phase_name), len(p.light_signal)
+    _column("variable_const", p.variable_const, p.variable_count[0], 0, slots)
+    _column("controller_reference", p.controller_reference, p.controller_count[0], NONE, p.controller_count[0])
+    _column("controller_const", p.controller_const, p.controller_count[0], 0, slots)
+    _column("phase_first", p.phase_first, p.controller_count[0] + 1, 0, phases + 1)
+    _rows("phase_first", p.phase_first, phases)
+    _column("phase_const", p.phase_const, phases, 0, slots)
+    _column("light_first", p.light_first, phases + 1, 0, lights + 1)
+    _rows("light_first", p.light_first, lights)
+    _inside("light_signal", p.light_signal, 0, p.signal_count[0])
+    _column("light_state", p.light_state, lights, 0, 1 << 30)
+    _column("condition_other", p.condition_other, p.condition_count[0], NONE, 1 << 30)
+    sizes = {
+        **dict.fromkeys(OF_AN_ENTITY, entities),
+        **dict.fromkeys(OF_AN_ELEMENT, elements),
+        CONDITION_CLEARANCE: len(p.set_first) - 2,
+        CONDITION_VARIABLE: p.variable_count[0],
+        CONDITION_SIGNAL: p.signal_count[0],
+        CONDITION_SIGNAL_PHASE: p.controller_count[0],
+    }
+    for c, kind in enumerate(p.condition_op):
+        if kind in sizes:
+            _inside("condition_other", p.condition_other[c : c + 1], 0, sizes[kind])
+        if kind in OF_AN_ELEMENT:
+            _inside("condition_flags", p.condition_flags[c : c + 1], 0, elements - p.condition_other[c])
+        if kind in OF_A_POSITION:
+            _inside("condition_position", p.condition_position[c : c + 1], 0, p.position_count[0])
+    sizes = {
+        ACTION_SET_VARIABLE: p.variable_count[0],
+        ACTION_MODIFY_VARIABLE: p.variable_count[0],
+        ACTION_SIGNAL_STATE: p.signal_count[0],
+        ACTION_SIGNAL_PHASE: p.controller_count[0],
+    }
+    for k, kind in enumerate(p.action_op):
+        if kind in sizes:
+            _inside("action_other", p.action_other[k : k + 1], 0, sizes[kind])
+        if kind == ACTION_STOP_TRAFFIC:
+            _inside("action_lanes", [p.action_other[k] + p.action_lanes[k]], 0, entities + 1)
+        if kind == ACTION_OVERRIDE_CONTROLLER:
+            _inside("action_mode", p.action_mode[k : k + 1], 0, HELD_INPUTS)
 
 
 def _inside(name: str, values: list[int], low: int, high: int) -> None:

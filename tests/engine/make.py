@@ -176,6 +176,7 @@ class Draft:
         at = p.entity_count[0]
         p.entity_count[0] += 1
         p.entity_motion.append(motion)
+        p.entity_type.append(op.KIND_VEHICLE)
         p.entity_position.append(position)
         p.entity_follows.append(1 if follows else 0)
         p.entity_order.append(at)
@@ -209,6 +210,10 @@ class Draft:
         entities: tuple[int, ...] = (),
         other: int = op.NONE,
         position: int = op.NONE,
+        mode: int = 0,
+        flags: int = 0,
+        owner: int = op.NONE,
+        more: tuple[float, ...] = (),
         edge: int = op.EDGE_NONE,
         delay: float = 0.0,
         every: bool = False,
@@ -219,13 +224,14 @@ class Draft:
         p.condition_rule.append(rule)
         p.condition_edge.append(edge)
         p.condition_other.append(other)
-        p.condition_mode.append(0)
-        p.condition_flags.append(0)
+        p.condition_mode.append(mode)
+        p.condition_flags.append(flags)
         p.condition_position.append(position)
+        p.condition_owner.append(owner)
         p.condition_all.append(1 if every else 0)
         p.condition_ring.append(p.ring_count[0] if delay > 0.0 else op.NONE)
         p.ring_count[0] += 1 if delay > 0.0 else 0
-        p.condition_const.append(self.block(value, delay))
+        p.condition_const.append(self.block(value, delay, *more))
         p.condition_entity.extend(entities)
         p.condition_first.append(len(p.condition_entity))
         p.condition_count[0] += 1

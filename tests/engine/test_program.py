@@ -223,46 +223,10 @@ def test_an_int_among_the_numbers_is_found() -> None:
 
 WITHOUT_ROW: dict[str, set[str]] = {
     "action": {
-        "RelativeSpeedAction",
-        "SpeedProfileAction",
-        "LongitudinalDistanceAction",
-        "LaneChangeToAction",
-        "LimitedLaneOffsetAction",
-        "LateralDistanceAction",
         "AssignRouteAction",
         "AcquirePositionAction",
         "RandomRouteAction",
         "FollowTrajectoryAction",
-        "SynchronizeAction",
-        "ActivateControllerAction",
-        "AssignControllerAction",
-        "OverrideControllerAction",
-        "LightAction",
-        "AnimationAction",
-        "SetVariableAction",
-        "ModifyVariableAction",
-        "TrafficSignalStateAction",
-        "TrafficSignalControllerAction",
-        "CommandAction",
-        "EnvironmentAction",
-        "StopTrafficAction",
-    },
-    "condition": {
-        "PositionDistanceCondition",
-        "RelativeSpeedCondition",
-        "AccelerationCondition",
-        "CollisionCondition",
-        "OffroadCondition",
-        "EndOfRoadCondition",
-        "RelativeClearanceCondition",
-        "AngleCondition",
-        "RelativeAngleCondition",
-        "ElementStateCondition",
-        "TimeOfDayCondition",
-        "VariableCondition",
-        "UserDefinedValueCondition",
-        "TrafficSignalCondition",
-        "TrafficSignalControllerCondition",
     },
     "position": {
         "RoutePosition",
@@ -282,7 +246,7 @@ WITHOUT_ROW: dict[str, set[str]] = {
 )
 def test_every_word_of_the_storyboard_has_a_row(family: str, words: object, table: dict[type[Word], object]) -> None:
     missing = {word.__name__ for word in get_args(words) if word not in table}
-    assert missing == WITHOUT_ROW[family]
+    assert missing == WITHOUT_ROW.get(family, set())
 
 
 def test_a_word_without_a_row_is_named() -> None:

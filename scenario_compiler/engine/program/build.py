@@ -9,6 +9,7 @@ from scenario_compiler.engine.program.entities import add_entities
 from scenario_compiler.engine.program.run import add_markings, add_run
 from scenario_compiler.engine.program.storyboard import add_init, add_storyboard
 from scenario_compiler.engine.program.takeover import add_takeover
+from scenario_compiler.engine.program.world import add_world
 from scenario_compiler.engine.tables import Program, validate
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
@@ -42,6 +43,7 @@ def _drafted(plan: Plan, network: Network, *, posed: bool) -> Draft:
     add_run(draft)
     if plan.controller is not None:
         add_takeover(draft)
+    add_world(draft)
     add_entities(draft, posed=posed)
     add_markings(draft)
     add_init(draft)

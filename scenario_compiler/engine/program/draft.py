@@ -5,7 +5,7 @@ What a row holds is decided by the tables of words (`positions`, `actions`, `con
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from scenario_compiler.engine import slots
@@ -20,6 +20,7 @@ from scenario_compiler.engine.tables import Program
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads.network import Network
+from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.word import Word, number_value
 
 Slot = float | Expression
@@ -98,7 +99,8 @@ class ConditionRow:
         flags: Switches as bits; by kind.
         position: Row of its position, or NONE.
         const: Numbers beside value and delay.
-        awaits: Name of the event whose state it watches; `other` then becomes the event's element.
+        awaits: Kind and name of the elements whose state it watches; `other` becomes the first of them and `flags` how
+            many follow.
     """
 
     op: int
@@ -110,7 +112,7 @@ class ConditionRow:
     flags: int = 0
     position: int = NONE
     const: tuple[Slot, ...] = ()
-    awaits: str = ""
+    awaits: tuple[str, str] = ("", "")
 
 
 class Draft:
@@ -122,7 +124,11 @@ class Draft:
         program: The columns so far; `const` stays empty.
         numbers: Every number, by its slot.
         entities: Number of each entity, by its id.
-        events: Element of each event, by its name; of several with one name the first.
+        elements: The storyboard's elements, by their kind and name; see `note`.
+        texts: Place of every text that is compared, in the order of the texts.
+        variables: Number and word of each variable, by its name.
+        signals: Number of each traffic signal, by its id.
+        controllers: Number of each controller of traffic signals, by its name.
         messages: Number of messages so far.
         spans: Stretches of random positions that stand in the program already, by position and kind of entity.
     """
@@ -134,10 +140,14 @@ class Draft:
         self.program = Program()
         self.numbers: list[Slot] = [0.0] * slots.K_ENTITIES
         self.entities = {entity.id: i for i, entity in enumerate(plan.entities)}
-        self.events: dict[str, int] = {}
+        self.elements: dict[tuple[str, str], list[int]] = {}
+        self.texts: dict[str, int] = {}
+        self.variables: dict[str, tuple[int, Variable]] = {}
+        self.signals: dict[str, int] = {}
+        self.controllers: dict[str, int] = {}
         self.messages = 0
         self.spans: dict[tuple[Word, str], tuple[int, int]] = {}
-        self._awaited: list[tuple[int, str]] = []
+        self._awaited: list[tuple[int, tuple[str, str]]] = []
 
     def row(self, values: Mapping[str, Value]) -> list[float]:
         """Evaluate all numbers."""
@@ -182,7 +192,22 @@ class Draft:
         p.action_count[0] = len(p.action_op)
         return p.action_count[0] - 1
 
-    def condition(self, row: ConditionRow, entities: list[int], every: bool, edge: int, delay: Slot) -> None:
+    def signal(self, name: str) -> int:
+        """Return the number of a traffic signal, a new one for an id that has none yet."""
+        number = self.signals.setdefault(name, len(self.signals))
+        self.program.signal_count[0] = len(self.signals)
+        return number
+
+    def members(self, values: Iterable[int]) -> int:
+        """Append a set of integers; return its row."""
+        p = self.program
+        p.set_member.extend(values)
+        p.set_first.append(len(p.set_member))
+        return len(p.set_first) - 2
+
+    def condition(
+        self, row: ConditionRow, entities: list[int], every: bool, edge: int, delay: Slot, owner: int
+    ) -> None:
         """Append a condition to the group under construction.
 
         Args:
@@ -191,9 +216,11 @@ class Draft:
             every: Whether all of them must fulfil it, not any.
             edge: EDGE_... code.
             delay: How much later its value counts, s.
+            owner: Element whose trigger it stands in, NONE for the stop trigger of the storyboard.
         """
         p = self.program
-        if row.awaits:
+        p.condition_owner.append(owner)
+        if row.awaits[0]:
             self._awaited.append((p.condition_count[0], row.awaits))
         delayed = isinstance(delay, Expression) or delay > 0.0
         p.condition_op.append(row.op)
@@ -240,10 +267,18 @@ class Draft:
         return at
 
     def find_awaited(self) -> None:
-        """Give the conditions that watch an event its element, once all elements are there.
+        """Give the conditions that watch elements these, once all are there.
 
         Raises:
-            KeyError: There is no event of that name.
+            KeyError: There is no element of that name.
         """
         for condition, name in self._awaited:
-            self.program.condition_other[condition] = self.events[name]
+            found = self.elements[name]
+            self.program.condition_other[condition] = found[0]
+            self.program.condition_flags[condition] = found[-1] - found[0]
+
+    def note(self, kind: str, name: str, element: int) -> None:
+        """Remember an element by its name; of several the first, and those that follow it at once."""
+        known = self.elements.setdefault((kind, name), [element])
+        if element == known[-1] + 1:
+            known.append(element)

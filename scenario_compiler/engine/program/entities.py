@@ -11,7 +11,7 @@ from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.plan.model import Entity
 from scenario_compiler.vocabulary.actions import ConnectTrailerAction
-from scenario_compiler.vocabulary.entities import Vehicle
+from scenario_compiler.vocabulary.entities import Category, Vehicle
 from scenario_compiler.vocabulary.storyboard import Storyboard
 
 MOTIONS = {
@@ -21,6 +21,15 @@ MOTIONS = {
     "traffic": op.MOTION_TRAFFIC,
     "walker": op.MOTION_WALKER,
 }
+
+KINDS: dict[Category, int] = {
+    "pedestrian": op.KIND_PEDESTRIAN,
+    "cone": op.KIND_THING,
+    "barrier": op.KIND_THING,
+    "sign": op.KIND_THING,
+    "prop": op.KIND_THING,
+}
+"""What is no vehicle, by its category."""
 
 FOLLOW_EGO = (1.5, 2.0, 1.5, 2.0)
 """Car following of the automation: time gap s, gap at standstill m, acceleration and comfortable deceleration m/s2. Our
@@ -69,6 +78,7 @@ def _add_entity(draft: Draft, entity: Entity, posed: bool, touched: set[str]) ->
         one = entity.follow
         follow = (one.time_gap, one.minimum_gap, one.acceleration, one.deceleration)
     p.entity_motion.append(motion)
+    p.entity_type.append(KINDS.get(vehicle.category, op.KIND_VEHICLE))
     p.entity_follows.append(0 if entity.follow is None else 1)
     start = op.NONE if entity.start is None else add_position(draft, entity.start, entity.kind)
     p.entity_position.append(start)

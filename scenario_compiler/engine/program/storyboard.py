@@ -5,6 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.program.actions import add_action
 from scenario_compiler.engine.program.conditions import add_trigger
+from scenario_compiler.engine.program.conditions.by_value import NAMED_EVENT
 from scenario_compiler.engine.program.draft import Draft
 from scenario_compiler.vocabulary.actions import RUN_ACTIONS
 from scenario_compiler.vocabulary.storyboard import Event, ManeuverGroup, Priority
@@ -36,37 +37,45 @@ def _add_initial(draft: Draft, action: Word, actor: int) -> None:
 def add_storyboard(draft: Draft) -> None:
     """Append all stories, and the stop trigger."""
     p, board = draft.program, draft.plan.storyboard
-    p.stop_trigger[0] = add_trigger(draft, board.stop)
+    p.stop_trigger[0] = add_trigger(draft, board.stop, op.NONE)
     for story in board.stories:
         at = draft.element(op.ELEMENT_STORY, op.NONE)
+        draft.note("story", story.name, at)
         for act in story.acts:
-            start, stop = add_trigger(draft, act.start), add_trigger(draft, act.stop)
+            next_at = p.element_count[0]
+            start, stop = add_trigger(draft, act.start, next_at), add_trigger(draft, act.stop, next_at)
             act_at = draft.element(op.ELEMENT_ACT, at, start=start, stop=stop)
+            path = f"{story.name}::{act.name}"
+            draft.note("act", path, act_at)
             for group in act.groups:
-                _add_group(draft, group, act_at)
+                _add_group(draft, group, act_at, f"{path}::{group.name}")
     draft.find_awaited()
 
 
-def _add_group(draft: Draft, group: ManeuverGroup, parent: int) -> None:
+def _add_group(draft: Draft, group: ManeuverGroup, parent: int, path: str) -> None:
     at = draft.element(op.ELEMENT_GROUP, parent, limit=group.maximum_execution_count)
+    draft.note("maneuverGroup", path, at)
     actors = [draft.entities[actor] for actor in group.actors]
     for maneuver in group.maneuvers:
         maneuver_at = draft.element(op.ELEMENT_MANEUVER, at)
+        draft.note("maneuver", f"{path}::{maneuver.name}", maneuver_at)
         for event in maneuver.events:
-            _add_event(draft, event, maneuver_at, actors)
+            _add_event(draft, event, maneuver_at, actors, f"{path}::{maneuver.name}::{event.name}")
 
 
-def _add_event(draft: Draft, event: Event, parent: int, actors: list[int]) -> None:
+def _add_event(draft: Draft, event: Event, parent: int, actors: list[int], path: str) -> None:
     """Append an event and its actions, each once an actor, those of the run as a whole once."""
     at = draft.element(
         op.ELEMENT_EVENT,
         parent,
-        start=add_trigger(draft, event.start),
+        start=add_trigger(draft, event.start, draft.program.element_count[0]),
         limit=event.maximum_execution_count,
         priority=PRIORITIES[event.priority],
     )
-    draft.events.setdefault(event.name, at)
+    draft.note("event", path, at)
+    draft.note(NAMED_EVENT, event.name, at)
     for named in event.actions:
         of_all = [draft.program.ego[0]] if isinstance(named.action, RUN_ACTIONS) else actors
         for actor in of_all:
-            draft.element(op.ELEMENT_ACTION, at, action=add_action(draft, named.action, actor))
+            action_at = draft.element(op.ELEMENT_ACTION, at, action=add_action(draft, named.action, actor))
+            draft.note("action", f"{path}::{named.name}", action_at)

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from scenario_compiler.engine.program.actions import lateral, longitudinal, path, place, run
+from scenario_compiler.engine.program.actions import control, lateral, longitudinal, path, place, run, world
 from scenario_compiler.engine.program.actions.family import Family
 from scenario_compiler.engine.program.draft import Draft
 from scenario_compiler.vocabulary.word import Word
 
-ACTIONS: Family = {**longitudinal.ACTIONS, **lateral.ACTIONS, **path.ACTIONS, **place.ACTIONS, **run.ACTIONS}
+ACTIONS: Family = {
+    **longitudinal.ACTIONS,
+    **lateral.ACTIONS,
+    **path.ACTIONS,
+    **place.ACTIONS,
+    **run.ACTIONS,
+    **world.ACTIONS,
+    **control.ACTIONS,
+}
 """By the type of an action, its row; the last argument is the number of the entity that does it, or NONE."""
 
 

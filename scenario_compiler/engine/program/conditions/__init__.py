@@ -19,20 +19,20 @@ EDGES: dict[Edge, int] = {
 }
 
 
-def add_trigger(draft: Draft, trigger: Trigger | None) -> int:
-    """Append a trigger with its groups and conditions; return its row, NONE for no trigger."""
-    if trigger is None:
+def add_trigger(draft: Draft, trigger: Trigger | None, owner: int) -> int:
+    """Append a trigger of an element (NONE: of the storyboard); return its row, NONE for no trigger or an empty one."""
+    if trigger is None or not trigger.groups:
         return op.NONE
     p = draft.program
     for group in trigger.groups:
         for condition in group.conditions:
-            add_condition(draft, condition)
+            add_condition(draft, condition, owner)
         p.group_first.append(p.condition_count[0])
     p.trigger_first.append(len(p.group_first) - 1)
     return len(p.trigger_first) - 2
 
 
-def add_condition(draft: Draft, wrapped: TriggerCondition) -> None:
+def add_condition(draft: Draft, wrapped: TriggerCondition, owner: int) -> None:
     """Append a condition to the group under construction; its triggering entities are the trigger's, else its own.
 
     Raises:
@@ -44,4 +44,4 @@ def add_condition(draft: Draft, wrapped: TriggerCondition) -> None:
     row = CONDITIONS[type(word)](draft, word)
     own = (row.entity,) if row.entity else ()
     entities = [draft.entities[name] for name in wrapped.entities or own]
-    draft.condition(row, entities, wrapped.every, EDGES[wrapped.edge], wrapped.delay)
+    draft.condition(row, entities, wrapped.every, EDGES[wrapped.edge], wrapped.delay, owner)

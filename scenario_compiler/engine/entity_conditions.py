@@ -1,0 +1,269 @@
+"""Conditions on an entity: what they measure of it, on the states before the step.
+
+Comparisons have the tolerance of esmini 3.6. What is not defined there (the gap to an entity behind, the time to a
+collision that does not come) fulfils no condition.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from scenario_compiler.engine.clearance import is_clear
+from scenario_compiler.engine.collision import overlap
+from scenario_compiler.engine.comparing import compare
+from scenario_compiler.engine.distances import distance_between, distance_to, place_now
+from scenario_compiler.engine.faults import fault
+from scenario_compiler.engine.numbers import angle_between, length_of, safe_sqrt
+from scenario_compiler.engine.opcodes import (
+    ANGLE_HEADING,
+    ANGLE_PITCH,
+    CONDITION_ACCELERATION,
+    CONDITION_ANGLE,
+    CONDITION_CLEARANCE,
+    CONDITION_COLLISION,
+    CONDITION_DISTANCE,
+    CONDITION_END_OF_ROAD,
+    CONDITION_OFF_ROAD,
+    CONDITION_POSITION_DISTANCE,
+    CONDITION_REACH_POSITION,
+    CONDITION_RELATIVE_ANGLE,
+    CONDITION_RELATIVE_SPEED,
+    CONDITION_SPEED,
+    CONDITION_STANDSTILL,
+    CONDITION_TIME_HEADWAY,
+    CONDITION_TIME_TO_COLLISION,
+    CONDITION_TRAVELED_DISTANCE,
+    FAR,
+    FAULT_UNKNOWN_CONDITION,
+    FRAME_ENTITY,
+    FRAME_ROAD,
+    FRAME_WORLD,
+    MEASURE_STRAIGHT,
+    PART_ACROSS,
+    PART_ALONG,
+    PART_TOTAL,
+    TOLERANCE,
+)
+from scenario_compiler.engine.positions import point_at
+from scenario_compiler.engine.slots import C_TOLERANCE, C_VALUE
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
+    """Return the time gap to the other entity ahead, s; FAR where it is behind, or i stands or drives backwards."""
+    gap = distance_between(n, p, st, i, p.condition_other[c], p.condition_mode[c], p.condition_flags[c] & 1)
+    if gap < 0.0 or gap >= FAR or st.v[i] < TOLERANCE:
+        return FAR
+    return gap / st.v[i]
+
+
+@compiled
+def closing_speed(st: State, i: int, dx: float, dy: float, vx: float, vy: float, measure: int) -> float:
+    """Return how fast entity i comes nearer to what lies at (dx, dy) from it and moves with (vx, vy), m/s.
+
+    The relative velocity is projected on the line of sight for a straight distance. Otherwise, as in esmini 3.6, it is
+    projected on the other's direction of motion, on i's own where the other stands.
+    """
+    own_x = st.v[i] * cos(st.h[i])
+    own_y = st.v[i] * sin(st.h[i])
+    axis_x = dx
+    axis_y = dy
+    if measure != MEASURE_STRAIGHT:
+        axis_x = vx
+        axis_y = vy
+        if length_of(vx, vy) < TOLERANCE:
+            axis_x = own_x
+            axis_y = own_y
+    size = length_of(axis_x, axis_y)
+    if size < TOLERANCE:
+        return 0.0
+    closing = ((own_x - vx) * axis_x + (own_y - vy) * axis_y) / size
+    if axis_x * dx + axis_y * dy < 0.0:
+        return -closing
+    return closing
+
+
+@compiled
+def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
+    """Return the distance to the other entity, or the position, over the closing speed, s; FAR where there is none."""
+    other = p.condition_other[c]
+    mode = p.condition_mode[c]
+    freespace = p.condition_flags[c] & 1
+    if other >= 0:
+        gap = distance_between(n, p, st, i, other, mode, freespace)
+        x = st.x[other]
+        y = st.y[other]
+        vx = st.v[other] * cos(st.h[other])
+        vy = st.v[other] * sin(st.h[other])
+    else:
+        gap = distance_to(n, p, st, i, p.condition_position[c], mode, freespace)
+        _, x, y, _, _, _ = place_now(n, p, st, p.condition_position[c], i)
+        vx = 0.0
+        vy = 0.0
+    if gap >= FAR:
+        return FAR
+    if abs(gap) < TOLERANCE:
+        return 0.0
+    closing = closing_speed(st, i, x - st.x[i], y - st.y[i], vx, vy, mode % 4)
+    if closing <= TOLERANCE:
+        return FAR
+    return abs(gap) / closing
+
+
+@compiled
+def part_of(st: State, i: int, x: float, y: float, z: float, part: int) -> float:
+    """Return the part of a vector of the world that is asked for, in an entity's own axes, or the vector's length."""
+    if part == PART_ALONG:
+        return x * cos(st.h[i]) + y * sin(st.h[i])
+    if part == PART_ACROSS:
+        return y * cos(st.h[i]) - x * sin(st.h[i])
+    if part == PART_TOTAL:
+        return safe_sqrt(x * x + y * y + z * z)
+    return z
+
+
+@compiled
+def speed_of(st: State, i: int, part: int) -> float:
+    """Return an entity's speed, or the part of its velocity that is asked for."""
+    if part == PART_TOTAL:
+        return st.v[i]
+    return part_of(st, i, st.velocity_x[i], st.velocity_y[i], st.velocity_z[i], part)
+
+
+@compiled
+def relative_speed(st: State, i: int, j: int, part: int) -> float:
+    """Return how much faster i is than j: by their speeds, or by a part of the relative velocity in i's axes."""
+    if part == PART_TOTAL:
+        return st.v[i] - st.v[j]
+    x = st.velocity_x[i] - st.velocity_x[j]
+    y = st.velocity_y[i] - st.velocity_y[j]
+    return part_of(st, i, x, y, st.velocity_z[i] - st.velocity_z[j], part)
+
+
+@compiled
+def touches(p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the box of i overlaps that of the entity meant, or of any of the kind that is meant."""
+    other = p.condition_other[c]
+    if other >= 0:
+        return overlap(p, st, i, other)
+    kind = p.condition_mode[c]
+    for j in range(p.entity_count[0]):
+        if j != i and (kind == 0 or p.entity_type[j] == kind) and overlap(p, st, i, j) == 1:
+            return 1
+    return 0
+
+
+@compiled
+def own_angle(st: State, i: int, kind: int) -> float:
+    """Return an entity's heading, pitch or roll in the world."""
+    if kind == ANGLE_HEADING:
+        return st.h[i]
+    return st.pitch[i] if kind == ANGLE_PITCH else st.roll[i]
+
+
+@compiled
+def angle_of(n: RoadTables, st: State, i: int, kind: int, frame: int) -> float:
+    """Return an entity's angle in the world, or against the road (along s) or the lane (its travel) below it."""
+    angle = own_angle(st, i, kind)
+    if frame in (FRAME_WORLD, FRAME_ENTITY) or st.road[i] < 0:
+        return angle
+    _, _, _, h, pitch, roll = lane_pose(n, st.road[i], st.lane[i], st.s[i], st.off[i])
+    sense = 1.0
+    if frame != FRAME_ROAD and lane_direction(n, st.road[i], st.lane[i]) < 0:
+        h = h + pi
+        sense = -1.0
+    if kind == ANGLE_HEADING:
+        return angle - h
+    return angle - sense * (pitch if kind == ANGLE_PITCH else roll)
+
+
+@compiled
+def angle_holds(p: Program, c: int, angle: float) -> int:
+    """Return 1 where an angle is the condition's, within its tolerance."""
+    base = p.condition_const[c]
+    away = abs(angle_between(angle, p.const[base + C_VALUE]))
+    return 1 if away <= p.const[base + C_TOLERANCE] + TOLERANCE else 0
+
+
+@compiled
+def state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where a condition on an entity that compares no single number holds for entity i."""
+    op = p.condition_op[c]
+    if op == CONDITION_COLLISION:
+        return touches(p, st, c, i)
+    if op == CONDITION_CLEARANCE:
+        return is_clear(n, p, st, c, i)
+    if op == CONDITION_ANGLE:
+        return angle_holds(p, c, angle_of(n, st, i, p.condition_mode[c] % 4, p.condition_mode[c] // 4))
+    if op == CONDITION_RELATIVE_ANGLE:
+        kind = p.condition_mode[c]
+        return angle_holds(p, c, own_angle(st, p.condition_other[c], kind) - own_angle(st, i, kind))
+    fault(st, FAULT_UNKNOWN_CONDITION, c)
+    return 0
+
+
+@compiled
+def measured_between(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
+    """Return what a condition measures between entity i and another or a position, FAR where it is not defined."""
+    op = p.condition_op[c]
+    mode = p.condition_mode[c]
+    freespace = p.condition_flags[c] & 1
+    if op == CONDITION_TIME_HEADWAY:
+        return headway(n, p, st, c, i)
+    if op == CONDITION_TIME_TO_COLLISION:
+        return time_to_collision(n, p, st, c, i)
+    if op == CONDITION_DISTANCE:
+        return abs(distance_between(n, p, st, i, p.condition_other[c], mode, freespace))
+    if op == CONDITION_POSITION_DISTANCE:
+        return abs(distance_to(n, p, st, i, p.condition_position[c], mode, freespace))
+    if op == CONDITION_RELATIVE_SPEED:
+        return relative_speed(st, i, p.condition_other[c], mode)
+    if op != CONDITION_REACH_POSITION:
+        fault(st, FAULT_UNKNOWN_CONDITION, c)
+        return FAR
+    found, x, y = point_at(n, p, st, p.condition_position[c], i)
+    if found == 0:
+        return FAR
+    return length_of(st.x[i] - x, st.y[i] - y)
+
+
+@compiled
+def measured_of(st: State, op: int, mode: int, i: int) -> float:
+    """Return what a condition measures of entity i alone, FAR for one that measures something else."""
+    value = FAR
+    if op == CONDITION_SPEED:
+        value = speed_of(st, i, mode)
+    elif op == CONDITION_TRAVELED_DISTANCE:
+        value = st.odometer[i]
+    elif op == CONDITION_ACCELERATION:
+        value = part_of(st, i, st.acceleration_x[i], st.acceleration_y[i], st.acceleration_z[i], mode)
+    elif op == CONDITION_STANDSTILL:
+        value = st.still[i]
+    elif op == CONDITION_END_OF_ROAD:
+        value = st.at_end[i]
+    elif op == CONDITION_OFF_ROAD:
+        value = st.off_road[i]
+    return value
+
+
+@compiled
+def holds_for(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where a condition on an entity holds for entity i; of one that is not there, none does."""
+    if st.present[i] == 0:
+        return 0
+    op = p.condition_op[c]
+    if op in (CONDITION_COLLISION, CONDITION_CLEARANCE, CONDITION_ANGLE, CONDITION_RELATIVE_ANGLE):
+        return state_holds(n, p, st, c, i)
+    value = measured_of(st, op, p.condition_mode[c], i)
+    if value < 0.0 and op in (CONDITION_STANDSTILL, CONDITION_END_OF_ROAD, CONDITION_OFF_ROAD):
+        return 0
+    if value >= FAR:
+        value = measured_between(n, p, st, c, i)
+    if value >= FAR:
+        return 0
+    return compare(st, p.condition_rule[c], value, p.const[p.condition_const[c] + C_VALUE])
