@@ -2,7 +2,7 @@
 
 Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
 dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
-there, its speed is written for one more row and is then 0. The bicycle is the usual kinematic one about
+there, its speed is kept for the step that no longer moves it and is then 0. The bicycle is the usual kinematic one about
 the rear axle, without side slip.
 """
 
@@ -76,7 +76,7 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
         stretch = 0.1
     sense = st.facing[i] * lane_direction(n, road, lane)
     to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, next_turn(p, st, i, road))
-    if rest > TOLERANCE:
+    if rest > TOLERANCE and to_road == road and abs(to_s - s) <= TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:
         facing = sense * lane_direction(n, to_road, to_lane)
@@ -126,15 +126,17 @@ def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
-    """Move a scripted entity by its speed, unless an action has done so or it stands at the end of its road."""
-    if st.ended[i] == 1:
-        st.v[i] = 0.0
-        return
+    """Move a scripted entity by its speed, unless an action has done so; at the end of its road it comes to a stand."""
     if st.follows[i] == 1 and st.longitudinal[i] < 0 and st.road[i] >= 0:
         follow_leader(n, p, st, i, dt)
-    if st.moved[i] == 0 and abs(st.v[i]) > TOLERANCE:
-        glide(n, p, st, i, st.v[i] * dt)
-        place_scripted(n, p, st, i)
+    if st.moved[i] == 1 or abs(st.v[i]) <= TOLERANCE:
+        return
+    stood = st.ended[i]
+    st.ended[i] = 0
+    glide(n, p, st, i, st.v[i] * dt)
+    place_scripted(n, p, st, i)
+    if stood == 1 and st.ended[i] == 1:
+        st.v[i] = 0.0
 
 
 @compiled
