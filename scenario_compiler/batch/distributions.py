@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Literal
 
@@ -58,6 +58,10 @@ def parse_distribution(text: str) -> Distribution:
     normalised = f"{name}({', '.join(parts)})"
     if name == "choice":
         return _choice(normalised, parts)
+    if name == "values":
+        return replace(_choice(normalised, parts), listed=True)
+    if name == "weighted":
+        return _weighted(normalised, parts)
     try:
         numbers = [float(part) for part in parts]
     except ValueError:
@@ -98,6 +102,21 @@ def _choice(text: str, parts: Sequence[str]) -> Distribution:
         return values[min(int(u * len(values)), len(values) - 1)]
 
     return Distribution(text, kind, quantile, values)
+
+
+def _weighted(text: str, parts: Sequence[str]) -> Distribution:
+    weights = [value_of(part) for part in parts[1::2]]
+    _need(len(parts) % 2 == 0 and all(isinstance(one, float) and one >= 0.0 for one in weights), text)
+    shares = [one for one in weights if isinstance(one, float)]
+    _need(sum(shares) > 0.0, text)
+    plain = _choice(text, parts[::2])
+    ends = [sum(shares[: k + 1]) / sum(shares) for k in range(len(shares))]
+    last = max(k for k, share in enumerate(shares) if share > 0.0)
+
+    def quantile(u: float) -> Value:
+        return plain.points[next((k for k, end in enumerate(ends) if u < end), last)]
+
+    return Distribution(text, plain.kind, quantile, plain.points)
 
 
 def _grid(text: str, numbers: Sequence[float]) -> Distribution:
@@ -197,6 +216,8 @@ DISTRIBUTIONS: dict[str, Callable[[str, Sequence[float]], Distribution]] = {
     "poisson": _poisson,
     "histogram": _histogram,
     "choice": lambda text, numbers: _choice(text, [format_value(number) for number in numbers]),
+    "values": lambda text, numbers: _choice(text, [format_value(number) for number in numbers]),
+    "weighted": lambda text, numbers: _weighted(text, [format_value(number) for number in numbers]),
     "grid": _grid,
 }
 """The distributions by name."""
@@ -209,6 +230,8 @@ USAGE = {
     "poisson": f"poisson(mean), the mean above 0 and at most {GREATEST_MEAN:g}",
     "histogram": "histogram(edge, weight, edge, weight, ..., edge) with rising edges",
     "choice": "choice(value, value, ...)",
+    "values": "values(value, value, ...)",
+    "weighted": "weighted(value, weight, value, weight, ...), one of the weights above 0",
     "grid": "grid(first, last, count)",
 }
 """How each distribution is written."""

@@ -26,6 +26,7 @@ from scenario_compiler.diagnostics import CompileError
 if TYPE_CHECKING:
     from scenario_compiler.batch.execute import Progress
     from scenario_compiler.batch.spec import SweepSpec
+    from scenario_compiler.vocabulary.variation import Vary
 
 METHODS = ("random", "grid", "latin", "sobol")
 
@@ -39,9 +40,9 @@ def add(commands: Commands) -> None:
         "--vary", action="append", default=[], metavar="NAME=DISTRIBUTION", help="such as gap=uniform(5,40)"
     )
     parser.add_argument("--method", choices=METHODS, default="random", help="how the distributions are sampled")
-    parser.add_argument("--samples", type=int, default=1, metavar="N")
+    parser.add_argument("--samples", type=int, metavar="N", help="number of draws, 1 where the scenario says none")
     parser.add_argument("--where", action="append", default=[], metavar="EXPRESSION", help="what every variant fulfils")
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of the draws, 1 where the scenario says none")
     parser.add_argument("--traces", default="", metavar="worst:K|random:K|all", help="keep these variants' recordings")
     parser.add_argument("--resume", action="store_true", help="do the rest of an interrupted sweep")
     parser.add_argument("--workers", type=int, metavar="N", help="processes; as many as pay by default")
@@ -90,13 +91,14 @@ def sweep_command(options: argparse.Namespace) -> int:
 def _spec(options: argparse.Namespace) -> SweepSpec:
     from scenario_compiler.batch.spec import SweepSpec
 
-    written, constraints = _written(options)
+    written = _written(options)
+    given = {*settings_of(options.settings), *(text.partition("=")[0].strip() for text in options.vary)}
     return SweepSpec(
-        vary=(*written, *options.vary),
+        vary=(*(axis.spelling() for axis in written.axes if axis.parameter not in given), *options.vary),
         method=options.method,
-        samples=options.samples,
-        seed=options.seed,
-        where=(*constraints, *options.where),
+        samples=_first(options.samples, written.samples),
+        seed=_first(options.seed, written.seed),
+        where=(*(constraint.holds for constraint in written.constraints), *options.where),
         settings=settings_of(options.settings),
         perception=options.perception,
         controller=options.controller,
@@ -151,20 +153,20 @@ def _search(options: argparse.Namespace) -> int:
     return FINE
 
 
-def _written(options: argparse.Namespace) -> tuple[list[str], list[str]]:
-    """Return what the scenario's own <vary> varies, but for what the command line gives, and its constraints."""
+def _first(*numbers: int | None) -> int:
+    """Return the first number that is given, 1 when none is."""
+    return next((number for number in numbers if number is not None), 1)
+
+
+def _written(options: argparse.Namespace) -> Vary:
+    """Return how the scenario itself says that it is varied."""
     from scenario_compiler.compiler import variation_of
     from scenario_compiler.diagnostics import Diagnostics
+    from scenario_compiler.vocabulary.variation import Vary
 
     if options.target.endswith(".json"):
-        return [], []
-    settings = settings_of(options.settings)
-    vary = variation_of(options.target, settings, Diagnostics())
-    if vary is None:
-        return [], []
-    given = {*settings, *(text.partition("=")[0].strip() for text in options.vary)}
-    axes = [axis.spelling() for axis in vary.axes if axis.parameter not in given]
-    return axes, [constraint.holds for constraint in vary.constraints]
+        return Vary(axes=())
+    return variation_of(options.target, settings_of(options.settings), Diagnostics()) or Vary(axes=())
 
 
 @contextmanager

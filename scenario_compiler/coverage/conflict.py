@@ -172,6 +172,8 @@ EXECUTION: dict[type[Word], Execution] = {
     variation.Poisson: _SAMPLED,
     variation.Histogram: _SAMPLED,
     variation.Choice: _SAMPLED,
+    variation.Weighted: _SAMPLED,
+    variation.Values: _SAMPLED,
     variation.Grid: _SAMPLED,
     variation.Constraint: Execution("sweep", "batch.sampling"),
 }

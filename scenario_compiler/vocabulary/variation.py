@@ -182,6 +182,32 @@ class Choice(Axis):
         return ("of", "values stand with spaces between, without commas") if "," in "".join(self.of) else ("", "")
 
 
+class Values(Choice):
+    """Each of some values, in order, with every value of the other axes."""
+
+    word: Literal["values"] = "values"  # type: ignore[assignment]  # another word of the same shape
+
+
+class Weighted(Choice):
+    """One of some values, each as likely as its weight says."""
+
+    word: Literal["weighted"] = "weighted"  # type: ignore[assignment]  # another word of the same shape
+
+    weights: tuple[float, ...] = attribute("Weight of each value.", separated=True, minimum=0)
+
+    def arguments(self) -> Sequence[str]:
+        """Return value, weight, value, weight, ..."""
+        return tuple(
+            text for value, weight in zip(self.of, self.weights, strict=False) for text in (value, *_texts(weight))
+        )
+
+    def fault(self) -> tuple[str, str]:
+        """Return what is wrong with the values or weights."""
+        if len(self.of) != len(self.weights):
+            return "weights", f"{len(self.of)} values need {len(self.of)} weights, not {len(self.weights)}"
+        return super().fault() if sum(self.weights) > 0.0 else ("weights", "one of the weights must be above 0")
+
+
 class Grid(Axis):
     """Each of some values, evenly spaced, with every value of the other axes."""
 
@@ -213,9 +239,13 @@ class Vary(Word):
 
     word: Literal["vary"] = "vary"
 
-    axes: tuple[Uniform | Normal | Lognormal | Triangular | Poisson | Histogram | Choice | Grid, ...] = child(
-        "The parameters that vary."
+    samples: int | None = attribute(
+        "Number of draws, where the command says none; 1 when left out.", default=None, minimum=1
     )
+    seed: int | None = attribute("Seed of the draws, where the command says none; 1 when left out.", default=None)
+    axes: tuple[
+        Uniform | Normal | Lognormal | Triangular | Poisson | Histogram | Choice | Weighted | Values | Grid, ...
+    ] = child("The parameters that vary.")
     constraints: tuple[Constraint, ...] = child("What every variant fulfils.", default=())
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import combinations, pairwise
 
-from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Entity, Plan, StartPose
 from scenario_compiler.plan.provenance import place_of
@@ -14,7 +14,8 @@ from scenario_compiler.roads import Network
 OVERLAP = Code(
     "SC381",
     "entities-overlap",
-    "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them."
+    "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them. A file "
+    "without an automated vehicle runs all the same, so there it is a warning."
     '\n\n    <static id="a"><at><ahead_of entity="ego" distance="3"/></at></static>     both cars are longer than 3 m',
 )
 
@@ -22,11 +23,12 @@ OVERLAP = Code(
 def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report every pair of entities whose boxes overlap at the start."""
     del network
+    severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
     placed = [(entity, plan.derived[entity.id]) for entity in plan.entities if entity.id in plan.derived]
     for (one, at), (other, there) in combinations(placed, 2):
         if abs(at.z - there.z) < 2.0 and boxes_overlap(corners(one, at), corners(other, there)):
             message = f"'{one.id}' and '{other.id}' overlap at the start"
-            sink.add(OVERLAP, message, place_of(plan, f"entities/{other.id}"))
+            sink.add(OVERLAP, message, place_of(plan, f"entities/{other.id}"), severity=severity)
 
 
 def corners(entity: Entity, pose: StartPose) -> list[tuple[float, float]]:

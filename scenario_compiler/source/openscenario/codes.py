@@ -27,6 +27,7 @@ CONSTRAINT = Code(
     "      <ConstraintGroup>\n"
     '        <ValueConstraint rule="lessOrEqual" value="60"/>     80 is more\n\n'
     "Give another value, in the file or with --set.",
+    Severity.WARNING,
 )
 WRONG_TYPE = Code(
     "SC743",

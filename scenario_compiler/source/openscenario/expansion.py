@@ -8,10 +8,13 @@ from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
+from scenario_compiler.source.codes import WRONG_VALUE
 from scenario_compiler.source.openscenario.catalogs import read_catalog_locations
+from scenario_compiler.source.openscenario.codes import NO_SCENARIO_FILE
+from scenario_compiler.source.openscenario.distributions import read_variation
 from scenario_compiler.source.openscenario.entities import read_entities
-from scenario_compiler.source.openscenario.files import VERSIONS, read_version
-from scenario_compiler.source.openscenario.held import OpenScenario
+from scenario_compiler.source.openscenario.files import VERSIONS, beside, is_file, read_forgiving, read_version
+from scenario_compiler.source.openscenario.held import OpenScenario, Variation
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.parameters import (
     declared_name,
@@ -22,10 +25,11 @@ from scenario_compiler.source.openscenario.parameters import (
 )
 from scenario_compiler.source.openscenario.reading import Reading
 from scenario_compiler.source.openscenario.road_network import read_map, read_signal_controllers
-from scenario_compiler.source.openscenario.scope import Bound, Scope
+from scenario_compiler.source.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.source.openscenario.storyboard import read_storyboard
 from scenario_compiler.source.openscenario.unread import report_unread
 from scenario_compiler.source.openscenario.variables import read_variables, used_variables
+from scenario_compiler.source.parameters import COMMAND_LINE
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.traversal import parameters_in
@@ -45,23 +49,54 @@ def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | N
         return OpenScenario(document, {Path(document.path).stem: document.root})
     if root.child("Catalog") is not None:
         return OpenScenario(document, {})
+    distribution = root.child("ParameterValueDistribution")
+    if distribution is not None:
+        return _varied(distribution, Path(document.path).stem, sink)
     root.required("Storyboard", "Catalog", "ParameterValueDistribution")
     return None
 
 
-def expand_openscenario(
-    source: OpenScenario, name: str, arguments: Mapping[str, str], sink: Diagnostics
-) -> Scenario:
+def _varied(node: Node, name: str, sink: Diagnostics) -> OpenScenario | None:
+    """Return the scenario whose parameters a <ParameterValueDistribution> gives values; None when it is not there."""
+    variation = read_variation(node)
+    file = node.required("ScenarioFile")
+    written = "" if file is None else file.text("filepath")
+    path = next((one for one in beside(node.reading.folder, written) if is_file(one)), None)
+    document = None if path is None else read_forgiving(path, sink)
+    if document is None or document.root.find("{*}Storyboard") is None:
+        if file is not None:
+            file.report(NO_SCENARIO_FILE, f"there is no scenario '{written}'", "filepath")
+        return None
+    return OpenScenario(document, {name: document.root}, variation)
+
+
+def _chosen(variation: Variation, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, str]:
+    """Return the values of parameters: those given, those of the sets that the given numbers choose, the first ones."""
+    values = dict(variation.first)
+    for counter, sets in variation.sets.items():
+        number = literal_number(arguments.get(counter, "0"))
+        if number is None or number != int(number) or not 0 <= number < len(sets):
+            message = f"{counter} is a whole number from 0 to {len(sets) - 1}"
+            sink.add(WRONG_VALUE, message, COMMAND_LINE)
+            number = 0.0
+        values.update(sets[int(number)])
+    return {**values, **{name: text for name, text in arguments.items() if name not in variation.sets}}
+
+
+def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str, str], sink: Diagnostics) -> Scenario:
     """Return the scenario.
 
     Numeric parameters stay open where numbers use them. One that decides anything else turns out to do so while
     reading; then the scenario is read again with that parameter's value in its place everywhere.
     """
+    variation = source.variation
+    if variation is not None:
+        arguments = _chosen(variation, arguments, sink)
     settled: set[str] = set()
     while True:
         attempt = Diagnostics()
         root = _root(source.document, attempt)
-        scenario = _scenario(root, name, arguments, settled)
+        scenario = _scenario(root, name, arguments, settled, variation)
         if root.scope.structural <= settled:
             sink.found.extend(attempt.found)
             return scenario
@@ -79,9 +114,11 @@ def _root(document: Document, sink: Diagnostics) -> Node:
     return Node(document.root, replace(reading, version=version), root.scope)
 
 
-def _scenario(root: Node, name: str, arguments: Mapping[str, str], settled: Collection[str]) -> Scenario:
+def _scenario(
+    root: Node, name: str, arguments: Mapping[str, str], settled: Collection[str], variation: Variation | None
+) -> Scenario:
     declared = declared_parameters(root, given_parameters(arguments), settled)
-    report_unknown(arguments, declared, root)
+    report_unknown(arguments, declared, root, {} if variation is None else variation.places)
     root = root.inner(declared)
     root.reading.known.catalogs = read_catalog_locations(root)
     road = read_map(root)
@@ -101,6 +138,7 @@ def _scenario(root: Node, name: str, arguments: Mapping[str, str], settled: Coll
         vehicles=tuple(entities.vehicles.values()),
         variables=variables_used,
         signal_controllers=controllers,
+        vary=None if variation is None else variation.vary,
         storyboard=storyboard,
     ).written_at(root.origin)
     return scenario.model_copy(update={"parameters": _open_parameters(root, declared, scenario)})

@@ -164,13 +164,16 @@ def given_parameters(arguments: Mapping[str, str]) -> dict[str, Bound]:
     }
 
 
-def report_unknown(arguments: Mapping[str, str], declared: Iterable[str], node: Node) -> None:
-    """Report arguments that the scenario declares no parameter for."""
+def report_unknown(
+    arguments: Mapping[str, str], declared: Iterable[str], node: Node, places: Mapping[str, Place]
+) -> None:
+    """Report values of parameters that the scenario does not declare; `places` are those not on the command line."""
     known = tuple(declared)
     for name in arguments:
         if name not in known:
             message = f"the scenario has no parameter '{name}'"
-            node.reading.sink.add(names.UNKNOWN_ARGUMENT, message, COMMAND_LINE, hint=did_you_mean(name, known))
+            place, hint = places.get(name, COMMAND_LINE), did_you_mean(name, known)
+            node.reading.sink.add(names.UNKNOWN_ARGUMENT, message, place, hint=hint)
 
 
 def parameter_word(declaration: Node, value: Bound) -> Parameter:

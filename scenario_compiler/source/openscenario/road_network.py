@@ -10,7 +10,6 @@ from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.reading import Known
 from scenario_compiler.vocabulary.signals import SignalController, SignalPhase, SignalState
 
-
 OPEN_GROUND = "open_ground"
 """Name of the map without roads that comes along."""
 
