@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import csv
-import subprocess
-import sys
-import tempfile
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -16,9 +12,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, parse_document, read_document
 from scenario_compiler.roads.xsd import validate_with_xsd
 from scenario_compiler.structure.schemas import find_schema
-
-WHEEL = "asam-qc-opendrive"
-CACHE = Path(tempfile.gettempdir()) / "scenario-compiler-tests" / WHEEL
+from tests.asam import schemas_of_wheel
 
 BY_1_8_1 = "the list used the schema of revision 1.8.1, whose assertions that of 1.8.0 in the wheel does not have"
 DIFFERENT = {
@@ -46,24 +40,8 @@ DIFFERENT = {
 
 @pytest.fixture(scope="session")
 def schemas() -> Path:
-    """Folder of ASAM's schemas, taken from the quality checker's wheel and kept for the next time."""
-    folder = CACHE / "schemas"
-    if folder.is_dir():
-        return folder
-    CACHE.mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(CACHE), WHEEL]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    except subprocess.TimeoutExpired:
-        pytest.skip("the package index did not answer within 60 s")
-    wheels = sorted(CACHE.glob("*.whl"))
-    if done.returncode != 0 or not wheels:
-        pytest.skip(f"the package index does not give {WHEEL}")
-    with tempfile.TemporaryDirectory(dir=CACHE) as unpacked, zipfile.ZipFile(wheels[-1]) as wheel:
-        wheel.extractall(unpacked, [name for name in wheel.namelist() if name.endswith(".xsd")])
-        if not folder.is_dir():
-            Path(unpacked, "qc_opendrive", "schema").rename(folder)
-    return folder
+    """Folder of ASAM's schemas of OpenDRIVE."""
+    return schemas_of_wheel("asam-qc-opendrive", "qc_opendrive")
 
 
 def made(text: str) -> Document:
