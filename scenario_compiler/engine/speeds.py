@@ -1,13 +1,13 @@
 """Actions on an entity's speed: to a target, or to one that depends on another entity's speed.
 
 The speed of a change is read at the progress after the step, so it moves in the first one. A relative target is read
-anew in every step. A change that is faster than the entity's limits takes longer; what is left over the limits (a
-target that moves) is cut off step by step. After esmini 3.6.
+anew in every step. A change that is faster than the entity's limits takes longer; what still is, is cut off. After
+esmini 3.6.
 """
 
 from __future__ import annotations
 
-from scenario_compiler.engine.numbers import clip
+from scenario_compiler.engine.numbers import clip, ratio
 from scenario_compiler.engine.opcodes import (
     ACTION_RELATIVE_SPEED,
     DIMENSION_DISTANCE,
@@ -47,14 +47,9 @@ def speed_before(p: Program, st: State, i: int) -> float:
 
 
 @compiled
-def limit_speed(p: Program, st: State, i: int, speed: float, dt: float) -> float:
-    """Return a speed that the entity's acceleration and deceleration let it reach within dt."""
-    if p.entity_motion[i] != MOTION_SCRIPTED:
-        return speed
-    block = p.entity_const[i]
-    gain = max(p.const[block + E_MAX_ACCELERATION], 0.0) * dt
-    loss = max(p.const[block + E_MAX_DECELERATION], 0.0) * dt
-    return clip(speed, st.v[i] - loss, st.v[i] + gain)
+def greatest_rate(p: Program, i: int, change: float) -> float:
+    """Return the greatest acceleration, or deceleration, of an entity for a change of its speed."""
+    return max(p.const[p.entity_const[i] + (E_MAX_ACCELERATION if change > 0.0 else E_MAX_DECELERATION)], 0.0)
 
 
 @compiled
@@ -91,21 +86,17 @@ def time_over_distance(begin: float, target: float, distance: float) -> float:
 
 @compiled
 def start_speed(p: Program, st: State, k: int) -> None:
-    """Prepare a change of speed; one too fast for the entity's limits takes longer, but a step does not."""
+    """Prepare a change of speed; one whose peak is above the entity's limits takes longer, but a step does not."""
     i = p.action_entity[k]
-    block = p.entity_const[i]
     target = wanted_speed(p, st, k)
     begin = speed_before(p, st, i)
     change = target - begin
-    shape = p.action_shape[k]
-    span = transition_span(shape, p.action_dimension[k], p.const[p.action_const[k] + A_DYNAMICS], change)
+    span = transition_span(p.action_shape[k], p.action_dimension[k], p.const[p.action_const[k] + A_DYNAMICS], change)
     if p.action_dimension[k] == DIMENSION_DISTANCE and span > 0.0:
         span = time_over_distance(begin, target, span)
     if span > 0.0:
-        limit = p.const[block + E_MAX_ACCELERATION] if change > 0.0 else p.const[block + E_MAX_DECELERATION]
-        peak = shape_peak(shape) * abs(change)
-        if limit > 1.0e-9 and peak > limit * span:
-            span = peak / limit
+        limit = greatest_rate(p, i, change)
+        span = max(span, shape_peak(p.action_shape[k]) * ratio(abs(change), limit, 0.0))
     else:
         set_speed(p, st, i, target)
     st.action_from[k] = begin
@@ -116,19 +107,31 @@ def start_speed(p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_speed(p: Program, st: State, k: int, dt: float) -> int:
-    """Set the speed after dt of a change; return 1 in the step that reaches the target."""
+    """Set the speed after dt of a change; return 1 in the step that reaches the target.
+
+    A step that the entity's limits cut short counts for the share of it that they let happen.
+    """
     i = p.action_entity[k]
     span = st.action_span[k]
-    progress = st.action_progress[k] + dt
-    st.action_progress[k] = progress
-    relative = p.action_op[k] == ACTION_RELATIVE_SPEED
-    if relative:
+    continuous = p.action_flags[k] & FLAG_CONTINUOUS
+    if p.action_op[k] == ACTION_RELATIVE_SPEED:
         st.action_change[k] = wanted_speed(p, st, k) - st.action_from[k]
-    target = st.action_from[k] + st.action_change[k]
-    if span <= 0.0 or progress >= span - TOLERANCE:
-        if span > 0.0 or relative:
-            set_speed(p, st, i, limit_speed(p, st, i, target, dt))
-        return 0 if p.action_flags[k] & FLAG_CONTINUOUS else 1
-    share = shape_value(st, p.action_shape[k], progress / span)
-    set_speed(p, st, i, limit_speed(p, st, i, st.action_from[k] + st.action_change[k] * share, dt))
+    elif span <= 0.0:
+        return 1
+    before = speed_before(p, st, i)
+    progress = st.action_progress[k] + dt
+    share = 1.0
+    if progress < span - TOLERANCE:
+        share = shape_value(st, p.action_shape[k], progress / max(span, TOLERANCE))
+    asked = st.action_from[k] + st.action_change[k] * share - before
+    limit = greatest_rate(p, i, asked) * dt
+    done = clip(asked, -limit, limit)
+    if abs(asked - done) <= TOLERANCE:
+        st.action_progress[k] = progress
+        set_speed(p, st, i, st.action_from[k] + st.action_change[k] * share)
+        return 1 if progress >= span - TOLERANCE and continuous == 0 else 0
+    if st.action_progress[k] < span - TOLERANCE:
+        progress = st.action_progress[k] + dt * ratio(done, asked, 1.0)
+    st.action_progress[k] = progress
+    set_speed(p, st, i, before + done)
     return 0
