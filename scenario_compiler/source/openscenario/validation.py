@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostics, Severity
-from scenario_compiler.document import Document
-from scenario_compiler.source.openscenario.codes import MENDED_COMMENT
+from scenario_compiler.document import FORBIDDEN, MALFORMED, UNREADABLE, Document
+from scenario_compiler.source.openscenario.codes import MENDED_COMMENT, UNKNOWN_VERSION
 from scenario_compiler.source.openscenario.files import read_forgiving
 from scenario_compiler.source.openscenario.structure import check_structure, file_version
 from scenario_compiler.structure.schemas import Schemas
@@ -24,6 +24,18 @@ def validate_openscenario(path: Path, sink: Diagnostics, schemas: Schemas | None
     document = _read(path, sink)
     if document is not None and not (schemas is not None and _by_schema(document, schemas, sink)):
         check_structure(document, sink)
+
+
+def add_meaning(meaning: Diagnostics, sink: Diagnostics) -> None:
+    """Add what was found of a file's meaning, as warnings; faults of its structure have been told."""
+    told = {(one.place.file, one.place.line, one.place.column) for one in sink.found}
+    for one in meaning.found:
+        if one.code not in _OF_STRUCTURE and (one.place.file, one.place.line, one.place.column) not in told:
+            severity = Severity.WARNING if one.severity is Severity.ERROR else one.severity
+            sink.found.append(replace(one, severity=severity))
+
+
+_OF_STRUCTURE = (UNREADABLE, MALFORMED, FORBIDDEN, MENDED_COMMENT, UNKNOWN_VERSION)
 
 
 def _read(path: Path, sink: Diagnostics) -> Document | None:
