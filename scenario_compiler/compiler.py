@@ -15,8 +15,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.structure import check_structure
-from scenario_compiler.source import Source, check_source, expand, parse, without_allowed
-from scenario_compiler.source.documents import map_place, read_scenario_document
+from scenario_compiler.source import Source, check_source, drop_allowed, expand, parse
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
@@ -80,13 +79,10 @@ def split_target(target: str | Path) -> tuple[str, str | None]:
 
 
 def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] | None:
-    """Read and parse a scenario file; None when nothing can be made of it.
-
-    The document is the scenario's: another file than `path` when that gives values for the scenario's parameters.
-    """
-    document = read_scenario_document(path, sink)
+    """Read and parse a scenario file; None when nothing can be made of it."""
+    document = read_document(path, sink)
     source = None if document is None else parse(document, sink)
-    return None if source is None else (source.document, source)
+    return None if document is None or source is None else (document, source)
 
 
 def compile_target(
@@ -109,7 +105,7 @@ def compile_target(
     document, source = read
     scenario = expand(source, name, arguments, sink)
     done = None if scenario is None else compile_expanded(scenario, document, sink, maps, overrides or Overrides())
-    sink.found[:] = without_allowed(sink.found, source)
+    drop_allowed(sink, source)
     return None if done is None else replace(done, plan=sealed(done.plan))
 
 
@@ -130,7 +126,7 @@ def compile_expanded(
 ) -> Compilation | None:
     """Compile an expanded scenario that was written in `document` but for the seal; None when the sink has errors."""
     scenario = overrides.applied(scenario)
-    network = open_map(scenario.map, document.folder, map_place(scenario, document), sink, maps)
+    network = open_map(scenario.map, document.folder, scenario.place_of("map"), sink, maps)
     if network is None:
         return None
     plan = lower(
@@ -194,25 +190,17 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
         sink.add(UNREADABLE, message, FilePlace(str(path)))
         return
     if path.suffix == ".xosc":
-        from scenario_compiler.source.openscenario.validation import add_meaning, validate_openscenario
+        from scenario_compiler.source.openscenario.validation import validate_openscenario
 
-        meaning = Diagnostics()
         validate_openscenario(path, sink, xsd)
-        _check_scenarios(path, meaning, maps)
-        add_meaning(meaning, sink)
-    else:
-        _check_scenarios(path, sink, maps)
-
-
-def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path]) -> None:
-    """Report every fault of all templates and scenarios of a file."""
+        return
     read = read_source(path, sink)
     if read is None:
         return
     document, source = read
     for scenario in check_source(source, sink):
         compile_expanded(scenario, document, sink, maps, Overrides())
-    sink.found[:] = without_allowed(sink.found, source)
+    drop_allowed(sink, source)
 
 
 def _by_schema(document: Document, schemas: Schemas, sink: Diagnostics) -> bool | None:
@@ -222,7 +210,11 @@ def _by_schema(document: Document, schemas: Schemas, sink: Diagnostics) -> bool 
 
 
 def validate_files(
-    files: Sequence[Path], maps: Sequence[Path] = (), processes: int = 1, xsd: Schemas | None = None
+    files: Sequence[Path],
+    maps: Sequence[Path] = (),
+    processes: int = 1,
+    xsd: Schemas | None = None,
+    insisted: frozenset[str] = frozenset(),
 ) -> Iterator[list[Diagnostic]]:
     """Yield the findings of each file, in the order of the files.
 
@@ -231,18 +223,19 @@ def validate_files(
         maps: Folders that maps are looked for in first.
         processes: Number of processes to spread the files over; few files are checked in this one.
         xsd: Where ASAM's schemas are, None to do without.
+        insisted: Codes of warnings that are reported even where a file allows them.
     """
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
     if processes < 2 or len(tasks) < 2 * processes:
         for file in files:
-            yield _findings([file], maps, xsd)[0]
+            yield _findings([file], maps, xsd, insisted)[0]
         return
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for task, found in [(task, pool.submit(_findings, task, maps, xsd)) for task in tasks]:
+        for task, found in [(task, pool.submit(_findings, task, maps, xsd, insisted)) for task in tasks]:
             try:
                 yield from found.result()
             except BrokenProcessPool:
@@ -250,11 +243,13 @@ def validate_files(
                 yield from ([_unchecked(file, message)] for file in task)
 
 
-def _findings(files: Sequence[Path], maps: Sequence[Path], xsd: Schemas | None) -> list[list[Diagnostic]]:
+def _findings(
+    files: Sequence[Path], maps: Sequence[Path], xsd: Schemas | None, insisted: frozenset[str]
+) -> list[list[Diagnostic]]:
     """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
     found = []
     for file in files:
-        sink = Diagnostics()
+        sink = Diagnostics(insisted=insisted)
         try:
             validate_file(file, sink, maps, xsd)
         except Exception as fault:

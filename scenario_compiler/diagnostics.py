@@ -114,9 +114,15 @@ class Diagnostic:
 
 @dataclass(slots=True)
 class Diagnostics:
-    """The sink that every stage reports into."""
+    """The sink that every stage reports into.
+
+    Attributes:
+        found: What was reported.
+        insisted: Codes of warnings that whoever asks wants to know of, even where a file allows them.
+    """
 
     found: list[Diagnostic] = field(default_factory=list)
+    insisted: frozenset[str] = frozenset()
 
     def add(self, code: Code, message: str, place: Place, *, hint: str = "", severity: Severity | None = None) -> None:
         """Report one finding with the code's severity, unless another is given."""

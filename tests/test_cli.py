@@ -187,3 +187,12 @@ def test_running_a_plan_never_imports_a_front_end(conflict: Path, tmp_path: Path
         [sys.executable, "-c", probe, "run", str(tmp_path / "plan.json")], capture_output=True, text=True, timeout=120
     )
     assert done.returncode == 0, done.stderr
+
+
+def test_a_warning_that_the_file_allows_is_an_error_where_it_is_named(conflict: Path) -> None:
+    allowing = CONFLICT.replace(' duration="2"', "").replace('version="1">', 'version="1"><allow code="SC601"/>', 1)
+    conflict.write_text(allowing, encoding="utf-8")
+    assert call("validate", conflict, "--error", "all") == 0
+    assert call("validate", conflict, "--error", "SC601") == 1
+    assert call("compile", conflict, "-o", conflict.with_suffix(".json"), "--error", "SC601") == 1
+    assert call("compile", conflict, "-o", conflict.with_suffix(".json")) == 0

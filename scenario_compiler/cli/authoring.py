@@ -17,6 +17,7 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     compiled,
+    new_sink,
     show,
 )
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
@@ -58,7 +59,7 @@ def list_command(options: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.table import Table
 
-    sink = Diagnostics()
+    sink = new_sink(options)
     listed = list(_listed(options, sink))
     if options.html is not None:
         return _write_gallery(options, listed, sink)
@@ -116,7 +117,7 @@ def new_command(options: argparse.Namespace) -> int:
     file = Path(f"{options.name}.xml")
     if file.exists() and not options.force:
         raise WrongUse(f"{file} is there already; --force writes over it")
-    sink = Diagnostics()
+    sink = new_sink(options)
     listed = list_library(library_folder() / "templates", sink)
     templates = {one.name: one for one in listed if one.kind == "template"}
     chosen = templates.get(options.template)
@@ -131,7 +132,7 @@ def preview_command(options: argparse.Namespace) -> int:
     """Draw the plan: the part of the map, the entities, the way, what happens when."""
     if options.output.suffix not in (".png", ".svg"):
         raise WrongUse(f"{options.output}: a plan is drawn as .png or .svg")
-    sink = Diagnostics()
+    sink = new_sink(options)
     compilation = compiled(options, sink)
     if show(sink, options) or compilation is None:
         return AT_FAULT
@@ -147,7 +148,7 @@ def convert_command(options: argparse.Namespace) -> int:
     from scenario_compiler.source.aisa import AisaConfig
     from scenario_compiler.source.aisa_conversion import convert_aisa
 
-    sink = Diagnostics()
+    sink = new_sink(options)
     read = read_source(options.file, sink)
     if read is None:
         show(sink, options)

@@ -46,8 +46,15 @@ def add_maps(parser: argparse.ArgumentParser) -> None:
 def add_diagnostics(parser: argparse.ArgumentParser) -> None:
     """Add how diagnostics are shown and weighed."""
     parser.add_argument("--format", choices=FORMATS, default="text", help="format of the diagnostics")
-    parser.add_argument("--error", action="append", default=[], metavar="CODE|all", help="make it an error")
+    parser.add_argument(
+        "--error", action="append", default=[], metavar="CODE|all", help="make it an error, even where a file allows it"
+    )
     parser.add_argument("--allow", action="append", default=[], metavar="CODE", help="do not report it")
+
+
+def new_sink(options: argparse.Namespace) -> Diagnostics:
+    """Return a sink that keeps the warnings that --error names, whatever the file allows."""
+    return Diagnostics(insisted=frozenset(options.error))
 
 
 def positive(text: str) -> float:

@@ -17,6 +17,7 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     compiled,
+    new_sink,
     show,
 )
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, did_you_mean
@@ -83,7 +84,7 @@ def compile_command(options: argparse.Namespace) -> int:
     """Compile a scenario and write its plan."""
     from scenario_compiler.plan.store import write_plan
 
-    sink = Diagnostics()
+    sink = new_sink(options)
     compilation = compiled(options, sink)
     if show(sink, options) or compilation is None:
         return AT_FAULT
@@ -117,7 +118,7 @@ def run_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     if options.show is not None and options.output is None:
         raise WrongUse("--show draws into the folder of the run: give one with -o")
-    sink = Diagnostics()
+    sink = new_sink(options)
     planned = _planned(options, sink)
     if show(sink, options) or planned is None:
         return AT_FAULT
@@ -199,7 +200,7 @@ def report_command(options: argparse.Namespace) -> int:
     from scenario_compiler.report.html import write_report
     from scenario_compiler.report.run import Run
 
-    sink = Diagnostics()
+    sink = new_sink(options)
     plan = read_plan(options.folder / "plan.json", sink)
     network = None if plan is None else open_plan_map(plan, sink, options.maps)
     file = options.folder / "recording.parquet"

@@ -48,7 +48,8 @@ def validate_command(options: argparse.Namespace) -> int:
     files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
-    found = [one for some in validate_files(files, options.maps, options.jobs, options.xsd) for one in some]
+    insisted = frozenset(options.error)
+    found = [one for some in validate_files(files, options.maps, options.jobs, options.xsd, insisted) for one in some]
     failed = show(found, options)
     if options.format == "text":
         print(summary(len(files), judged(found, options)))

@@ -5,7 +5,7 @@ In: a document. Out: scenarios and diagnostics. Imports the vocabulary and the h
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TypeAlias
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did_you_mean
@@ -104,9 +104,9 @@ def expand(
     return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, folder, catalogs))
 
 
-def without_allowed(found: Iterable[Diagnostic], source: Source) -> list[Diagnostic]:
-    """Return findings without the warnings and notes that a file allows for itself and what it uses."""
-    allowed = source.allowed if isinstance(source, Library) else frozenset()
+def drop_allowed(sink: Diagnostics, source: Source) -> None:
+    """Take back the warnings and notes that a file allows for itself and what it uses, but those insisted on."""
+    allowed = (source.allowed if isinstance(source, Library) else frozenset()) - sink.insisted
     path = source.document.path
 
     def kept(one: Diagnostic) -> bool:
@@ -114,7 +114,7 @@ def without_allowed(found: Iterable[Diagnostic], source: Source) -> list[Diagnos
             return True
         return path not in {one.place.file, *(use.file for use in one.chain())}
 
-    return [one for one in found if kept(one)]
+    sink.found[:] = [one for one in sink.found if kept(one)]
 
 
 def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
