@@ -16,6 +16,7 @@ from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.source import Source, check_source, drop_allowed, expand, parse
+from scenario_compiler.source.documents import map_place, read_scenario_document
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
@@ -79,10 +80,13 @@ def split_target(target: str | Path) -> tuple[str, str | None]:
 
 
 def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] | None:
-    """Read and parse a scenario file; None when nothing can be made of it."""
-    document = read_document(path, sink)
+    """Read and parse a scenario file; None when nothing can be made of it.
+
+    The document is the scenario's: another file than `path` when that gives values for the scenario's parameters.
+    """
+    document = read_scenario_document(path, sink)
     source = None if document is None else parse(document, sink)
-    return None if document is None or source is None else (document, source)
+    return None if source is None else (source.document, source)
 
 
 def compile_target(
@@ -126,7 +130,7 @@ def compile_expanded(
 ) -> Compilation | None:
     """Compile an expanded scenario that was written in `document` but for the seal; None when the sink has errors."""
     scenario = overrides.applied(scenario)
-    network = open_map(scenario.map, document.folder, scenario.place_of("map"), sink, maps)
+    network = open_map(scenario.map, document.folder, map_place(scenario, document), sink, maps)
     if network is None:
         return None
     plan = lower(
@@ -190,10 +194,18 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
         sink.add(UNREADABLE, message, FilePlace(str(path)))
         return
     if path.suffix == ".xosc":
-        from scenario_compiler.source.openscenario.validation import validate_openscenario
+        from scenario_compiler.source.openscenario.validation import add_meaning, validate_openscenario
 
+        meaning = Diagnostics()
         validate_openscenario(path, sink, xsd)
-        return
+        _check_scenarios(path, meaning, maps)
+        add_meaning(meaning, sink)
+    else:
+        _check_scenarios(path, sink, maps)
+
+
+def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path]) -> None:
+    """Report every fault of all templates and scenarios of a file."""
     read = read_source(path, sink)
     if read is None:
         return
