@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.distances import along_roads, road_distance_between
+from scenario_compiler.engine.lane_changes import neighbour_lane
 from scenario_compiler.engine.opcodes import FAR, MEASURE_ALONG
 from scenario_compiler.engine.slots import C_BACKWARD, C_FORWARD
 from scenario_compiler.engine.state import State
@@ -15,6 +16,10 @@ from scenario_compiler.roads.travel import advance
 CLEARANCE_FREESPACE = 1
 CLEARANCE_OPPOSITE = 2
 """Bits of a clearance condition's flags: boxes count, not reference points; lanes of the other direction count."""
+
+
+MOST_LANES = 16
+"""Lanes to each side that are looked for."""
 
 
 @compiled
@@ -88,8 +93,26 @@ def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> 
 
 
 @compiled
+def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where one of the lanes that a clearance condition asks for is there beside i, and counts."""
+    row = p.condition_other[c] + 1
+    road = st.road[i]
+    if road < 0 or p.set_first[row] == p.set_first[row + 1]:
+        return 1
+    for k in range(p.set_first[row], p.set_first[row + 1] - 1, 2):
+        for by in range(max(p.set_member[k], -MOST_LANES), min(p.set_member[k + 1], MOST_LANES) + 1):
+            lane = neighbour_lane(n, road, st.lane[i], st.s[i], by, st.facing[i])
+            same = lane_direction(n, road, lane) == lane_direction(n, road, st.lane[i])
+            if lane != 0 and (same or p.condition_flags[c] & CLEARANCE_OPPOSITE != 0):
+                return 1
+    return 0
+
+
+@compiled
 def is_clear(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where no entity is in the way of a clearance condition of entity i."""
+    """Return 1 where no entity is in the way of a clearance condition of entity i, and the lanes are there (esmini)."""
+    if has_lane(n, p, st, c, i) == 0:
+        return 0
     for j in range(p.entity_count[0]):
         if j != i and st.present[j] == 1 and in_the_way(n, p, st, c, i, j) == 1:
             return 0

@@ -206,7 +206,10 @@ def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def run_element(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
-    """Bring one element of a running parent from standby to running, or stop an act whose stop trigger fires."""
+    """Bring one element of a running parent from standby to running, or stop an act whose stop trigger fires.
+
+    That stop is an end of the act too (esmini 3.6): conditions see both transitions.
+    """
     kind = p.element_kind[e]
     if st.element_state[e] == STANDBY:
         if kind == ELEMENT_EVENT:
@@ -218,6 +221,7 @@ def run_element(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None
     stops = kind == ELEMENT_ACT and st.element_state[e] == RUNNING and p.element_stop[e] >= 0
     if stops and trigger_fires(n, p, st, p.element_stop[e]) == 1:
         stop_below(p, st, e, mark)
+        st.element_ended[e] = mark
         parent = parent_done(p, st, e)
         if parent >= 0:
             complete_element(p, st, parent, mark)

@@ -14,7 +14,8 @@ from scenario_compiler.engine.opcodes import AT_REST
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_at
+from scenario_compiler.roads.lane_types import is_road
+from scenario_compiler.roads.lanes import lane_at, lane_type
 from scenario_compiler.roads.tables import RoadTables
 
 WATCH_MOTION = 1
@@ -35,13 +36,16 @@ def held_for(so: int, before: float, dt: float) -> float:
 
 @compiled
 def is_off_road(n: RoadTables, st: State, i: int) -> int:
-    """Return 1 where an entity's reference point lies on no lane of any road."""
+    """Return 1 where an entity's reference point lies on no lane of any road, or on one of the type none (esmini)."""
     road = st.road[i]
     if road < 0:
         return 1
     if abs(st.t[i]) < 1.0e-9:
         return 0
-    return 1 if lane_at(n, road, st.s[i], st.t[i]) == 0 else 0
+    lane = lane_at(n, road, st.s[i], st.t[i])
+    if lane == 0:
+        return 1
+    return 1 - is_road(lane_type(n, road, lane, st.s[i]))
 
 
 @compiled

@@ -86,3 +86,11 @@ def is_drivable(lane_type: int) -> int:
     if lane_type >= DRIVING and lane_type <= LAST_DRIVABLE:
         return 1
     return 0
+
+
+@compiled
+def is_road(lane_type: int) -> int:
+    """Return 1 for every lane type but `none`: what lies in such a lane is off the road, else 0."""
+    if lane_type <= LAST_DRIVABLE or lane_type >= SHOULDER:
+        return 1
+    return 0
