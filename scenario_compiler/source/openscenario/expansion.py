@@ -6,11 +6,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity
 from scenario_compiler.document import Document
 from scenario_compiler.source.codes import WRONG_VALUE
 from scenario_compiler.source.openscenario.catalogs import read_catalog_locations
-from scenario_compiler.source.openscenario.codes import NO_SCENARIO_FILE
+from scenario_compiler.source.openscenario.codes import NO_SCENARIO_FILE, NOT_READ
 from scenario_compiler.source.openscenario.distributions import read_variation
 from scenario_compiler.source.openscenario.entities import read_entities
 from scenario_compiler.source.openscenario.files import VERSIONS, beside, is_file, read_forgiving, read_version
@@ -24,9 +24,11 @@ from scenario_compiler.source.openscenario.parameters import (
     report_unknown,
 )
 from scenario_compiler.source.openscenario.reading import Reading
+from scenario_compiler.source.openscenario.restoring import restored
 from scenario_compiler.source.openscenario.road_network import read_map, read_signal_controllers
 from scenario_compiler.source.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.source.openscenario.storyboard import read_storyboard
+from scenario_compiler.source.openscenario.structure import check_structure
 from scenario_compiler.source.openscenario.unread import report_unread
 from scenario_compiler.source.openscenario.variables import read_variables, used_variables
 from scenario_compiler.source.parameters import COMMAND_LINE
@@ -98,9 +100,23 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
         root = _root(source.document, attempt)
         scenario = _scenario(root, name, arguments, settled, variation)
         if root.scope.structural <= settled:
-            sink.found.extend(attempt.found)
+            sink.found.extend(_with_structure(source.document, attempt.found))
             return scenario
         settled |= root.scope.structural
+
+
+def _with_structure(document: Document, found: list[Diagnostic]) -> list[Diagnostic]:
+    """Return findings and, as warnings, what the structure of the file's version has against it, each place once."""
+    structure = Diagnostics()
+    check_structure(document, structure, forgiving=True)
+    wrong = {_where(one) for one in found if one.severity is Severity.ERROR}
+    told = [replace(one, severity=Severity.WARNING) for one in structure.found if _where(one) not in wrong]
+    places = {_where(one) for one in told}
+    return told + [one for one in found if one.code is not NOT_READ or _where(one) not in places]
+
+
+def _where(one: Diagnostic) -> tuple[str, int, int]:
+    return one.place.file, one.place.line, one.place.column
 
 
 def _root(document: Document, sink: Diagnostics) -> Node:
@@ -110,7 +126,7 @@ def _root(document: Document, sink: Diagnostics) -> Node:
     header = root.child("FileHeader")
     if header is None:
         return root
-    version = read_version(header.text("revMajor", ""), header.text("revMinor", ""), header.origin, sink)
+    version = read_version(header.text("revMajor", ""), header.text("revMinor", ""), header.place("revMinor"), sink)
     return Node(document.root, replace(reading, version=version), root.scope)
 
 
@@ -128,7 +144,8 @@ def _scenario(
     written = root.required("Storyboard")
     storyboard = Storyboard() if written is None else read_storyboard(written, entities.first)
     variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
-    report_unread(root)
+    for one in (root, *root.reading.known.entries.values()):
+        report_unread(one)
     scenario = Scenario(
         name=name,
         map=road,
@@ -141,6 +158,7 @@ def _scenario(
         vary=None if variation is None else variation.vary,
         storyboard=storyboard,
     ).written_at(root.origin)
+    scenario = restored(scenario, root)
     return scenario.model_copy(update={"parameters": _open_parameters(root, declared, scenario)})
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 from lxml import etree
 
 from scenario_compiler.source import codes
@@ -50,7 +52,7 @@ def _point(tag: str = "Position", *, required: bool = True) -> Child:
 
 
 WAYPOINT = regular("Waypoint", Waypoint, choice(Waypoint, "strategy", "routeStrategy", "shortest"), _point())
-ROUTE = regular("Route", Route, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1))
+ROUTE = regular("Route", Route, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1, wanted=2))
 
 
 class _CurvatureRate:
@@ -108,7 +110,7 @@ _CONTROL_POINT = regular(
 
 SHAPES = Forms(
     (
-        regular("Polyline", Polyline, Children("vertices", _VERTEX, least=1)),
+        regular("Polyline", Polyline, Children("vertices", _VERTEX, least=1, wanted=2)),
         regular(
             "Clothoid",
             Clothoid,
@@ -148,7 +150,8 @@ def _write_shape(word: Word, output: Output) -> etree._Element:
     form = SHAPES.by_word[type(word)]
     if output.version < form.since:
         output.tell_lost(word, f"<{form.tag}> is not known before {output.dotted(form.since)}")
-        return made("Shape", made("Polyline"))
+        origin = made("Vertex", made("Position", made("WorldPosition", x="0", y="0")), time="0")
+        return made("Shape", made("Polyline", origin, copy(origin)))
     return made("Shape", form.write(word, output))
 
 
@@ -175,8 +178,6 @@ def read_trajectory(node: Node) -> Trajectory | None:
 
 def write_route(word: Route, output: Output) -> etree._Element:
     """Return the <Route> of a route."""
-    if len(word.waypoints) < 2:
-        output.tell_lost(word, "a route of OpenSCENARIO has two waypoints at least")
     return ROUTE.write(word, output)
 
 

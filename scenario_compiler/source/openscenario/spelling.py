@@ -226,11 +226,19 @@ class Child:
 
 @dataclass(frozen=True)
 class Children:
-    """Child elements of one name that are a tuple: `form` is that of each."""
+    """Child elements of one name that are a tuple.
+
+    Attributes:
+        field: The word's field.
+        form: The form of each.
+        least: Fewest that are read.
+        wanted: Fewest that the standard wants: the last one is repeated where there are fewer.
+    """
 
     field: str
     form: Form[Any]
     least: int = 0
+    wanted: int = 0
 
     def read(self, node: Node) -> Fields | None:
         """Return the field; None when there are too few."""
@@ -242,7 +250,11 @@ class Children:
 
     def write(self, word: Word, element: etree._Element, output: Output) -> None:
         """Add the children in order."""
-        for one in getattr(word, self.field):
+        words = getattr(word, self.field)
+        missing = self.wanted - len(words) if words else 0
+        if missing > 0:
+            output.tell_lost(word, f"<{element.tag}> has {self.wanted} <{self.form.tag}> at least")
+        for one in (*words, *words[-1:] * missing):
             element.append(self.form.write(one, output))
 
 

@@ -14,6 +14,7 @@ from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.source.openscenario.catalogs import given
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.output import Output
+from scenario_compiler.source.openscenario.own import OWN
 from scenario_compiler.source.openscenario.parameters import with_parameters
 from scenario_compiler.source.openscenario.spelling import Fields, Form, made, regular
 from scenario_compiler.vocabulary.actions import (
@@ -70,7 +71,9 @@ def read_controller(node: Node) -> AssignControllerAction:
     node = with_parameters(node)
     name = node.text("name", "")
     node.text("controllerType", "")
-    properties = _properties(node)
+    properties = _properties(node, as_written=name == OWN)
+    if name == OWN:
+        return AssignControllerAction(name=name, properties=properties).written_at(node.origin)
     named = next((one.value for one in properties if one.name == CLASS), "")
     model = _model(named) or ("" if named else _model(name))
     if not model:
@@ -83,11 +86,18 @@ def _model(name: str) -> str:
     return MODELS.get("".join(letter for letter in name.lower() if letter.isalnum()), "")
 
 
-def _properties(node: Node) -> tuple[ControllerProperty, ...]:
+def _properties(node: Node, *, as_written: bool) -> tuple[ControllerProperty, ...]:
     found = [one for group in node.children("Properties") for one in group.children("Property")]
     return tuple(
-        ControllerProperty(name=one.text("name"), value=one.text("value")).written_at(one.origin) for one in found
+        ControllerProperty(name=one.text("name"), value=_value(one, as_written=as_written)).written_at(one.origin)
+        for one in found
     )
+
+
+def _value(node: Node, *, as_written: bool) -> str:
+    """Return a property's value; as it is written where it may hold expressions of the conflict language."""
+    node.has("value")
+    return str(node.element.get("value", "")) if as_written else node.text("value")
 
 
 def _read_assign(node: Node) -> AssignControllerAction | None:

@@ -1,0 +1,62 @@
+"""What of a plan goes into the properties of entities: what the standard has no words for."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.source.openscenario.export.places import goal_of
+from scenario_compiler.source.openscenario.spelling import made
+from scenario_compiler.source.writing import write_word
+from scenario_compiler.vocabulary.entities import Controller, Dynamic, Ego, Static, Vehicle
+from scenario_compiler.vocabulary.positions import FreePosition
+from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.word import Word
+
+_NOWHERE = FreePosition(x=0.0, y=0.0)
+_SAID = ("id", "model", "speed")
+"""Attributes of entities that the standard has words for, as it has for their starts."""
+
+
+def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
+    """Return the element that keeps what an entity is here; none for one that the standard's actions alone place."""
+    if entity.start is None:
+        return []
+    word: Word = Dynamic(id="id", destination=goal_of(plan, entity), follow=entity.follow, path=entity.path)
+    if entity.kind == "static":
+        word = Static(id="id", at=_NOWHERE)
+    elif entity.kind == "ego":
+        word = Ego(
+            desired_speed=entity.desired_speed,
+            start=_NOWHERE,
+            destination=plan.destination,
+            camera=plan.camera,
+            controller=plan.controller or Controller(),
+        )
+    element = write_word(word)
+    for attribute in _SAID:
+        if attribute in element.attrib:
+            del element.attrib[attribute]
+    for child in element.findall("start") + element.findall("at"):
+        element.remove(child)
+    return [element]
+
+
+def scenario_kept(plan: Plan, scenario: Scenario | None, groups: int) -> list[etree._Element]:
+    """Return the element that keeps what holds for the whole plan; `groups` is how many groups its own stop has."""
+    element = made("scenario", step=str(plan.step), control_every=str(plan.control_every), duration=str(plan.duration))
+    element.set("stop_groups", str(groups))
+    if plan.summary:
+        element.set("summary", plan.summary)
+    words: list[Word] = [plan.weather]
+    words += [] if plan.classification is None else [plan.classification]
+    if scenario is not None and scenario.traffic:
+        words += [*scenario.traffic, *_vehicles_of_traffic(plan, scenario)]
+    words += [*plan.markings, *plan.secondary_markings, plan.takeover, *plan.criteria]
+    element.extend([write_word(word) for word in words])
+    return [element]
+
+
+def _vehicles_of_traffic(plan: Plan, scenario: Scenario) -> list[Vehicle]:
+    said = {one.vehicle.name for one in plan.entities if one.kind not in ("traffic", "walker")}
+    return [one for one in scenario.vehicles if one.name not in said]
