@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Diagnostics, Severity, did_you_mean
 from scenario_compiler.document import Document
 from scenario_compiler.source.openscenario.codes import NO_CATALOG_FOLDER, UNKNOWN_CATALOG_ENTRY
 from scenario_compiler.source.openscenario.files import beside, is_file, is_folder, read_forgiving, read_version
@@ -89,8 +89,11 @@ def read_catalog_locations(root: Node) -> CatalogFolders:
     return folders
 
 
-def referred(reference: Node) -> Node | None:
-    """Return the entry that a <CatalogReference> names, with its parameters in scope; report when there is none."""
+def referred(reference: Node, severity: Severity | None = None) -> Node | None:
+    """Return the entry that a <CatalogReference> names, with its parameters in scope.
+
+    When there is none that is reported, with another severity than an error's where one is given.
+    """
     catalog_name, entry_name = reference.text("catalogName"), reference.text("entryName")
     reading = reference.reading
     assigned = assigned_parameters(reference)
@@ -98,29 +101,32 @@ def referred(reference: Node) -> Node | None:
     fitting = folders.named(catalog_name, reading.sink)
     if not fitting:
         hint = did_you_mean(catalog_name, [name for one in folders.all(reading.sink) for name in one.names])
-        reference.report(UNKNOWN_CATALOG_ENTRY, f"there is no catalog '{catalog_name}'", "catalogName", hint)
+        message = f"there is no catalog '{catalog_name}'"
+        reference.report(UNKNOWN_CATALOG_ENTRY, message, "catalogName", hint, severity)
         return None
     catalog = next((one for one in fitting if entry_name in one.entries), fitting[0])
     element = catalog.entries.get(entry_name)
     if element is None or _depth(reading) > MOST_NESTED:
         hint = did_you_mean(entry_name, catalog.entries)
-        reference.report(UNKNOWN_CATALOG_ENTRY, f"'{catalog_name}' has no entry '{entry_name}'", "entryName", hint)
+        message = f"'{catalog_name}' has no entry '{entry_name}'"
+        reference.report(UNKNOWN_CATALOG_ENTRY, message, "entryName", hint, severity)
         return None
     within = reading.of(catalog.document, catalog.version, reference.origin)
     entry = Node(element, within, reference.scope)
+    reading.known.entries.setdefault(element, entry)
     return with_parameters(entry.inner(assigned), assigned)
 
 
-def given(node: Node, *tags: str) -> Node | None:
+def given(node: Node, *tags: str, severity: Severity | None = None) -> Node | None:
     """Return the child of one of these names, or the entry of that kind that a child <CatalogReference> names.
 
-    Either has the parameters in scope that it declares.
+    Either has the parameters in scope that it declares. A reference that leads nowhere is reported as `referred` does.
     """
     found = node.child(*tags)
     if found is not None:
         return with_parameters(found)
     reference = node.child("CatalogReference")
-    entry = None if reference is None else referred(reference)
+    entry = None if reference is None else referred(reference, severity)
     if entry is None or reference is None or entry.tag in tags:
         return entry
     expected = " or ".join(f"<{tag}>" for tag in tags)

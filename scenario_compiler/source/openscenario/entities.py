@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.diagnostics import Severity, did_you_mean
 from scenario_compiler.source import codes as form
 from scenario_compiler.source import names
 from scenario_compiler.source.openscenario.actions.control import read_controller
@@ -83,7 +83,7 @@ def _add_object(node: Node, found: Entities, known: Known, trailers: list[tuple[
         _add_trailer(name, trailer, found, known, trailers, depth)
     for held in node.children("ObjectController"):
         held.has("name")
-        controller = given(held, "Controller")
+        controller = given(held, "Controller", severity=Severity.WARNING)
         if controller is not None:
             found.first.append(InitAction(entity=name, action=read_controller(controller)).written_at(held.origin))
 

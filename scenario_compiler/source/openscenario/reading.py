@@ -14,6 +14,7 @@ from scenario_compiler.document import Document, Origin
 
 if TYPE_CHECKING:
     from scenario_compiler.source.openscenario.catalogs import CatalogFolders
+    from scenario_compiler.source.openscenario.node import Node
 
 ObjectType = Literal["vehicle", "pedestrian", "miscellaneous", "external"]
 
@@ -28,6 +29,7 @@ class Known:
         variables: Type of each variable, and of each parameter, that conditions and actions may name.
         signal_controllers: Names of the phases of each traffic signal controller.
         catalogs: The catalogs in the folders that the scenario lists.
+        entries: The entries of catalogs that references led to.
     """
 
     entities: dict[str, ObjectType] = field(default_factory=dict)
@@ -35,6 +37,7 @@ class Known:
     variables: dict[str, str] = field(default_factory=dict)
     signal_controllers: dict[str, tuple[str, ...]] = field(default_factory=dict)
     catalogs: CatalogFolders | None = None
+    entries: dict[etree._Element, Node] = field(default_factory=dict)
 
     def members(self, name: str) -> tuple[str, ...]:
         """Return the entities that a name stands for: a selection's members, or the entity itself."""
