@@ -15,7 +15,8 @@ StateName = Literal[
 EventKind = Literal[
     "activation", "warning", "warning_over", "request", "escalation", "response", "hand_back", "minimum_risk",
     "standstill", "collision", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure", "failure_end",
-    "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "stop",
+    "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "light",
+    "command", "signal", "stop",
 ]  # fmt: skip
 """Kinds of events. Activation, request (transition demand), response (override), minimum-risk manoeuvre and
 collision are occurrences that UN R157, 8.2.1, has a data storage system record; the others are ours."""
@@ -65,6 +66,9 @@ EVENT_KINDS: dict[int, EventKind] = {
     opcodes.EVENT_FAILURE_END: "failure_end",
     opcodes.EVENT_WEATHER: "weather",
     opcodes.EVENT_MESSAGE: "message",
+    opcodes.EVENT_LIGHT: "light",
+    opcodes.EVENT_COMMAND: "command",
+    opcodes.EVENT_SIGNAL: "signal",
     opcodes.EVENT_HAZARD_LIGHTS: "hazard_lights",
 }
 

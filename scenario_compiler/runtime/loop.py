@@ -22,6 +22,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.names import BY_HAND, CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.roads import Network, Pose
+from scenario_compiler.runtime.action_events import OF_ACTIONS, action_text, actions_of
 from scenario_compiler.runtime.messages import messages
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
 from scenario_compiler.vocabulary.actions import MessageAction
@@ -123,6 +124,7 @@ class _Execution:
         self.weather_changes = self.program.weather_count[0] > 1
         self.told = [word for word in walk(plan.storyboard) if isinstance(word, MessageAction)]
         self.named = named_events(plan, self.program)
+        self.actions = list(actions_of(plan))
         self.state.draw[:] = make_draws(seed, variant)
         self.controller: ControllerModel | None = None
         if plan.controller is not None and plan.perception == "camera":
@@ -211,6 +213,10 @@ class _Execution:
             if kind in NAMED:
                 name, entity = self.named[int(value)]
                 self.builder.event(st.log_time[at], kind, entity=entity, message=name)
+            elif kind in OF_ACTIONS:
+                action, entity = self.actions[int(value)]
+                about, text = action_text(action)
+                self.builder.event(st.log_time[at], kind, entity=entity, cause=about, message=text)
             elif kind != "message":
                 told = value if kind == "hazard_lights" else None
                 self.builder.event(st.log_time[at], kind, entity=self._entity(kind, value), cause=cause, value=told)
