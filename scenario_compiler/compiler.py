@@ -14,7 +14,6 @@ from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
-from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.source import Source, check_source, drop_allowed, expand, parse
 from scenario_compiler.source.documents import map_place, read_scenario_document
 from scenario_compiler.structure.schemas import Schemas
@@ -187,6 +186,8 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
     if path.suffix == ".xodr":
         document = read_document(path, sink)
         if document is not None and (xsd is None or _by_schema(document, xsd, sink) is None):
+            from scenario_compiler.roads.structure import check_structure
+
             check_structure(document, sink)
         return
     if path.is_file() and path.stat().st_size > MOST_SCENARIO_BYTES:

@@ -16,8 +16,9 @@ from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.resources import schema_file
 from scenario_compiler.source import expand
-from scenario_compiler.source.aisa import KNOWN, AisaConfig
+from scenario_compiler.source.aisa import KNOWN
 from scenario_compiler.source.aisa_conversion import convert_aisa
+from scenario_compiler.source.aisa_file import AisaConfig
 
 MAPS = {
     "Town01": "Scenic/assets/maps/CARLA/Town01.xodr",

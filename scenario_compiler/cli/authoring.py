@@ -145,8 +145,8 @@ def preview_command(options: argparse.Namespace) -> int:
 def convert_command(options: argparse.Namespace) -> int:
     """Write a file of the AISA toolkit in our language."""
     from scenario_compiler.compiler import read_source
-    from scenario_compiler.source.aisa import AisaConfig
     from scenario_compiler.source.aisa_conversion import convert_aisa
+    from scenario_compiler.source.aisa_file import AisaConfig
 
     sink = new_sink(options)
     read = read_source(options.file, sink)

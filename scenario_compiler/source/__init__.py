@@ -12,7 +12,7 @@ from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did
 from scenario_compiler.document import Document
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source import codes, names
-from scenario_compiler.source.aisa import AisaConfig, expand_aisa, read_aisa
+from scenario_compiler.source.aisa_file import AisaConfig, read_aisa
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
 from scenario_compiler.source.conflict import Library, LibraryElement, read_library
 from scenario_compiler.source.environment import Environment, Reading
@@ -100,6 +100,8 @@ def expand(
     folder = library_folder()
     catalogs = catalogs or load_catalogs(folder / "catalogs", sink)
     if isinstance(source, AisaConfig):
+        from scenario_compiler.source.aisa import expand_aisa
+
         return expand_aisa(source, chosen, arguments, sink, catalogs)
     return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, folder, catalogs))
 

@@ -14,9 +14,9 @@ from typing import Literal
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
-from scenario_compiler.document import Document
 from scenario_compiler.expressions import Expression, Value, format_value, parse_expression
 from scenario_compiler.source import names
+from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import Catalogs
 from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.events import storyboard_of
@@ -125,26 +125,6 @@ class Waypoint(Word):
     def position(self) -> WorldPosition:
         """Return the pose as a position."""
         return WorldPosition(frame="carla", x=self.x, y=self.y, yaw=self.yaw).written_at(self.origin)
-
-
-@dataclass(frozen=True)
-class AisaConfig:
-    """A file of the AISA toolkit: its scenario elements by name."""
-
-    document: Document
-    scenarios: Mapping[str, etree._Element]
-
-
-def read_aisa(document: Document, sink: Diagnostics) -> AisaConfig:
-    """Return the scenarios of a `<config>` file; report names that stand twice."""
-    scenarios: dict[str, etree._Element] = {}
-    for element in document.root.iterfind("scenarios/scenario"):
-        name = str(element.get("name", ""))
-        if name in scenarios:
-            place = document.origin(element, "name")
-            sink.add(names.DUPLICATE_NAME, f"a scenario named '{name}' stands in this file already", place)
-        scenarios.setdefault(name, element)
-    return AisaConfig(document, scenarios)
 
 
 _PARAMETERS: tuple[Parameter, ...] = (

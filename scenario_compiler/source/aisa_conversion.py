@@ -8,7 +8,8 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.resources import library_folder
-from scenario_compiler.source.aisa import AisaConfig, expand_aisa
+from scenario_compiler.source.aisa import expand_aisa
+from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
 from scenario_compiler.source.conflict import EntityWhen, ScenarioElement
 from scenario_compiler.source.writing import write_word
@@ -44,7 +45,7 @@ def _converted(source: AisaConfig, name: str, catalogs: Catalogs, sink: Diagnost
             sink.add(one.code, one.message, one.place, hint=one.hint)
         yield _comment(f"{name}: {one.message}")
     for element in source.scenarios[name].iterfind("object"):
-        attributes = " ".join(f'{key}="{value}"' for key, value in element.items())
+        attributes = " ".join(f'{key}="{element.get(key)}"' for key in map(str, element.attrib))
         yield _comment(f"{name}: not executed: object {attributes}")
     if scenario is not None and not found.has_errors:
         yield write_word(scenario_element(scenario))
@@ -55,7 +56,13 @@ def _comment(text: str) -> etree._Element:
 
 
 def scenario_element(scenario: Scenario) -> ScenarioElement:
-    """Return what our file would say to be expanded to a scenario, its storyboard as one `<when>` an event."""
+    """Return what our file would say to be expanded to a scenario, its storyboard as one `<when>` an event.
+
+    Raises:
+        ValueError: The scenario has no automated vehicle.
+    """
+    if scenario.ego is None:
+        raise ValueError(f"'{scenario.name}' has no automated vehicle")
     takeover = scenario.takeover
     if isinstance(takeover.driver, DriverModel):
         takeover = takeover.model_copy(update={"driver": Driver(preset=takeover.driver.name)})

@@ -13,17 +13,19 @@ from scenario_compiler.resources import schema_file
 from scenario_compiler.source import codes
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.vocabulary.reference import language_page
-from scenario_compiler.vocabulary.schema import xsd_of
 
 
 def conflict_xsd() -> str:
     """Return the schema of the conflict language's files."""
+    from scenario_compiler.vocabulary.schema import xsd_of
+
     return xsd_of((LibraryElement, CatalogElement))
 
 
 def language_reference() -> str:
     """Return the reference of the conflict language, as Markdown."""
+    from scenario_compiler.vocabulary.reference import language_page
+
     return language_page((LibraryElement, CatalogElement))
 
 

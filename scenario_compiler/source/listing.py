@@ -10,7 +10,8 @@ from typing import Literal
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import read_document
 from scenario_compiler.source import parse
-from scenario_compiler.source.aisa import KNOWN, AisaConfig
+from scenario_compiler.source.aisa import KNOWN
+from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.conflict import Library, Part
 from scenario_compiler.source.templates import template_parameters
 from scenario_compiler.vocabulary.scenario import Parameter

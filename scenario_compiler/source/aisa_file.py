@@ -1,0 +1,32 @@
+"""The AISA toolkit's file as it is written: its scenario elements by name. `aisa` makes scenarios of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.document import Document
+from scenario_compiler.source import names
+
+
+@dataclass(frozen=True)
+class AisaConfig:
+    """A file of the AISA toolkit: its scenario elements by name."""
+
+    document: Document
+    scenarios: Mapping[str, etree._Element]
+
+
+def read_aisa(document: Document, sink: Diagnostics) -> AisaConfig:
+    """Return the scenarios of a `<config>` file; report names that stand twice."""
+    scenarios: dict[str, etree._Element] = {}
+    for element in document.root.iterfind("scenarios/scenario"):
+        name = str(element.get("name", ""))
+        if name in scenarios:
+            place = document.origin(element, "name")
+            sink.add(names.DUPLICATE_NAME, f"a scenario named '{name}' stands in this file already", place)
+        scenarios.setdefault(name, element)
+    return AisaConfig(document, scenarios)
