@@ -127,8 +127,7 @@ def _add_selection(node: Node, known: Known) -> None:
 def _members(group: Node, known: Known) -> Iterator[str]:
     for one in group.elements():
         if one.tag == "EntityRef":
-            name = one.entity("entityRef")
-            yield from (entity for entity in known.members(name) if entity in known.entities)
+            yield from one.entities("entityRef")
         elif one.tag in ("ByType", "ByObjectType"):
             attribute = "objectType" if one.has("objectType") else "type"
             wanted = one.text(attribute)

@@ -15,6 +15,7 @@ from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError
 from scenario_compiler.source import codes
 from scenario_compiler.source.names import UNKNOWN_ENTITY
+from scenario_compiler.source.openscenario.codes import ONE_ENTITY
 from scenario_compiler.source.openscenario.reading import Reading
 from scenario_compiler.source.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.source.values import report_expression
@@ -181,13 +182,26 @@ class Node:
         return self._wrong(attribute, found, f"one of {', '.join(allowed)}", otherwise, hint)
 
     def entity(self, attribute: str, default: str | None = None) -> str:
-        """Return the name of an entity, or of a selection; report one that the scenario does not have."""
+        """Return the name of an entity; report one that the scenario does not have, and a selection of several."""
         name = self.text(attribute, default)
+        members = self._members(name, attribute)
+        if name in self.reading.known.selections and len(members) != 1:
+            message = f"'{name}' is a selection of {len(members)}; its first member is taken"
+            self.report(ONE_ENTITY, message, attribute)
+        return members[0] if members else name
+
+    def entities(self, attribute: str) -> tuple[str, ...]:
+        """Return the entities of a name, an entity's or a selection's; report one that the scenario does not have."""
+        return self._members(self.text(attribute), attribute)
+
+    def _members(self, name: str, attribute: str) -> tuple[str, ...]:
         known = self.reading.known
-        if name and name not in known.entities and name not in known.selections:
+        if name in known.selections:
+            return known.selections[name]
+        if name and name not in known.entities:
             hint = did_you_mean(name, [*known.entities, *known.selections])
             self.report(UNKNOWN_ENTITY, f"there is no entity '{name}'", attribute, hint)
-        return name
+        return (name,) if name in known.entities else ()
 
     def _raw(self, attribute: str) -> str | None:
         self.reading.used[self.element].add(attribute)

@@ -39,10 +39,6 @@ class Known:
     catalogs: CatalogFolders | None = None
     entries: dict[etree._Element, Node] = field(default_factory=dict)
 
-    def members(self, name: str) -> tuple[str, ...]:
-        """Return the entities that a name stands for: a selection's members, or the entity itself."""
-        return self.selections.get(name, (name,))
-
 
 @dataclass(frozen=True)
 class Reading:

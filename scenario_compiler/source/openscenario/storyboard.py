@@ -49,13 +49,11 @@ def read_storyboard(node: Node, first: Iterable[InitAction] = ()) -> Storyboard:
 
 def _init(actions: Node) -> list[InitAction]:
     found: list[InitAction] = []
-    known = actions.reading.known
     for one in actions.elements():
         if one.tag in ACTIONS:
             found += [InitAction(action=action).written_at(one.origin) for action in read_actions(one)]
         elif one.tag == "Private":
-            name = one.entity("entityRef")
-            entities = [entity for entity in known.members(name) if entity in known.entities]
+            entities = one.entities("entityRef")
             for private in one.children("PrivateAction"):
                 words = read_actions(private)
                 found += [
@@ -103,9 +101,7 @@ def _actors(node: Node, maneuvers: Iterable[Maneuver]) -> tuple[str, ...]:
     actors = node.child("Actors")
     if actors is None:
         return ()
-    known = actors.reading.known
-    named = [one.entity("entityRef") for one in actors.children("EntityRef")]
-    found = [entity for name in named for entity in known.members(name) if entity in known.entities]
+    found = [entity for one in actors.children("EntityRef") for entity in one.entities("entityRef")]
     if actors.boolean("selectTriggeringEntities", False):
         starts = [event.start for maneuver in maneuvers for event in maneuver.events]
         found += [entity for start in starts for entity in _triggering(start)]

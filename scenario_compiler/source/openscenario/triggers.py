@@ -69,10 +69,8 @@ def _condition(node: Node) -> TriggerCondition | None:
 
 
 def _entities(triggering: Node) -> tuple[str, ...]:
-    known = triggering.reading.known
-    named = [one.entity("entityRef") for one in triggering.children("EntityRef", "Entity")]
-    members = [entity for name in named for entity in known.members(name)]
-    return tuple(dict.fromkeys(entity for entity in members if entity in known.entities))
+    named = triggering.children("EntityRef", "Entity")
+    return tuple(dict.fromkeys(entity for one in named for entity in one.entities("entityRef")))
 
 
 def _edge(node: Node) -> Edge:
