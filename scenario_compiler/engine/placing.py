@@ -149,10 +149,9 @@ def reset_positions(n: RoadTables, p: Program, st: State) -> None:
     for k in range(p.position_count[0]):
         st.position_x[k] = FAR
         st.position_y[k] = FAR
-        road = -1
         if p.position_op[k] < POSITION_FREE:
             road, lane, s, offset, _ = resolve_position(n, p, st, k)
-        if road >= 0:
-            x, y, _, _, _, _ = lane_pose(n, road, lane, s, offset)
-            st.position_x[k] = x
-            st.position_y[k] = y
+            if road >= 0:
+                x, y, _, _, _, _ = lane_pose(n, road, lane, s, offset)
+                st.position_x[k] = x
+                st.position_y[k] = y

@@ -10,7 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 
 from scenario_compiler.engine.opcodes import (
+    ACTION_ADD_ENTITY,
     ACTION_COMMAND,
+    ACTION_CONNECT_TRAILER,
+    ACTION_DELETE_ENTITY,
     ACTION_END_FAILURE,
     ACTION_ENVIRONMENT,
     ACTION_FAILURE,
@@ -24,6 +27,7 @@ from scenario_compiler.engine.opcodes import (
     ACTION_SIGNAL_STATE,
     ACTION_STOP,
     ACTION_STOP_TRAFFIC,
+    ACTION_TELEPORT,
     ACTION_WEATHER,
     ALL_MARKS,
     CAUSES,
@@ -50,7 +54,14 @@ from scenario_compiler.engine.opcodes import (
     MOTION_WALKER,
     NONE,
     PERCEPTION_CAMERA,
+    POSITION_BESIDE,
     POSITION_KINDS,
+    POSITION_LANE,
+    POSITION_LANES_AWAY,
+    POSITION_RELATIVE,
+    POSITION_RELATIVE_OBJECT,
+    POSITION_RELATIVE_ROAD,
+    POSITION_RELATIVE_WORLD,
     PRIORITY_SKIP,
     RULE_NOT_EQUAL,
     SHAPE_STEP,
@@ -71,9 +82,27 @@ OF_THE_RUN = frozenset(
         ACTION_ENVIRONMENT,
         ACTION_COMMAND,
         ACTION_STOP_TRAFFIC,
+        ACTION_ADD_ENTITY,
+        ACTION_DELETE_ENTITY,
     }
 )
 """Actions that need no entity."""
+
+TO_AN_ENTITY = (ACTION_ADD_ENTITY, ACTION_DELETE_ENTITY, ACTION_CONNECT_TRAILER)
+"""Actions that something happens to another entity by."""
+
+TO_A_POSITION = (ACTION_TELEPORT, ACTION_ADD_ENTITY)
+"""Actions that need a position."""
+
+FROM_AN_ENTITY = (
+    POSITION_RELATIVE,
+    POSITION_BESIDE,
+    POSITION_LANES_AWAY,
+    POSITION_RELATIVE_ROAD,
+    POSITION_RELATIVE_OBJECT,
+    POSITION_RELATIVE_WORLD,
+)
+"""Positions counted from where an entity is."""
 
 OF_AN_ENTITY = (CONDITION_TIME_HEADWAY, CONDITION_DISTANCE, CONDITION_RELATIVE_SPEED, CONDITION_RELATIVE_ANGLE)
 """Conditions between two entities."""
@@ -370,6 +399,7 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _inside("condition_entity", p.condition_entity, 0, entities)
     _rows("set_first", p.set_first, len(p.set_member))
     _validate_world(p)
+    _validate_places(p)
     _column("action_op", p.action_op, actions, 0, ACTION_KINDS)
     _column("action_entity", p.action_entity, actions, NONE, entities)
     for kind, entity in zip(p.action_op, p.action_entity, strict=True):
@@ -388,6 +418,20 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
     _inside("point_position", p.point_position, 0, p.position_count[0])
     _column("point_const", p.point_const, len(p.point_position), 0, len(p.const) + 1)
     _column("init_action", p.init_action, p.init_count[0], 0, actions)
+
+
+def _validate_places(p: Program) -> None:
+    """Check what positions are relative to, and what actions on places refer to."""
+    for k, kind in enumerate(p.position_op):
+        if kind in FROM_AN_ENTITY:
+            _inside("position_entity", p.position_entity[k : k + 1], 0, p.entity_count[0])
+        if kind == POSITION_LANE:
+            _inside("position_road", p.position_road[k : k + 1], 0, 1 << 30)
+    for k, kind in enumerate(p.action_op):
+        if kind in TO_AN_ENTITY:
+            _inside("action_other", p.action_other[k : k + 1], 0, p.entity_count[0])
+        if kind in TO_A_POSITION:
+            _inside("action_position", p.action_position[k : k + 1], 0, p.position_count[0])
 
 
 def _validate_world(p: Program) -> None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
 from scenario_compiler.expressions import Expression, ExpressionError, Value
 from scenario_compiler.frames import heading_from_carla, point_from_carla, reference_from_center
 from scenario_compiler.plan.model import StartPose
@@ -142,12 +142,15 @@ class Binder:
         values: Values of the scenario's parameters, for checks and for positions that must become numbers.
         sink: Where faults go.
         named: The scenario's own spawn points, in document order.
+        forgiving: Whether a position beyond its road's end or in a lane that is not there is taken to be at the end or
+            in the nearest lane, with a warning: without an automated vehicle, as in files made for other programs.
     """
 
     network: Network
     values: Mapping[str, Value]
     sink: Diagnostics
     named: Mapping[str, Position] = field(default_factory=dict)
+    forgiving: bool = False
 
     def value(self, number: Number, position: Position) -> float:
         """Return a number of a position at the parameters' values; 0 and a diagnostic when it has none."""
@@ -166,7 +169,7 @@ class Binder:
         position in CARLA's frame speaks of the centre.
         """
         if isinstance(position, LanePosition):
-            return position if self._on_lane(position) else None
+            return self._on_lane(position)
         if isinstance(position, AT_USE):
             return position
         if isinstance(position, GeoPosition):
@@ -181,21 +184,42 @@ class Binder:
             return self._bind_random(position)
         return self._bind_world(position, center)
 
-    def _on_lane(self, position: LanePosition) -> bool:
-        s = self.value(position.s, position)
-        if not self.on_road(position, position.road, s):
-            return False
-        lanes = [lane.lane for lane in self.network.lanes_at(position.road, s)]
-        if position.lane not in lanes or position.lane == 0:
-            known = ", ".join(str(lane) for lane in lanes if lane != 0)
+    def _on_lane(self, position: LanePosition) -> LanePosition | None:
+        s = self._on_length(position, self.value(position.s, position))
+        if s is None:
+            return None
+        lanes = [lane.lane for lane in self.network.lanes_at(position.road, s) if lane.lane != 0]
+        lane = position.lane
+        if lane not in lanes:
+            nearest = min(lanes, key=lambda one: (abs(one - lane), one), default=None) if self.forgiving else None
             self.sink.add(
                 UNKNOWN_LANE,
-                f"road '{position.road}' has no lane {position.lane} at s = {s:g} m",
+                f"road '{position.road}' has no lane {lane} at s = {s:g} m",
                 position.place_of("lane"),
-                hint=f"lanes there: {known}",
+                hint=f"lanes there: {', '.join(map(str, lanes))}" if nearest is None else f"lane {nearest} is meant",
+                severity=Severity.ERROR if nearest is None else Severity.WARNING,
             )
-            return False
-        return True
+            if nearest is None:
+                return None
+            lane = nearest
+        changes: dict[str, float] = {} if lane == position.lane else {"lane": lane}
+        if not isinstance(position.s, Expression) and s != position.s:
+            changes["s"] = s
+        return position.model_copy(update=changes) if changes else position
+
+    def _on_length(self, position: LanePosition | RoadPosition, s: float) -> float | None:
+        """Return s of a position on its road; None, reported, for what the road does not have.
+
+        Where beyond the end is forgiven, the end.
+        """
+        if not self.forgiving or position.road not in self.network.road_ids:
+            return s if self.on_road(position, position.road, s) else None
+        length = self.network.road(position.road).length
+        if not 0.0 <= s <= length:
+            message = f"s = {s:g} m is outside road '{position.road}', which is {length:.2f} m long"
+            hint = "the road's end is meant"
+            self.sink.add(BEYOND_ROAD, message, position.place_of("s"), hint=hint, severity=Severity.WARNING)
+        return min(max(s, 0.0), length)
 
     def on_road(self, word: Word, road: str, s: float, attribute: str = "road") -> bool:
         """Return whether the map has the road, which `attribute` names, and s lies on it; report what does not."""
@@ -215,8 +239,8 @@ class Binder:
         return True
 
     def _bind_road(self, position: RoadPosition) -> LanePosition | None:
-        s, t = self.value(position.s, position), self.value(position.t, position)
-        if not self.on_road(position, position.road, s):
+        s, t = self._on_length(position, self.value(position.s, position)), self.value(position.t, position)
+        if s is None:
             return None
         pose = self.network.road_pose(position.road, s, t)
         heading = pose.heading + self.value(position.turn, position)

@@ -112,7 +112,7 @@ def lower(
         perception: What the lane confidence comes from; ideal without an automated vehicle.
     """
     named = {} if scenario.spawn_points is None else {p.name: p.position for p in scenario.spawn_points.points}
-    draft = Draft(scenario, network, sink, Binder(network, values, sink, named))
+    draft = Draft(scenario, network, sink, Binder(network, values, sink, named, forgiving=scenario.ego is None))
     for run_pass in PASSES:
         run_pass(draft)
     if sink.has_errors:

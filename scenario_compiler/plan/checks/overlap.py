@@ -10,6 +10,7 @@ from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Entity, Plan, StartPose
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import ConnectTrailerAction
 
 OVERLAP = Code(
     "SC381",
@@ -21,10 +22,13 @@ OVERLAP = Code(
 
 
 def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report every pair of entities whose boxes overlap at the start."""
+    """Report every pair of entities whose boxes overlap at the start; a trailer may overlap what draws it."""
     del network
     severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
-    placed = [(entity, plan.derived[entity.id]) for entity in plan.entities if entity.id in plan.derived]
+    actions = [initial.action for initial in plan.storyboard.init]
+    trailers = {action.trailer for action in actions if isinstance(action, ConnectTrailerAction)}
+    standing = [entity for entity in plan.entities if entity.id in plan.derived and entity.id not in trailers]
+    placed = [(entity, plan.derived[entity.id]) for entity in standing]
     for (one, at), (other, there) in combinations(placed, 2):
         if abs(at.z - there.z) < 2.0 and boxes_overlap(corners(one, at), corners(other, there)):
             message = f"'{one.id}' and '{other.id}' overlap at the start"

@@ -1,0 +1,289 @@
+"""Positions at the moment of their use, teleports, entities that come and go, and trailers, on scenarios of words."""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, pi, sin
+
+import pytest
+
+from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
+from scenario_compiler.engine.opcodes import FAULT_OFF_ROAD_START
+from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.state import State, make_draws, new_state
+from scenario_compiler.engine.step import reset, step
+from scenario_compiler.plan.lower import lower
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import (
+    Action,
+    AddEntityAction,
+    ConnectTrailerAction,
+    DeleteEntityAction,
+    DisconnectTrailerAction,
+    TeleportAction,
+    VisibilityAction,
+)
+from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
+from scenario_compiler.vocabulary.entities import Dynamic, Vehicle
+from scenario_compiler.vocabulary.positions import (
+    FreePosition,
+    LanePosition,
+    LanesAwayPosition,
+    Position,
+    RelativeObjectPosition,
+    RelativeRoadPosition,
+    RelativeWorldPosition,
+    RoadPosition,
+)
+from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.storyboard import (
+    Act,
+    ConditionGroup,
+    Event,
+    InitAction,
+    Maneuver,
+    ManeuverGroup,
+    Story,
+    StoryAction,
+    Storyboard,
+    Trigger,
+    TriggerCondition,
+)
+from scenario_compiler.vocabulary.weather import Weather
+from tests.engine.make import highway, lane, network_of, road
+
+CAR = Vehicle(
+    name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4, hitch=-1.0, coupler=3.0, max_speed=80.0
+)
+EGO = LanePosition(road="1", lane=-1, s=100.0)
+ONCOMING = LanePosition(road="1", lane=1, s=100.0)
+
+
+def at_time(time: float, number: int, *actions: Action, actor: str = "b") -> Event:
+    """Return an event that does actions from a time on, in its own words' place in the manoeuvre."""
+    begin = TriggerCondition(condition=SimulationTimeCondition(after=time))
+    return Event(
+        name=f"event{number}",
+        actions=tuple(StoryAction(name=f"action{number}.{k}", action=one) for k, one in enumerate(actions)),
+        start=Trigger(groups=(ConditionGroup(conditions=(begin,)),)),
+    )
+
+
+def board(*events: Event, init: tuple[InitAction, ...] = (), actor: str = "b") -> Storyboard:
+    """Return a storyboard whose events are those of one actor."""
+    group = ManeuverGroup(name="group", actors=(actor,), maneuvers=(Maneuver(name="maneuver", events=events),))
+    story = Story(name="story", acts=(Act(name="act", groups=(group,)),))
+    return Storyboard(init=init, stories=(story,) if events else ())
+
+
+def planned(
+    network: Network, starts: dict[str, Position | None], storyboard: Storyboard, speed: float = 0.0
+) -> tuple[Plan, Diagnostics]:
+    """Return the plan of dynamic actors without an automated vehicle."""
+    actors = tuple(Dynamic(id=name, model="car", start=start, speed=speed) for name, start in starts.items())
+    scenario = Scenario(
+        name="test", map="map", weather=Weather(), duration=10.0, actors=actors, vehicles=(CAR,), storyboard=storyboard
+    )
+    sink = Diagnostics()
+    plan = lower(scenario, network, sink, values={}, perception="ideal")
+    assert plan is not None, [as_text(one) for one in sink]
+    return plan, sink
+
+
+def begun(network: Network, plan: Plan) -> tuple[State, dict[str, int]]:
+    """Return the state at t = 0 and the entities' numbers."""
+    program = build_program(plan, network)
+    state = new_state(program)
+    state.draw[:] = make_draws(1)
+    reset(network.tables, program, state)
+    return state, {entity.id: i for i, entity in enumerate(plan.entities)}
+
+
+def teleported(network: Network, other: Position, position: Position) -> tuple[State, Plan]:
+    """Return the state at t = 0 with entity 0 at `other` and entity 1 put at a position by the init."""
+    init = (InitAction(entity="b", action=TeleportAction(position=position)),)
+    plan, _ = planned(network, {"a": other, "b": None}, board(init=init))
+    state, _ = begun(network, plan)
+    assert state.flag[0] == 0
+    return state, plan
+
+
+@pytest.mark.parametrize(
+    ("other", "position", "x", "y", "heading"),
+    [
+        (EGO, LanesAwayPosition(entity="a", distance=20.0), 120.0, -1.75, 0.0),
+        (EGO, LanesAwayPosition(entity="a", distance=-20.0, lanes=-1, offset=0.5), 80.0, -4.75, 0.0),
+        (EGO, LanesAwayPosition(entity="a", distance=5.0, lanes=1, along="lane"), 105.0, 1.75, pi),
+        (EGO, LanesAwayPosition(entity="a", distance=5.0, lanes=1), 105.0, 1.75, 0.0),
+        (ONCOMING, LanesAwayPosition(entity="a", distance=30.0, along="lane"), 70.0, 1.75, pi),
+        (ONCOMING, LanesAwayPosition(entity="a", distance=30.0), 130.0, 1.75, 0.0),
+        (ONCOMING, LanesAwayPosition(entity="a", distance=3.0, lanes=1, offset=0.2, along="lane"), 97.0, -1.95, 0.0),
+        (ONCOMING, LanesAwayPosition(entity="a", distance=1.0, heading=1.0), 101.0, 1.75, 1.0),
+        (EGO, LanesAwayPosition(entity="a", distance=0.0, lanes=-7), 100.0, -8.75, 0.0),
+        (EGO, LanesAwayPosition(entity="a", distance=9999.0), 2000.0, -1.75, 0.0),
+        (EGO, RelativeRoadPosition(entity="a", ds=10.0, dt=-3.0), 110.0, -4.75, 0.0),
+        (ONCOMING, RelativeRoadPosition(entity="a", ds=10.0, dt=-3.5, turn=pi), 110.0, -1.75, pi),
+        (ONCOMING, RelativeObjectPosition(entity="a", dx=5.0, dy=1.0), 95.0, 0.75, pi),
+        (ONCOMING, RelativeObjectPosition(entity="a", dx=5.0, dy=1.0, turn=-pi), 95.0, 0.75, 0.0),
+        (ONCOMING, RelativeWorldPosition(entity="a", dx=5.0, dy=1.0), 105.0, 2.75, pi),
+        (ONCOMING, RelativeWorldPosition(entity="a", dx=5.0, dy=100.0, heading=0.3), 105.0, 101.75, 0.3),
+        (EGO, FreePosition(x=50.0, y=-5.0, heading=0.2), 50.0, -5.0, 0.2),
+        (EGO, FreePosition(x=50.0, y=50.0, heading=4.0), 50.0, 50.0, 4.0),
+        (EGO, LanePosition(road="1", lane=1, s=60.0, heading=0.5), 60.0, 1.75, 0.5),
+        (EGO, RoadPosition(road="1", s=60.0, t=1.75), 60.0, 1.75, 0.0),
+        (EGO, RoadPosition(road="1", s=60.0, t=1.75, heading=0.5), 60.0, 1.75, 0.5),
+        (
+            FreePosition(x=0.0, y=90.0, heading=0.5),
+            RelativeObjectPosition(entity="a", dx=2.0, dy=0.0),
+            1.7552,
+            90.9589,
+            0.5,
+        ),
+    ],
+)
+def test_positions_lie_where_they_say(other: Position, position: Position, x: float, y: float, heading: float) -> None:
+    state, plan = teleported(highway(), other, position)
+    assert (state.x[1], state.y[1]) == pytest.approx((x, y), abs=1e-4)
+    assert cos(state.h[1] - heading) == pytest.approx(1.0, abs=1e-9)
+    known = plan.derived["b"]
+    assert (known.x, known.y) == pytest.approx((x, y), abs=1e-4)
+    assert cos(known.heading - heading) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_point_on_a_road_is_led_by_its_lane_with_its_heading() -> None:
+    network = highway()
+    init = (InitAction(entity="b", action=TeleportAction(position=FreePosition(x=50.0, y=-5.0, heading=0.1))),)
+    plan, _ = planned(network, {"b": None}, board(init=init), speed=10.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    assert (state.road[0], state.lane[0]) == (0, -2)
+    for _ in range(20):
+        step(network.tables, program, state)
+    assert (state.x[0], state.y[0], state.h[0]) == pytest.approx((60.0, -5.0, 0.1), abs=1e-6)
+
+
+def test_an_entity_off_every_road_goes_straight_on() -> None:
+    network = highway()
+    start = FreePosition(x=50.0, y=50.0, heading=2.0)
+    plan, _ = planned(network, {"b": start}, Storyboard(), speed=10.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    assert state.road[0] == -1
+    for _ in range(20):
+        step(network.tables, program, state)
+    assert (state.x[0], state.y[0]) == pytest.approx((50.0 + 10.0 * cos(2.0), 50.0 + 10.0 * sin(2.0)), abs=1e-9)
+
+
+def test_who_faces_against_a_lane_drives_against_it() -> None:
+    network = highway()
+    init = (InitAction(entity="b", action=TeleportAction(position=FreePosition(x=50.0, y=-1.75, heading=pi))),)
+    plan, _ = planned(network, {"b": None}, board(init=init), speed=10.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    for _ in range(20):
+        step(network.tables, program, state)
+    assert state.x[0] == pytest.approx(40.0, abs=1e-6)
+    assert state.lane[0] == -1
+
+
+def test_a_bridge_is_chosen_by_height() -> None:
+    above = '<elevationProfile><elevation s="0" a="8" b="0" c="0" d="0"/></elevationProfile>'
+    upper = road(2, 100.0, lane(-1), left=lane(1)).replace("<lanes>", above + "<lanes>")
+    network = network_of(road(1, 100.0, lane(-1), left=lane(1)), upper)
+    for z, index in ((0.3, 0), (7.0, 1)):
+        state, _ = teleported(network, EGO.model_copy(update={"s": 10.0}), FreePosition(x=50.0, y=-2.0, z=z))
+        assert state.road[1] == index
+        assert state.z[1] == pytest.approx(8.0 * index)
+
+
+def test_positions_beyond_what_the_road_has_are_forgiven_without_an_automated_vehicle() -> None:
+    starts: dict[str, Position | None] = {
+        "far": LanePosition(road="1", lane=-1, s=9000.0),
+        "wide": LanePosition(road="1", lane=-9, s=20.0),
+        "there": RoadPosition(road="1", s=-3.0, t=1.0),
+    }
+    plan, sink = planned(highway(), starts, Storyboard())
+    found = {(one.code.id, one.severity) for one in sink}
+    assert found == {("SC372", Severity.WARNING), ("SC373", Severity.WARNING)}
+    assert [(round(pose.x), round(pose.y, 2)) for pose in plan.derived.values()] == [
+        (2000, -1.75),
+        (20, -8.75),
+        (0, 1.0),
+    ]
+
+
+def test_a_position_beside_an_entity_off_the_road_is_a_fault() -> None:
+    network = highway()
+    init = (InitAction(entity="b", action=TeleportAction(position=LanesAwayPosition(entity="a", distance=1.0))),)
+    plan, _ = planned(network, {"a": FreePosition(x=0.0, y=99.0), "b": None}, board(init=init))
+    state, _ = begun(network, plan)
+    assert state.flag[0] == FAULT_OFF_ROAD_START
+    assert "b" not in plan.derived
+
+
+def test_a_teleport_keeps_the_speed_and_is_no_distance_covered() -> None:
+    network = highway()
+    event = at_time(0.2, 0, TeleportAction(position=LanePosition(road="1", lane=-2, s=500.0)))
+    plan, _ = planned(network, {"b": EGO}, board(event), speed=10.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    for _ in range(10):
+        step(network.tables, program, state)
+    assert state.v[0] == 10.0
+    assert (state.x[0], state.y[0]) == pytest.approx((500.0 + 0.3 * 10.0, -5.25), abs=1e-6)
+    assert state.odometer[0] == pytest.approx(5.0, abs=1e-6)
+
+
+def test_entities_appear_and_disappear() -> None:
+    network = highway()
+    events = (
+        at_time(0.1, 0, AddEntityAction(entity="late", position=LanesAwayPosition(entity="b", distance=30.0))),
+        at_time(0.3, 1, DeleteEntityAction(entity="late")),
+        at_time(0.3, 2, VisibilityAction(graphics=True, sensors=False, traffic=True)),
+    )
+    plan, _ = planned(network, {"b": EGO, "late": None}, board(*events))
+    program = build_program(plan, network)
+    state, number = begun(network, plan)
+    late = number["late"]
+    there = [state.present[late]]
+    while state.clock[0] < 0.49:
+        step(network.tables, program, state)
+        there.append(state.present[late])
+    assert there == [0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0]
+    assert state.x[late] == pytest.approx(130.0)
+    assert state.visible[number["b"]] == 5
+
+
+def test_trailers_follow_their_hitch_until_they_are_let_go() -> None:
+    network = highway()
+    init = (
+        InitAction(entity="b", action=ConnectTrailerAction(trailer="trailer")),
+        InitAction(entity="trailer", action=ConnectTrailerAction(trailer="last")),
+        InitAction(entity="b", action=TeleportAction(position=FreePosition(x=0.0, y=50.0, heading=0.0))),
+    )
+    turn = TeleportAction(position=FreePosition(x=0.0, y=50.0, heading=0.5))
+    events = (at_time(0.2, 0, DisconnectTrailerAction()), at_time(0.4, 1, turn))
+    plan, _ = planned(network, {"b": None, "trailer": None, "last": None}, board(*events, init=init), speed=4.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    assert state.x[:3] == pytest.approx([0.0, -4.0, -8.0])
+    for _ in range(4):
+        step(network.tables, program, state)
+    assert state.x[:3] == pytest.approx([0.8, -3.2, -7.2])
+    for _ in range(10):
+        step(network.tables, program, state)
+    assert state.x[1:3] == pytest.approx([-3.2, -7.2])
+    assert state.v[1] == 0.0
+
+
+def test_a_trailer_that_is_connected_later_swings_to_its_hitch() -> None:
+    network = highway()
+    starts: dict[str, Position | None] = {
+        "b": FreePosition(x=0.0, y=50.0, heading=0.5),
+        "trailer": FreePosition(x=-6.0, y=49.0),
+    }
+    plan, _ = planned(network, starts, board(at_time(0.0, 0, ConnectTrailerAction(trailer="trailer"))))
+    state, _ = begun(network, plan)
+    hitch_x, hitch_y = -cos(0.5), 50.0 - sin(0.5)
+    assert state.h[1] == pytest.approx(atan2(hitch_y - 49.0, hitch_x + 6.0))
+    assert hypot(state.x[1] - hitch_x, state.y[1] - hitch_y) == pytest.approx(3.0)
