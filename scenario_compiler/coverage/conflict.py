@@ -20,8 +20,10 @@ from scenario_compiler.vocabulary import (
     positions,
     scenario,
     sensors,
+    signals,
     storyboard,
     takeover,
+    variables,
     variation,
     weather,
 )
@@ -66,6 +68,14 @@ def _engine(module: str, *opcodes: str) -> Execution:
 
 def _condition(opcode: str) -> Execution:
     return _engine("conditions", f"CONDITION_{opcode}")
+
+
+def _entity_condition(opcode: str) -> Execution:
+    return _engine("entity_conditions", f"CONDITION_{opcode}")
+
+
+def _world(opcode: str) -> Execution:
+    return _engine("world_actions", f"ACTION_{opcode}")
 
 
 _EXPANDED = Execution("expansion", "source.templates")
@@ -122,17 +132,33 @@ EXECUTION: dict[type[Word], Execution] = {
     storyboard.All: Execution("expansion", "source.events"),
     storyboard.AnyOf: Execution("expansion", "source.events"),
     conditions.SimulationTimeCondition: _condition("TIME"),
-    conditions.TimeHeadwayCondition: _condition("TIME_HEADWAY"),
-    conditions.DistanceCondition: _condition("DISTANCE"),
-    conditions.TimeToCollisionCondition: _condition("TIME_TO_COLLISION"),
-    conditions.SpeedCondition: _condition("SPEED"),
-    conditions.ReachPositionCondition: _condition("REACH_POSITION"),
-    conditions.TraveledDistanceCondition: _condition("TRAVELED_DISTANCE"),
-    conditions.StandstillCondition: _condition("STANDSTILL"),
+    conditions.TimeHeadwayCondition: _entity_condition("TIME_HEADWAY"),
+    conditions.DistanceCondition: _entity_condition("DISTANCE"),
+    conditions.TimeToCollisionCondition: _entity_condition("TIME_TO_COLLISION"),
+    conditions.SpeedCondition: _entity_condition("SPEED"),
+    conditions.ReachPositionCondition: _entity_condition("REACH_POSITION"),
+    conditions.TraveledDistanceCondition: _entity_condition("TRAVELED_DISTANCE"),
+    conditions.StandstillCondition: _entity_condition("STANDSTILL"),
+    conditions.PositionDistanceCondition: _entity_condition("POSITION_DISTANCE"),
+    conditions.RelativeSpeedCondition: _entity_condition("RELATIVE_SPEED"),
+    conditions.AccelerationCondition: _entity_condition("ACCELERATION"),
+    conditions.CollisionCondition: _entity_condition("COLLISION"),
+    conditions.OffroadCondition: _entity_condition("OFF_ROAD"),
+    conditions.EndOfRoadCondition: _entity_condition("END_OF_ROAD"),
+    conditions.RelativeClearanceCondition: _engine("clearance", "CONDITION_CLEARANCE"),
+    conditions.RelativeLaneRange: _engine("clearance"),
+    conditions.AngleCondition: _entity_condition("ANGLE"),
+    conditions.RelativeAngleCondition: _entity_condition("RELATIVE_ANGLE"),
     conditions.LaneConfidenceCondition: _condition("LANE_CONFIDENCE"),
     conditions.SensorHealthCondition: _condition("SENSOR_HEALTH"),
     conditions.TakeoverStateCondition: _condition("TAKEOVER_STATE"),
     conditions.EventCondition: _condition("ELEMENT_STATE"),
+    conditions.ElementStateCondition: _engine("conditions", "CONDITION_ELEMENT_STATE", "CONDITION_TRANSITION"),
+    conditions.TimeOfDayCondition: _condition("TIME_OF_DAY"),
+    conditions.VariableCondition: _condition("VARIABLE"),
+    conditions.UserDefinedValueCondition: _condition("USER_VALUE"),
+    conditions.TrafficSignalCondition: _condition("SIGNAL"),
+    conditions.TrafficSignalControllerCondition: _condition("SIGNAL_PHASE"),
     actions.SpeedAction: _engine("actions", "ACTION_SPEED"),
     actions.LaneChangeAction: _engine("actions", "ACTION_LANE_CHANGE"),
     actions.LaneOffsetAction: _engine("actions", "ACTION_LANE_OFFSET"),
@@ -144,6 +170,23 @@ EXECUTION: dict[type[Word], Execution] = {
     actions.WeatherAction: _engine("starts", "ACTION_WEATHER"),
     actions.MessageAction: _engine("starts", "ACTION_MESSAGE"),
     actions.StopAction: _engine("starts", "ACTION_STOP"),
+    actions.SetVariableAction: _world("SET_VARIABLE"),
+    actions.ModifyVariableAction: _world("MODIFY_VARIABLE"),
+    actions.TrafficSignalStateAction: _world("SIGNAL_STATE"),
+    actions.TrafficSignalControllerAction: _world("SIGNAL_PHASE"),
+    actions.EnvironmentAction: _engine("surroundings", "ACTION_ENVIRONMENT"),
+    actions.CommandAction: _world("COMMAND"),
+    actions.StopTrafficAction: _world("STOP_TRAFFIC"),
+    actions.ActivateControllerAction: _engine("controllers", "ACTION_ACTIVATE_CONTROLLER"),
+    actions.AssignControllerAction: _engine("controllers", "ACTION_ASSIGN_CONTROLLER"),
+    actions.ControllerProperty: _engine("program"),
+    actions.OverrideControllerAction: _engine("controllers", "ACTION_OVERRIDE_CONTROLLER"),
+    actions.LightAction: _world("LIGHT"),
+    actions.AnimationAction: _world("ANIMATION"),
+    variables.Variable: _engine("variables"),
+    signals.SignalController: _engine("signals"),
+    signals.SignalPhase: _engine("signals"),
+    signals.SignalState: _engine("signals"),
     takeover.Takeover: _engine("takeover", "TAKEOVER_REQUEST", "TAKEOVER_MINIMUM_RISK"),
     takeover.Cause: _engine(
         "takeover",
