@@ -7,10 +7,10 @@ side is missing ahead. It acts from the step after the one it starts in (esmini 
 
 from __future__ import annotations
 
-from math import atan2, cos
+from math import atan2, cos, sin
 
 from scenario_compiler.engine.distances import along_axis, along_roads, turned_against
-from scenario_compiler.engine.keeping_distance import NEAR_ENOUGH, limit_or
+from scenario_compiler.engine.keeping_distance import limit_or
 from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
 from scenario_compiler.engine.motion import glide, place_scripted
 from scenario_compiler.engine.numbers import angle_between, clip, safe_sqrt
@@ -33,7 +33,6 @@ from scenario_compiler.engine.slots import (
     A_DECELERATION,
     A_MOST_SPEED,
     A_TARGET,
-    E_MAX_ACCELERATION,
     E_WIDTH,
 )
 from scenario_compiler.engine.spring import spring_acceleration
@@ -42,6 +41,9 @@ from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre
 from scenario_compiler.roads.tables import RoadTables
+
+NEAR_ASIDE = 0.01
+"""Error at which a distance aside counts as reached, m (esmini 3.6)."""
 
 
 @compiled
@@ -114,19 +116,22 @@ def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
             aside = st.path_off[0] + error
             plan_shift(st, i, aside, shift_distance(st.v[i], error, 1.0))
         return 1
-    if abs(error) < NEAR_ENOUGH and abs(st.action_change[k]) < NEAR_ENOUGH and flags & FLAG_CONTINUOUS == 0:
-        st.turn[i] = 0.0
-        place_scripted(n, p, st, i)
-        return 1
     if dt <= 0.0:
         return 0
+    done = 1 if abs(error) < NEAR_ASIDE and flags & FLAG_CONTINUOUS == 0 else 0
     if flags & FLAG_LIMITED != 0:
         drive_aside(n, p, st, k, error, dt)
     else:
         shift_by(n, p, st, i, error)
         st.turn[i] = atan2(error, st.v[i] * dt) if abs(error) > TOLERANCE else 0.0
         place_scripted(n, p, st, i)
-    return 0
+    return done
+
+
+@compiled
+def drift(st: State, j: int) -> float:
+    """Return an entity's speed to the left of its own heading: its motion of the last step in the axes of now."""
+    return st.velocity_y[j] * cos(st.h[j]) - st.velocity_x[j] * sin(st.h[j])
 
 
 @compiled
@@ -134,13 +139,11 @@ def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: 
     """Move for one step to the side as the spring and the limits say, and ahead by what is left of the way."""
     i = p.action_entity[k]
     fastest = limit_or(p, k, A_MOST_SPEED, FAR)
-    most = p.const[p.action_const[k] + A_ACCELERATION]
-    least = p.const[p.action_const[k] + A_DECELERATION]
+    most = limit_or(p, k, A_ACCELERATION, p.const[p.action_const[k] + A_DECELERATION])
     speed = error / max(dt, TOLERANCE)
-    if most >= 0.0 or least >= 0.0:
-        usual = p.const[p.entity_const[i] + E_MAX_ACCELERATION]
-        most = most if most >= 0.0 else usual
-        speed = st.action_change[k] + spring_acceleration(error, st.action_change[k], most, most, most) * dt
+    if most >= 0.0:
+        vanishing = st.action_change[k] - drift(st, p.action_other[k])
+        speed = st.action_change[k] + spring_acceleration(error, vanishing, most, most, most) * dt
     speed = clip(speed, -fastest, fastest)
     st.action_change[k] = speed
     path = abs(st.v[i]) * dt

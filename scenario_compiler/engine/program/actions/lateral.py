@@ -5,6 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.program.actions.family import FRAMES, SHAPES, Family, dynamics_of, flags_of, limits_of
 from scenario_compiler.engine.program.draft import ActionRow, Draft
+from scenario_compiler.engine.watching import WATCH_MOTION
 from scenario_compiler.vocabulary.actions import (
     LaneChangeAction,
     LaneChangeToAction,
@@ -31,9 +32,7 @@ def _lane_change_to(draft: Draft, word: LaneChangeToAction, actor: int) -> Actio
     del draft, actor
     value, dimension = dynamics_of(word.over_time, word.dynamics)
     shape = SHAPES[word.shape]
-    return ActionRow(
-        op.ACTION_LANE_CHANGE_TO, (word.offset, value), shape=shape, dimension=dimension, lanes=word.lane
-    )
+    return ActionRow(op.ACTION_LANE_CHANGE_TO, (word.offset, value), shape=shape, dimension=dimension, lanes=word.lane)
 
 
 def _lane_offset(draft: Draft, word: LaneOffsetAction, actor: int) -> ActionRow:
@@ -54,6 +53,7 @@ def _limited_lane_offset(draft: Draft, word: LimitedLaneOffsetAction, actor: int
 
 def _keep_lateral_distance(draft: Draft, word: LateralDistanceAction, actor: int) -> ActionRow:
     del actor
+    draft.program.watches[0] |= WATCH_MOTION
     return ActionRow(
         op.ACTION_KEEP_LATERAL_DISTANCE,
         (0.0 if word.distance is None else word.distance, 0.0, *limits_of(word.limits)),
