@@ -181,7 +181,8 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
     """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds.
 
     `xsd` is where ASAM's schemas are: where there is one of the version of a road file, or of a file in OpenSCENARIO,
-    that schema judges the file's structure, else what our readers declare does.
+    that schema judges the file's structure, else what our readers declare does. Of a file in OpenSCENARIO, the
+    structure alone decides: what its meaning lacks is a warning, and so is a fault of this program in telling that.
     """
     if path.suffix == ".xodr":
         document = read_document(path, sink)
@@ -199,7 +200,10 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
 
         meaning = Diagnostics()
         validate_openscenario(path, sink, xsd)
-        _check_scenarios(path, meaning, maps)
+        try:
+            _check_scenarios(path, meaning, maps)
+        except Exception as fault:
+            meaning.found.append(_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]))
         add_meaning(meaning, sink)
     else:
         _check_scenarios(path, sink, maps)
