@@ -96,6 +96,11 @@ def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Netw
     if not options.target.endswith(".json"):
         compilation = compiled(options, sink)
         return None if compilation is None else (compilation.plan, compilation.network)
+    return stored_plan(options, sink)
+
+
+def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
+    """Return the plan of a file and its map; WrongUse where options would have to compile it anew."""
     from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
 

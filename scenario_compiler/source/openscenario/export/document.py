@@ -11,6 +11,7 @@ from scenario_compiler.diagnostics import Diagnostics, FilePlace
 from scenario_compiler.plan.model import Entity, Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.source.openscenario.export.entities import scenario_object
+from scenario_compiler.source.openscenario.export.header import file_header
 from scenario_compiler.source.openscenario.export.kept import entity_kept, scenario_kept
 from scenario_compiler.source.openscenario.export.places import goal_of, native_start
 from scenario_compiler.source.openscenario.export.storyboard import StoryboardWriter
@@ -38,9 +39,6 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.storyboard import ConditionGroup, Trigger, TriggerCondition
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
-
-DATE = "2020-01-01T00:00:00"
-"""Date of every exported file: the same plan gives the same file."""
 
 USUAL_WEATHER = "ClearNoon"
 """The weather where a file says nothing of it."""
@@ -84,13 +82,10 @@ class _Export:
     def document(self, road_file: str) -> etree._Element:
         """Return the file's first element."""
         storyboard = self.storyboard()
-        major, minor = self.output.version
-        header = made("FileHeader", revMajor=str(major), revMinor=str(minor), date=DATE, author="scenario-compiler")
-        header.set("description", self.plan.summary or self.plan.name)
-        self.tell_traffic()
+        self.tell_kept()
         return made(
             "OpenSCENARIO",
-            header,
+            file_header(self.plan.summary or self.plan.name, self.output),
             *self.declarations(),
             made("CatalogLocations"),
             made("RoadNetwork", made("LogicFile", filepath=road_file), *self.signals()),
@@ -139,18 +134,27 @@ class _Export:
             if number == 0:
                 kept += scenario_kept(self.plan, self.scenario, self.own_groups()) if self.automated else []
                 kept += self.writer.kept
-            element.append(scenario_object(entity.id, entity.vehicle, kept, self.output))
+            element.append(scenario_object(entity, kept, self.output))
         if not self.entities and self.writer.kept:
             message = "a scenario without entities has no place for what OpenSCENARIO cannot say"
             self.output.sink.add(LOST, message, FilePlace(self.plan.name))
         return element
 
-    def tell_traffic(self) -> None:
-        """Tell that background traffic is not written."""
-        if len(self.entities) < len(self.plan.entities):
+    def tell_kept(self) -> None:
+        """Tell what other programs will not know of."""
+        plan = self.plan
+        told = []
+        if self.automated:
+            what = "its automation, camera and takeover, the criteria and the road's marks"
+            told.append(f"'{plan.ego.id}' goes at its speed elsewhere: {what} are kept as properties")
+        following = [one.id for one in self.entities if one.follow is not None]
+        if following:
+            told.append(f"{len(following)} vehicles follow the one ahead, which is kept as properties")
+        if len(self.entities) < len(plan.entities):
             kept = self.scenario is not None
-            message = "background traffic is kept as properties" if kept else "a plan's background traffic is lost"
-            self.output.sink.add(LOST, message, FilePlace(self.plan.name))
+            told.append("background traffic is kept as properties" if kept else "a plan's background traffic is lost")
+        for message in told:
+            self.output.sink.add(LOST, message, FilePlace(plan.name))
 
     def storyboard(self) -> etree._Element:
         """Return the <Storyboard>."""
@@ -190,9 +194,6 @@ class _Export:
             self.writer.add_init(AcquirePositionAction(position=goal), entity.id, for_others=True)
         if entity.path is not None:
             self.add_path(entity, entity.path)
-        if entity.follow is not None:
-            message = f"how '{entity.id}' follows the vehicle ahead is kept as properties"
-            self.output.sink.add(LOST, message, entity.follow.origin)
 
     def add_path(self, entity: Entity, path: Path) -> None:
         """Say the path that an entity begins on as a trajectory from where it is."""

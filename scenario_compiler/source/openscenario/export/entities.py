@@ -9,6 +9,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
+from scenario_compiler.plan.model import Entity
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.output import Output
 from scenario_compiler.source.openscenario.own import OWN, flattened
@@ -27,11 +28,14 @@ _WHEEL = 0.6
 """Diameter of a wheel, m; the standard asks for one."""
 
 
-def scenario_object(name: str, vehicle: Vehicle, own: Sequence[etree._Element], output: Output) -> etree._Element:
+def scenario_object(entity: Entity, own: Sequence[etree._Element], output: Output) -> etree._Element:
     """Return the <ScenarioObject> of an entity; `own` is what the properties of its controller keep."""
-    described = described_vehicle(vehicle, output)
-    kept = [*own, *_kept_of_vehicle(vehicle, described, output)]
-    element = made("ScenarioObject", described, name=name)
+    described = described_vehicle(entity.vehicle, output)
+    properties = described.find("Properties")
+    if entity.kind == "ego" and properties is not None:
+        properties.append(made("Property", name="type", value="ego_vehicle"))
+    kept = [*own, *_kept_of_vehicle(entity.vehicle, described, output)]
+    element = made("ScenarioObject", described, name=entity.id)
     if kept:
         element.append(made("ObjectController", own_controller(kept)))
     return element

@@ -1,0 +1,75 @@
+"""`export`: a conflict or a plan as OpenSCENARIO, for other programs."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    add_scenario,
+    compiled,
+    new_sink,
+    show,
+)
+from scenario_compiler.diagnostics import Diagnostics
+
+if TYPE_CHECKING:
+    from scenario_compiler.plan.model import Plan
+    from scenario_compiler.roads import Network
+    from scenario_compiler.vocabulary.scenario import Scenario
+
+VERSIONS = ("1.0", "1.1", "1.2", "1.3")
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("export", help="write a conflict or a plan as OpenSCENARIO, its road beside it")
+    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xosc")
+    parser.add_argument("--version", choices=VERSIONS, default=VERSIONS[-1], help="version of OpenSCENARIO")
+    parser.add_argument("--force", action="store_true", help="write over files that are there")
+    add_scenario(parser)
+    add_maps(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=export_command)
+
+
+def export_command(options: argparse.Namespace) -> int:
+    """Write the scenario, its road file, and how it varies; tell what OpenSCENARIO cannot say."""
+    sink = new_sink(options)
+    found = _planned(options, sink)
+    if found is None:
+        show(sink, options)
+        return AT_FAULT
+    from scenario_compiler.source.openscenario.export.files import export_files
+
+    plan, network, scenario = found
+    major, minor = options.version.split(".")
+    files = export_files(plan, network, options.output, (int(major), int(minor)), sink, scenario)
+    if show(sink, options):
+        return AT_FAULT
+    for path, content in files.items():
+        if path.exists() and path.read_bytes() != content and not options.force:
+            raise WrongUse(f"{path} is there already and differs; --force writes over it")
+    for path, content in files.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+        print(path)
+    return FINE
+
+
+def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network, Scenario | None] | None:
+    if options.target.endswith(".json"):
+        from scenario_compiler.cli.run import stored_plan
+
+        stored = stored_plan(options, sink)
+        return None if stored is None else (*stored, None)
+    compilation = compiled(options, sink)
+    return None if compilation is None else (compilation.plan, compilation.network, compilation.scenario)
