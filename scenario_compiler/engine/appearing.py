@@ -78,6 +78,8 @@ def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
     if kind == PLACE_NONE:
         fault(st, FAULT_OFF_ROAD_START, i)
         return
+    if p.position_guide[k] >= 0:
+        st.guide[i] = p.position_guide[k]
     if kind == PLACE_ON_LANE:
         lead_along(n, st, i, road, lane, s, offset, h)
         place_scripted(n, p, st, i)

@@ -2,8 +2,8 @@
 
 Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
 dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
-there, its speed is kept for the step that no longer moves it and is then 0. The bicycle is the usual kinematic one about
-the rear axle, without side slip.
+there, its speed is kept for the step that no longer moves it and is then 0. The bicycle is the usual kinematic one
+about the rear axle, without side slip.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from scenario_compiler.engine.opcodes import (
     TOLERANCE,
 )
 from scenario_compiler.engine.path import locate_ego
+from scenario_compiler.engine.routes import leave_guide, next_turn
 from scenario_compiler.engine.slots import (
     E_MAX_ACCELERATION,
     E_MAX_DECELERATION,
@@ -47,17 +48,6 @@ driver's.
 
 
 @compiled
-def next_turn(p: Program, st: State, i: int, road: int) -> int:
-    """Return the road that an entity takes at the junction after `road`, -1 for straight on."""
-    if p.entity_motion[i] == MOTION_TRAFFIC:
-        return st.turn_to[i] if st.turn_from[i] == road else -1
-    for k in range(p.entity_leg_first[i], p.entity_leg_last[i] - 1):
-        if p.leg_road[k] == road:
-            return p.leg_road[k + 1]
-    return -1
-
-
-@compiled
 def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None:
     """Move a scripted entity along the lane it is led by, signed along its forward direction; off roads, straight on.
 
@@ -75,7 +65,7 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
     if stretch < 0.1:
         stretch = 0.1
     sense = st.facing[i] * lane_direction(n, road, lane)
-    to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, next_turn(p, st, i, road))
+    to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, next_turn(n, p, st, i, road))
     if rest > TOLERANCE and to_road == road and abs(to_s - s) <= TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:
@@ -85,6 +75,7 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
         st.facing[i] = facing
         st.road[i] = to_road
         st.kept_lane[i] = to_lane
+        leave_guide(p, st, i)
     st.s[i] = to_s
 
 

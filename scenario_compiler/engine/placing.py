@@ -9,7 +9,6 @@ from __future__ import annotations
 from scenario_compiler.engine.lane_changes import neighbour_lane
 from scenario_compiler.engine.numbers import clip, is_number, length_of
 from scenario_compiler.engine.opcodes import (
-    DRAWS_PER_RUN,
     FAR,
     POSITION_BESIDE,
     POSITION_FREE,
@@ -17,6 +16,7 @@ from scenario_compiler.engine.opcodes import (
     POSITION_RELATIVE,
     STREAM_PLACE,
 )
+from scenario_compiler.engine.seeds import run_seed
 from scenario_compiler.engine.slots import L_FROM, L_TO, P_OFFSET, P_S
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -25,14 +25,6 @@ from scenario_compiler.randomness import random_unit
 from scenario_compiler.roads.lanes import lane_direction, lane_exists, lane_pose
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
-
-
-@compiled
-def run_seed(st: State, own: int) -> int:
-    """Return a seed of the counter hash: one of its own, else the run's."""
-    if own >= 0:
-        return own
-    return int(clip(st.draw[DRAWS_PER_RUN - 1], 0.0, 4294967295.0))
 
 
 @compiled

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from math import cos, pi, sin
 
-from scenario_compiler.engine.motion import next_turn
 from scenario_compiler.engine.numbers import is_number
 from scenario_compiler.engine.opcodes import (
     NONE,
@@ -23,6 +22,7 @@ from scenario_compiler.engine.opcodes import (
     POSITION_WITH_HEIGHT,
 )
 from scenario_compiler.engine.placing import resolve_position
+from scenario_compiler.engine.routes import next_turn
 from scenario_compiler.engine.slots import P_OFFSET, P_S, P_TURN, P_Z
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -46,16 +46,16 @@ OVER_END = 0.001
 
 
 @compiled
-def turn_for(p: Program, st: State, i: int, other: int, road: int) -> int:
+def turn_for(n: RoadTables, p: Program, st: State, i: int, other: int, road: int) -> int:
     """Return the road after `road` on the way of the entity that is to stand there, else of the one it is relative to.
 
     -1 where neither has a way from there.
     """
     turn = NONE
     if i >= 0:
-        turn = next_turn(p, st, i, road)
+        turn = next_turn(n, p, st, i, road)
     if turn < 0 and other >= 0:
-        turn = next_turn(p, st, other, road)
+        turn = next_turn(n, p, st, other, road)
     return turn
 
 
@@ -79,7 +79,7 @@ def advance_by_way(
             return road, lane, s
         before = road
         next_road, next_lane, next_s, rest = advance(
-            n, road, lane, s, forward * min(left, OVER_END), turn_for(p, st, i, other, road)
+            n, road, lane, s, forward * min(left, OVER_END), turn_for(n, p, st, i, other, road)
         )
         if rest > 0.0 or next_road == before:
             return road, lane, s

@@ -56,6 +56,7 @@ def reset_entities(p: Program, st: State) -> None:
         st.moved[i] = 0
         st.longitudinal[i] = NONE
         st.lateral[i] = NONE
+        st.guide[i] = p.entity_guide[i]
         st.seen[i] = 0
         st.on_way[i] = 0
         st.near[i] = 0.0

@@ -10,6 +10,7 @@ from scenario_compiler.engine.keeping_distance import start_keep_distance
 from scenario_compiler.engine.lane_changes import start_lane_change
 from scenario_compiler.engine.lane_offsets import start_lane_offset, start_limited_offset
 from scenario_compiler.engine.opcodes import (
+    ACTION_ASSIGN_ROUTE,
     ACTION_DISCONNECT_TRAILER,
     ACTION_END_FAILURE,
     ACTION_FAILURE,
@@ -21,6 +22,7 @@ from scenario_compiler.engine.opcodes import (
     ACTION_LANE_OFFSET,
     ACTION_LIMITED_LANE_OFFSET,
     ACTION_MESSAGE,
+    ACTION_RANDOM_ROUTE,
     ACTION_RELATIVE_SPEED,
     ACTION_SENSOR_NOISE,
     ACTION_SPEED,
@@ -33,6 +35,7 @@ from scenario_compiler.engine.opcodes import (
     EVENT_MESSAGE,
     EVENT_SENSOR_NOISE,
     NONE,
+    RANDOM_GUIDE,
     RUNNING,
     STOP_NONE,
     STOP_TRIGGER,
@@ -100,6 +103,10 @@ def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> 
         st.noise[0] = p.const[p.action_const[k] + A_TARGET]
         update_camera(p, st)
         log_event(st, EVENT_SENSOR_NOISE, st.noise[0])
+    elif op == ACTION_ASSIGN_ROUTE:
+        st.guide[p.action_entity[k]] = p.action_other[k]
+    elif op == ACTION_RANDOM_ROUTE:
+        st.guide[p.action_entity[k]] = RANDOM_GUIDE
     elif op >= ACTION_TELEPORT and op <= ACTION_DISCONNECT_TRAILER:
         act_on_place(n, p, st, k)
     else:

@@ -168,6 +168,8 @@ class State:
     action_a: list[float]
     """Free memory of whoever executes the action; so is `action_b`."""
     action_b: list[float]
+    guide: list[int]
+    """Guide that the entity takes its turns by, RANDOM_GUIDE for turns at random, or NONE."""
     turn_from: list[int]
     """Road at whose end the turn below is taken; NONE before it is drawn. This and what follows is of traffic."""
     turn_to: list[int]
@@ -399,7 +401,19 @@ _ENTITY = (
     *["high", "along", "across", "border_left", "border_right", "contact"],
 )
 _TRAFFIC = (
-    *("turn_from", "turn_to", "turns", "claim", "entered", "asked", "wish", "lane_rest", "change_at", "change_from"),
+    *(
+        "guide",
+        "turn_from",
+        "turn_to",
+        "turns",
+        "claim",
+        "entered",
+        "asked",
+        "wish",
+        "lane_rest",
+        "change_at",
+        "change_from",
+    ),
     "bucket_next",
 )
 _POSITION = ["position_x", "position_y", "position_at_road", "position_at_lane", "position_at_s"]

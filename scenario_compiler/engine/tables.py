@@ -154,11 +154,13 @@ class Program:
     """Position that it starts at, or NONE: off every road."""
     entity_follows: list[int] = field(default_factory=list)
     """1 where it follows the vehicle ahead."""
-    entity_leg_first: list[int] = field(default_factory=list)
-    """First road of the entity's way to its destination."""
-    entity_leg_last: list[int] = field(default_factory=list)
-    """The road after its last."""
-    leg_road: list[int] = field(default_factory=list)
+    entity_guide: list[int] = field(default_factory=list)
+    """Guide to the entity's destination, or NONE."""
+    guide_next: list[int] = field(default_factory=list)
+    """By guide, road and sense (against s, along s): the road that comes next, or NONE."""
+    guide_last: list[int] = field(default_factory=list)
+    """Road with which a guide ends, or NONE where it goes round."""
+    road_count: list[int] = field(default_factory=lambda: [0])
     entity_seed: list[int] = field(default_factory=list)
     """Seed of traffic's turns, or NONE for the run's."""
     traffic_count: list[int] = field(default_factory=lambda: [0])
@@ -178,6 +180,8 @@ class Program:
     position_const: list[int] = field(default_factory=list)
     position_flags: list[int] = field(default_factory=list)
     """Switches as bits: POSITION_ABSOLUTE and those after it."""
+    position_guide: list[int] = field(default_factory=list)
+    """Guide of the route that it lies on, which an entity that is put there takes, or NONE."""
     position_seed: list[int] = field(default_factory=list)
     """Seed of a random position, or NONE for the run's."""
     position_first: list[int] = field(default_factory=list)
@@ -325,9 +329,10 @@ def validate(program: Program, roads: int) -> None:
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
     _column("entity_position", p.entity_position, entities, NONE, positions)
     _column("entity_follows", p.entity_follows, entities, 0, 2)
-    _column("entity_leg_first", p.entity_leg_first, entities, 0, len(p.leg_road) + 1)
-    _column("entity_leg_last", p.entity_leg_last, entities, 0, len(p.leg_road) + 1)
-    _inside("leg_road", p.leg_road, 0, roads)
+    _column("entity_guide", p.entity_guide, entities, NONE, len(p.guide_last))
+    _column("guide_next", p.guide_next, 2 * roads * len(p.guide_last), NONE, roads)
+    _inside("guide_last", p.guide_last, NONE, roads)
+    _inside("road_count", p.road_count, roads, roads + 1)
     _column("entity_seed", p.entity_seed, entities, NONE, 1 << 32)
     _rows("conflict_first", p.conflict_first, len(p.conflict_road))
     _inside("conflict_road", p.conflict_road, 0, roads)
@@ -339,6 +344,7 @@ def validate(program: Program, roads: int) -> None:
     _column("position_road", p.position_road, positions, NONE, roads)
     _column("position_entity", p.position_entity, positions, NONE, entities)
     _column("position_const", p.position_const, positions, 0, len(p.const) + 1)
+    _column("position_guide", p.position_guide, positions, NONE, len(p.guide_last))
     _column("position_seed", p.position_seed, positions, NONE, 1 << 32)
     _column("position_first", p.position_first, positions, 0, p.span_count[0] + 1)
     _column("position_last", p.position_last, positions, 0, p.span_count[0] + 1)

@@ -27,7 +27,8 @@ from scenario_compiler.engine.opcodes import (
     STREAM_TURN,
 )
 from scenario_compiler.engine.path import STEP_OVER
-from scenario_compiler.engine.placing import clear_place, run_seed
+from scenario_compiler.engine.placing import clear_place
+from scenario_compiler.engine.seeds import run_seed
 from scenario_compiler.engine.slots import (
     E_CENTER,
     E_DECELERATION,

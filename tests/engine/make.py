@@ -155,6 +155,7 @@ class Draft:
         p.position_entity.append(entity)
         p.position_const.append(self.block(s, offset, turn))
         p.position_flags.append(0)
+        p.position_guide.append(op.NONE)
         p.position_seed.append(op.NONE)
         p.position_first.append(0)
         p.position_last.append(0)
@@ -180,8 +181,7 @@ class Draft:
         p.entity_position.append(position)
         p.entity_follows.append(1 if follows else 0)
         p.entity_order.append(at)
-        p.entity_leg_first.append(0)
-        p.entity_leg_last.append(0)
+        p.entity_guide.append(op.NONE)
         p.entity_seed.append(op.NONE)
         p.entity_present.append(1)
         p.entity_const.append(self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING))
@@ -361,6 +361,7 @@ class Draft:
 
     def done(self) -> Program:
         """Return the program, validated."""
+        self.program.road_count[0] = len(self.network.road_ids)
         validate(self.program, len(self.network.road_ids))
         return self.program
 

@@ -27,6 +27,7 @@ def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Progr
     """
     draft = _drafted(plan, network, posed=posed)
     draft.program.const = draft.row(parameter_values(plan.parameters))
+    draft.program.road_count[0] = len(network.road_ids)
     validate(draft.program, len(network.road_ids))
     return draft.program
 

@@ -38,6 +38,7 @@ class PositionRow:
         lane: Id of the lane, or a number of lanes.
         entity: Entity that it is relative to, or NONE.
         flags: Switches as bits: POSITION_ABSOLUTE and those after it.
+        guide: Guide of the route that it lies on, or NONE.
         seed: Seed of a random position, or NONE for the run's.
         spans: First stretch that a random position is drawn from, and the one after its last.
     """
@@ -48,6 +49,7 @@ class PositionRow:
     lane: int = 0
     entity: int = NONE
     flags: int = 0
+    guide: int = NONE
     seed: int = NONE
     spans: tuple[int, int] = (0, 0)
 
@@ -167,6 +169,7 @@ class Draft:
         p.position_entity.append(row.entity)
         p.position_const.append(self.block(*row.const))
         p.position_flags.append(row.flags)
+        p.position_guide.append(row.guide)
         p.position_seed.append(row.seed)
         p.position_first.append(row.spans[0])
         p.position_last.append(row.spans[1])

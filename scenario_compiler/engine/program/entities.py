@@ -7,6 +7,7 @@ from math import radians
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.conflicts import conflicts_of
 from scenario_compiler.engine.program.draft import Draft, Slot
+from scenario_compiler.engine.program.guides import add_legs
 from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.plan.model import Entity
@@ -83,12 +84,7 @@ def _add_entity(draft: Draft, entity: Entity, posed: bool, touched: set[str]) ->
     start = op.NONE if entity.start is None else add_position(draft, entity.start, entity.kind)
     p.entity_position.append(start)
     p.entity_present.append(1 if entity.start is not None or entity.id in touched else 0)
-    p.entity_leg_first.append(len(p.leg_road))
-    for leg in entity.route:
-        road = draft.network.road_index(leg.road)
-        if len(p.leg_road) == p.entity_leg_first[-1] or p.leg_road[-1] != road:
-            p.leg_road.append(road)
-    p.entity_leg_last.append(len(p.leg_road))
+    p.entity_guide.append(add_legs(draft, entity.route))
     p.entity_seed.append(op.NONE if entity.seed is None else entity.seed)
     p.entity_const.append(
         draft.block(

@@ -7,11 +7,13 @@ from typing import Any
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.program.draft import Draft, PositionRow, Slot
+from scenario_compiler.engine.program.guides import add_route, place_on_route
 from scenario_compiler.plan.places import spans_of
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BesidePosition,
     FreePosition,
+    InRouteEntity,
     LanePosition,
     LanesAwayPosition,
     RandomPosition,
@@ -19,6 +21,7 @@ from scenario_compiler.vocabulary.positions import (
     RelativeObjectPosition,
     RelativeRoadPosition,
     RelativeWorldPosition,
+    RoutePosition,
 )
 from scenario_compiler.vocabulary.word import Word
 
@@ -26,7 +29,14 @@ TRAFFIC_MARGINS = (5.0, 25.0)
 """Distances that vehicles of traffic keep at the start from where a road is entered and left, m: enough to stop in."""
 
 
-Turning = LanePosition | LanesAwayPosition | RelativeRoadPosition | RelativeObjectPosition | RelativeWorldPosition
+Turning = (
+    LanePosition
+    | LanesAwayPosition
+    | RelativeRoadPosition
+    | RelativeObjectPosition
+    | RelativeWorldPosition
+    | RoutePosition
+)
 """Positions with a heading relative to what they give, or in the world."""
 
 
@@ -111,6 +121,17 @@ def _relative_point(draft: Draft, word: RelativeObjectPosition | RelativeWorldPo
     )
 
 
+def _on_route(draft: Draft, word: RoutePosition, kind: str) -> PositionRow:
+    del kind
+    heading, flags = _heading(word)
+    guide = add_route(draft, word.route)
+    if isinstance(word.place, InRouteEntity):
+        entity = draft.entities[word.place.entity]
+        return PositionRow(op.POSITION_LANES_AWAY, (0.0, 0.0, heading), entity=entity, flags=flags, guide=guide)
+    road, lane, s, offset = place_on_route(draft, word)
+    return PositionRow(op.POSITION_LANE, (s, offset, heading), road=road, lane=lane, flags=flags, guide=guide)
+
+
 def _spans(draft: Draft, word: RandomPosition | AnyOfPosition, kind: str) -> tuple[int, int]:
     """Append what a random position is drawn from, once; return its first row and the one after its last."""
     p, network = draft.program, draft.network
@@ -143,5 +164,6 @@ POSITIONS: dict[type[Word], Callable[[Draft, Any, str], PositionRow]] = {
     RelativeRoadPosition: _relative_road,
     RelativeObjectPosition: _relative_point,
     RelativeWorldPosition: _relative_point,
+    RoutePosition: _on_route,
 }
 """By the type of a bound position, its row; the last argument is the kind of the entity that starts there, or empty."""

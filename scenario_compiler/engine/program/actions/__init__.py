@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scenario_compiler.engine.program.actions import control, lateral, longitudinal, path, place, run, world
+from scenario_compiler.engine.program.actions import control, lateral, longitudinal, path, place, routing, run, world
 from scenario_compiler.engine.program.actions.family import Family
 from scenario_compiler.engine.program.draft import Draft
 from scenario_compiler.vocabulary.word import Word
@@ -12,6 +12,7 @@ ACTIONS: Family = {
     **lateral.ACTIONS,
     **path.ACTIONS,
     **place.ACTIONS,
+    **routing.ACTIONS,
     **run.ACTIONS,
     **world.ACTIONS,
     **control.ACTIONS,

@@ -1,0 +1,63 @@
+"""Which way an entity takes at a junction: by its guide, at random, or straight on.
+
+A guide is a row of `Program.guide_next`: for every road and each sense in which it is driven the road that comes next,
+so that an entity finds its way from wherever it is on it. It is over when the entity enters its last road.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.opcodes import MOTION_TRAFFIC, NONE, RANDOM_GUIDE, STREAM_TURN
+from scenario_compiler.engine.seeds import run_seed
+from scenario_compiler.engine.state import State
+from scenario_compiler.engine.tables import Program
+from scenario_compiler.marker import compiled
+from scenario_compiler.randomness import random_hash
+from scenario_compiler.roads.lanes import lane_row_in
+from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
+
+
+@compiled
+def random_turn(n: RoadTables, p: Program, st: State, i: int, road: int, sense: int) -> int:
+    """Return the road that an entity takes at random where several follow its lane; the same each time."""
+    section = n.road_section[road]
+    end = AT_START
+    if sense > 0:
+        section = n.road_section[road + 1] - 1
+        end = AT_END
+    row = lane_row_in(n, section, st.kept_lane[i])
+    if row < 0:
+        return NONE
+    first = n.lane_link[2 * row + end]
+    count = n.lane_link[2 * row + end + 1] - first
+    if count <= 0:
+        return NONE
+    bits = random_hash(run_seed(st, p.entity_seed[i]), STREAM_TURN, i, road)
+    return n.section_road[n.lane_section[n.link_lane[first + bits % max(count, 1)]]]
+
+
+@compiled
+def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
+    """Return the road that an entity takes at the junction after `road`, -1 for straight on."""
+    if p.entity_motion[i] == MOTION_TRAFFIC:
+        return st.turn_to[i] if st.turn_from[i] == road else -1
+    guide = st.guide[i]
+    if guide == NONE or road < 0:
+        return -1
+    sense = st.facing[i]
+    if road == st.road[i] and st.v[i] < 0.0:
+        sense = -sense
+    if guide == RANDOM_GUIDE:
+        return random_turn(n, p, st, i, road, sense)
+    at = 2 * (guide * p.road_count[0] + road)
+    ahead = p.guide_next[at + 1] if sense > 0 else p.guide_next[at]
+    if ahead == NONE and road != st.road[i]:
+        ahead = p.guide_next[at] if sense > 0 else p.guide_next[at + 1]
+    return ahead
+
+
+@compiled
+def leave_guide(p: Program, st: State, i: int) -> None:
+    """Drop an entity's guide where it has come to the last road."""
+    guide = st.guide[i]
+    if guide >= 0 and p.guide_last[guide] == st.road[i]:
+        st.guide[i] = NONE

@@ -1,0 +1,79 @@
+"""Ways over the road network, road by road: which road comes next on the way to a goal.
+
+Lanes play no part: a way may need lane changes, which others make. A stretch is a road and the sense in which it is
+driven, 1 along s and -1 against it.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable
+
+from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
+
+Stretch = tuple[int, int]
+"""Index of a road, and the sense in which it is driven."""
+
+Cost = Callable[[int], float]
+"""What passing a road costs."""
+
+
+def followers(n: RoadTables, stretch: Stretch) -> list[Stretch]:
+    """Return the stretches that lanes of a stretch lead to in their directions of travel, in the lanes' order."""
+    road, sense = stretch
+    if n.road_section[road] >= n.road_section[road + 1]:
+        return []
+    section = n.road_section[road + 1] - 1 if sense == 1 else n.road_section[road]
+    end = AT_END if sense == 1 else AT_START
+    found: list[Stretch] = []
+    for row in range(n.section_lane[section], n.section_lane[section + 1]):
+        if n.lane_id[row] == 0 or lane_direction(n, road, n.lane_id[row]) != sense:
+            continue
+        for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
+            other = n.section_road[n.lane_section[n.link_lane[link]]]
+            to = (other, 1 if n.link_contact[link] == AT_START else -1)
+            if to not in found:
+                found.append(to)
+    return found
+
+
+def predecessors(n: RoadTables) -> dict[Stretch, list[Stretch]]:
+    """Return for every stretch those that lead to it."""
+    before: dict[Stretch, list[Stretch]] = {}
+    for road in range(len(n.road_length)):
+        for sense in (1, -1):
+            for to in followers(n, (road, sense)):
+                before.setdefault(to, []).append((road, sense))
+    return before
+
+
+def onward(n: RoadTables, goal: Stretch, cost: Cost) -> dict[Stretch, Stretch]:
+    """Return for every stretch that leads to a goal the one that comes next on the cheapest way there."""
+    before = predecessors(n)
+    following: dict[Stretch, Stretch] = {}
+    heap: list[tuple[float, int, Stretch, Stretch | None]] = [(0.0, 0, goal, None)]
+    done: set[Stretch] = set()
+    count = 0
+    while heap:
+        spent, _, stretch, after = heapq.heappop(heap)
+        if stretch in done:
+            continue
+        done.add(stretch)
+        if after is not None:
+            following[stretch] = after
+        for one in before.get(stretch, ()):
+            count += 1
+            heapq.heappush(heap, (spent + cost(one[0]), count, one, stretch))
+    return following
+
+
+def path_between(n: RoadTables, start: Stretch, goal: Stretch, cost: Cost) -> list[Stretch] | None:
+    """Return the stretches of the cheapest way from one to another, both included; None where none leads there."""
+    following = onward(n, goal, cost)
+    path = [start]
+    while path[-1] != goal:
+        if path[-1] not in following:
+            return None
+        path.append(following[path[-1]])
+    return path
