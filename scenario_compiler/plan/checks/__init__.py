@@ -5,11 +5,13 @@ from collections.abc import Callable
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
+from scenario_compiler.plan.checks.controllers import check_controllers
 from scenario_compiler.plan.checks.overlap import check_overlap
 from scenario_compiler.plan.checks.paths import check_paths
 from scenario_compiler.plan.checks.reach import check_budget, check_reach
 from scenario_compiler.plan.checks.start import check_start
 from scenario_compiler.plan.checks.triggers import check_triggers
+from scenario_compiler.plan.checks.world import check_world
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 
@@ -22,4 +24,6 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_budget,
     check_reach,
     check_triggers,
+    check_world,
+    check_controllers,
 )

@@ -102,7 +102,7 @@ def conditions_of(trigger: Trigger | None) -> list[TriggerCondition]:
 
 def _can_fire(event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never]) -> bool:
     """Return whether a group of the event's trigger has no condition that is never true."""
-    if event.start is None:
+    if event.start is None or not event.start.groups:
         return True
     at = 0
     for group in event.start.groups:
@@ -139,13 +139,15 @@ def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[s
     """
     condition = one.condition
     if isinstance(condition, SimulationTimeCondition):
+        if not condition.rule.startswith("greater"):
+            return None
         begin = number_value(condition.after, values) + number_value(one.delay, values)
         late = f"the run ends at {plan.duration:g} s, before {begin:g} s"
         return Never(AFTER_THE_END, late, "after") if begin >= plan.duration else None
     if isinstance(condition, TimeHeadwayCondition | DistanceCondition | TimeToCollisionCondition):
-        if condition.to == condition.entity:
+        if condition.to and condition.to == condition.entity:
             return Never(NEVER_FIRES, f"'{condition.to}' is not ahead of itself", "to")
-        zero = number_value(condition.below, values) <= 0.0
+        zero = condition.rule == "lessThan" and number_value(condition.below, values) <= 0.0
         return Never(NEVER_FIRES, "it is never below 0", "below") if zero else None
     if isinstance(condition, LaneConfidenceCondition | SensorHealthCondition):
         zero = number_value(condition.below, values) <= 0.0

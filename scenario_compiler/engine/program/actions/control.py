@@ -15,7 +15,7 @@ from scenario_compiler.vocabulary.actions import (
     OverrideControllerAction,
 )
 
-CONTROLLERS = {"acc": op.CONTROLLER_FOLLOW, "follow": op.CONTROLLER_FOLLOW}
+CONTROLLERS = {"acc": op.CONTROLLER_FOLLOW, "alks": op.CONTROLLER_FOLLOW}
 """Models of assigned controllers that drive an entity; every other one leaves it as it is."""
 
 INPUTS = {

@@ -1,0 +1,97 @@
+"""Actions on controllers and on lights are of entities that have such, and can be done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import (
+    ActivateControllerAction,
+    AssignControllerAction,
+    OverrideControllerAction,
+)
+from scenario_compiler.vocabulary.word import Word
+
+IDLE_CONTROLLER = Code(
+    "SC282",
+    "idle-controller",
+    "A controller is given to an entity, or switched, that has no effect here: the storyboard alone moves the entity. "
+    "Of controllers, car following (acc, alks) drives an actor; the ego vehicle keeps its own, which the takeover "
+    "switches."
+    '\n\n    <assign_controller name="remote" model="external" longitudinal="true"/>',
+    Severity.WARNING,
+)
+NO_PEDALS = Code(
+    "SC283",
+    "no-pedals",
+    "A pedal, the steering wheel or the gear is held of an actor that is not driven by such: the storyboard moves it. "
+    "The action is done, but changes nothing. Only the ego vehicle has pedals."
+    '\n\n    <dynamic id="lead">'
+    '\n      <when><time after="3"/> <do><override_controller input="brake" active="true"/></do></when>',
+    Severity.WARNING,
+)
+BAD_PROPERTY = Code(
+    "SC284",
+    "follow-property",
+    "A property of a car-following controller is not a number of a size that makes sense: the time gap in seconds, the "
+    "gap at a standstill in metres, the speed aimed for in m/s."
+    '\n\n    <assign_controller name="acc" model="acc"> <property name="timeGap" value="long"/> </assign_controller>',
+)
+
+DRIVING = ("acc", "alks", "default", "follow_route")
+"""Models that an actor has here, or that leave it to the storyboard as they should."""
+
+FOLLOWING = ("acc", "alks")
+LEAST = {"timeGap": 0.1, "time_gap": 0.1, "minimum_gap": 0.1, "setSpeed": 0.0, "speed": 0.0}
+"""Properties of car following that count, and the least value of each."""
+
+
+def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report actions on controllers that do nothing, and properties that are no numbers."""
+    del network
+    entities = {entity.id: entity for entity in plan.entities}
+    for word, actor in _actions(plan):
+        entity = entities.get(actor)
+        if isinstance(word, AssignControllerAction):
+            _check_assigned(word, entity, sink)
+        elif isinstance(word, ActivateControllerAction) and entity is not None and entity.kind == "ego":
+            if word.longitudinal is False or word.lateral is False:
+                message = f"the controller of '{actor}' is switched by the takeover, not by actions"
+                sink.add(IDLE_CONTROLLER, message, word.origin)
+        elif isinstance(word, OverrideControllerAction) and word.active and entity is not None and entity.kind != "ego":
+            sink.add(NO_PEDALS, f"'{actor}' has no {word.input.replace('_', ' ')} that could be held", word.origin)
+
+
+def _check_assigned(word: AssignControllerAction, entity: Entity | None, sink: Diagnostics) -> None:
+    if entity is not None and entity.kind == "ego":
+        if word.model != "default":
+            sink.add(IDLE_CONTROLLER, f"'{entity.id}' keeps the controller of its own", word.place_of("model"))
+        return
+    if word.model not in DRIVING:
+        name = "" if entity is None else f" of '{entity.id}'"
+        sink.add(IDLE_CONTROLLER, f"the controller '{word.model}'{name} does nothing here", word.place_of("model"))
+    if word.model not in FOLLOWING:
+        return
+    for one in word.properties:
+        if one.name in LEAST and not _fits(one.value, LEAST[one.name]):
+            message = f"'{one.value}' is no {one.name}: a number of at least {LEAST[one.name]:g}"
+            sink.add(BAD_PROPERTY, message, one.place_of("value"))
+
+
+def _fits(text: str, least: float) -> bool:
+    try:
+        return least <= float(text) < 1000.0
+    except ValueError:
+        return False
+
+
+def _actions(plan: Plan) -> Iterator[tuple[Word, str]]:
+    """Yield each action of the init and the stories with each entity that does it."""
+    for initial in plan.storyboard.init:
+        yield initial.action, initial.entity
+    for group in (group for story in plan.storyboard.stories for act in story.acts for group in act.groups):
+        for event in (event for maneuver in group.maneuvers for event in maneuver.events):
+            for named in event.actions:
+                yield from ((named.action, actor) for actor in group.actors or ("",))

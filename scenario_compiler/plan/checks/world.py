@@ -1,0 +1,195 @@
+"""Variables, traffic signals, elements of the storyboard, dates and controllers that words name are there, and fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity, did_you_mean
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import (
+    EnvironmentAction,
+    ModifyVariableAction,
+    SetVariableAction,
+    TrafficSignalControllerAction,
+)
+from scenario_compiler.vocabulary.conditions import (
+    ElementStateCondition,
+    TimeOfDayCondition,
+    TimeToCollisionCondition,
+    TrafficSignalControllerCondition,
+    UserDefinedValueCondition,
+    VariableCondition,
+)
+from scenario_compiler.vocabulary.traversal import walk
+from scenario_compiler.vocabulary.variables import NUMBERS, number_of, seconds_of
+from scenario_compiler.vocabulary.word import Word
+
+UNKNOWN_VARIABLE = Code(
+    "SC275",
+    "unknown-variable",
+    "An action or condition names a variable that the scenario does not declare."
+    '\n\n    <variable name="phase" type="integer" value="1"/>'
+    '\n    <when><variable variable="phaze" value="2"/> <do>...</do></when>     the declared one is phase',
+)
+WRONG_VALUE = Code(
+    "SC276",
+    "variable-value",
+    "A value is none of the variable's type: a text where a number is due, or a sum with a text."
+    '\n\n    <variable name="open" type="boolean" value="false"/>'
+    '\n    <do><set_variable variable="open" value="yes"/></do>     booleans are true or false',
+)
+UNKNOWN_PHASE = Code(
+    "SC277",
+    "unknown-signal-phase",
+    "An action or condition names a controller of traffic signals, or one of its phases, that the scenario does not "
+    "declare; or a controller's delay counts from one that is not there, or from itself."
+    '\n\n    <signal_controller name="crossing"><phase name="go" duration="20"/></signal_controller>'
+    '\n    <do><traffic_signal_phase controller="crossing" phase="stop"/></do>     it has the phase go alone',
+)
+BAD_DATE = Code(
+    "SC278",
+    "bad-date",
+    "A date and time is not written as ISO 8601 has it."
+    '\n\n    <environment date_time="2026-06-21T18:30:00"/>     the date, a T, the time; a zone may follow',
+)
+UNKNOWN_ELEMENT = Code(
+    "SC279",
+    "unknown-element",
+    "A condition waits for an element of the storyboard that there is not. Its name has the names of the elements "
+    "around it before it."
+    '\n\n    <element_state kind="act" element="story::act" state="completeState"/>',
+)
+NEVER_GIVEN = Code(
+    "SC280",
+    "never-given",
+    "A condition waits for a value of another program. None of our worlds gives such values, so it is never true."
+    '\n\n    <user_defined_value name="weather_station" value="rain"/>',
+    Severity.WARNING,
+)
+NO_TARGET = Code(
+    "SC281",
+    "no-target",
+    "A time to collision is to another entity or to a position, but names neither or both."
+    '\n\n    <time_to_collision to="ego" below="3"/>',
+)
+
+Paths = dict[str, set[str]]
+
+
+def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report what words of the storyboard name and is not there, and values that do not fit."""
+    del network
+    _check_controllers(plan, sink)
+    paths = _paths(plan)
+    for word in walk(plan.storyboard):
+        check = CHECKS_OF.get(type(word))
+        if check is not None:
+            check(plan, word, sink)
+        if isinstance(word, ElementStateCondition) and word.element not in paths[word.kind]:
+            message = f"there is no {word.kind} '{word.element}'"
+            sink.add(
+                UNKNOWN_ELEMENT, message, word.place_of("element"), hint=did_you_mean(word.element, paths[word.kind])
+            )
+    for variable in plan.variables:
+        if variable.type != "string" and variable.value and number_of(variable.type, variable.value) is None:
+            message = f"'{variable.value}' is no value of the type {variable.type}"
+            sink.add(WRONG_VALUE, message, variable.place_of("value"))
+
+
+def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    variable = next((one for one in plan.variables if one.name == word.variable), None)
+    if variable is None:
+        known = [one.name for one in plan.variables]
+        message = f"there is no variable '{word.variable}'"
+        sink.add(UNKNOWN_VARIABLE, message, word.place_of("variable"), hint=did_you_mean(word.variable, known))
+    elif isinstance(word, ModifyVariableAction):
+        if variable.type not in NUMBERS:
+            message = f"'{variable.name}' is no number, but of the type {variable.type}"
+            sink.add(WRONG_VALUE, message, word.place_of("variable"))
+    elif variable.type != "string" and number_of(variable.type, word.value) is None:
+        message = f"'{word.value}' is no value of '{variable.name}', which is of the type {variable.type}"
+        sink.add(WRONG_VALUE, message, word.place_of("value"))
+
+
+def _check_phase(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    controller = next((one for one in plan.signal_controllers if one.name == word.controller), None)
+    if controller is None:
+        known = [one.name for one in plan.signal_controllers]
+        message = f"there is no controller of traffic signals '{word.controller}'"
+        sink.add(UNKNOWN_PHASE, message, word.place_of("controller"), hint=did_you_mean(word.controller, known))
+    elif word.phase not in {one.name for one in controller.phases}:
+        message = f"'{controller.name}' has no phase '{word.phase}'"
+        known = [one.name for one in controller.phases]
+        sink.add(UNKNOWN_PHASE, message, word.place_of("phase"), hint=did_you_mean(word.phase, known))
+
+
+def _check_controllers(plan: Plan, sink: Diagnostics) -> None:
+    """Report delays that count from no controller, or in a circle."""
+    references = {one.name: one.reference for one in plan.signal_controllers}
+    for one in plan.signal_controllers:
+        at, seen = one.reference, {one.name}
+        while at in references and at not in seen:
+            seen.add(at)
+            at = references[at]
+        if at:
+            reason = "counts from itself" if at in seen else f"counts from '{at}', which is not there"
+            sink.add(UNKNOWN_PHASE, f"the delay of '{one.name}' {reason}", one.place_of("reference"))
+
+
+def _check_date(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    del plan
+    try:
+        seconds_of(word.date_time or "1970-01-01T00:00:00")
+    except (ValueError, OverflowError):
+        sink.add(BAD_DATE, f"'{word.date_time}' is no date and time", word.place_of("date_time"))
+
+
+def _check_given(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    del plan
+    sink.add(NEVER_GIVEN, f"no world gives the value '{word.name}', so this is never true", word.origin)
+
+
+def _check_target(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    del plan
+    if bool(word.to) == (word.position is not None):
+        found = "both an entity and a position" if word.to else "neither an entity nor a position"
+        sink.add(NO_TARGET, f"the time to collision names {found}", word.origin)
+
+
+CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
+    SetVariableAction: _check_variable,
+    ModifyVariableAction: _check_variable,
+    VariableCondition: _check_variable,
+    TrafficSignalControllerAction: _check_phase,
+    TrafficSignalControllerCondition: _check_phase,
+    EnvironmentAction: _check_date,
+    TimeOfDayCondition: _check_date,
+    UserDefinedValueCondition: _check_given,
+    TimeToCollisionCondition: _check_target,
+}
+
+
+def _paths(plan: Plan) -> Paths:
+    """Return the names of the storyboard's elements in full, by their kind."""
+    found: Paths = {kind: set() for kind in ("story", "act", "maneuverGroup", "maneuver", "event", "action")}
+    for kind, path in _elements(plan):
+        found[kind].add(path)
+    return found
+
+
+def _elements(plan: Plan) -> Iterator[tuple[str, str]]:
+    for story in plan.storyboard.stories:
+        yield "story", story.name
+        for act in story.acts:
+            yield "act", f"{story.name}::{act.name}"
+            for group in act.groups:
+                path = f"{story.name}::{act.name}::{group.name}"
+                yield "maneuverGroup", path
+                for maneuver in group.maneuvers:
+                    yield "maneuver", f"{path}::{maneuver.name}"
+                    for event in maneuver.events:
+                        at = f"{path}::{maneuver.name}::{event.name}"
+                        yield "event", at
+                        yield from (("action", f"{at}::{action.name}") for action in event.actions)
