@@ -55,10 +55,15 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the time gap to the other entity ahead, s; FAR where it is behind, or i stands or drives backwards."""
+    """Return the time gap to the other entity ahead, s; FAR where it is behind or i drives backwards.
+
+    Who stands has a gap beyond any other: a condition on a greater one holds, and is no rise when it sets off.
+    """
     gap = distance_between(n, p, st, i, p.condition_other[c], p.condition_mode[c], p.condition_flags[c] & 1)
-    if gap < 0.0 or gap >= FAR or st.v[i] < TOLERANCE:
+    if gap < 0.0 or gap >= FAR or st.v[i] < -TOLERANCE:
         return FAR
+    if st.v[i] < TOLERANCE:
+        return 0.5 * FAR
     return gap / st.v[i]
 
 
