@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import cast
 
@@ -91,8 +92,8 @@ class _Walk:
             else:
                 knowing = self._versions(lambda minor: name in self._declared(declaration, minor).attributes)
             code, hint = self._elsewhere(code, knowing)
-            if not hint:
-                hint = did_you_mean(name, declaration.attributes)
+            if not hint and self.findings.lists(code):
+                hint = did_you_mean(name[:80], declaration.attributes)
         shown = name if not name.startswith("{") else etree.QName(name).localname
         self.findings.report(code, f"<{tag}> has no attribute {shown[:60]}", element, name, by_name=True, hint=hint)
 
@@ -152,7 +153,8 @@ class _Walk:
             code, hint = self._elsewhere(code, knowing)
             if hint and self.faults.other_version is not None and not self.trial:
                 found = self._in_other_version(child, declaration, knowing)
-            hint = hint or did_you_mean(tag, self._declared(declaration, minor).content.tags())
+            if not hint and self.findings.lists(code):
+                hint = did_you_mean(tag[:80], declaration.content.tags())
         self.findings.report(code, f"<{local_name(parent)}> has no child <{tag[:60]}>", child, hint=hint)
         return found
 
@@ -172,12 +174,12 @@ class _Walk:
                     return name, minor
         return found
 
-    def elsewhere(self, code: Code, declaration: Declaration, tags: list[str]) -> tuple[Code, str]:
-        """Return the code and hint for children that another version would take as they are, else `code`."""
+    def elsewhere(self, declaration: Declaration, tags: list[str]) -> str:
+        """Return a hint that names the versions that would take these children as they are, if there are others."""
         if self.faults.other_version is None:
-            return code, ""
+            return ""
         fitting = self._versions(lambda minor: _fits(self._declared(declaration, minor), tags))
-        return self._elsewhere(code, fitting, "these children are complete and in order in")
+        return self._elsewhere(self.faults.other_version, fitting, "these children are complete and in order in")[1]
 
     def _declared(self, declaration: Declaration, minor: int) -> Declaration:
         return self.grammar.declaration(declaration.name, minor)
@@ -217,6 +219,7 @@ class _Children:
         self.minor = minor
         self.known: list[tuple[etree._Element, str]] = []
         self.found: list[tuple[etree._Element, str, int]] = []
+        self.other = ""
 
     def check(self) -> list[tuple[etree._Element, str, int]]:
         """Check their order and number; return those that are declared, with declaration and version."""
@@ -243,18 +246,22 @@ class _Children:
         tags = [tag for _, tag in self.known]
         if _fits(self.declaration, tags):
             return
+        self.other = self.walk.elsewhere(self.declaration, tags)
         if self.content.fits_sorted(tags):
             self._disorder()
             return
-        state = self.content.start
+        counts = Counter(tags)
+        state, before = self.content.start, ""
         for child, tag in self.known:
-            state = self._step(state, child, tag)
+            where = "stands too often or too late" if counts[tag] > 1 else f"has no place after <{before}>"
+            state = self._step(state, child, tag, where)
+            before = tag
         if not self.content.complete(state) and (lacking := self.content.missing(state, None)) is not None:
-            self._report(
-                self.walk.faults.missing_element, f"<{self._name()}> lacks {_listed(lacking[0])}", self.element
-            )
+            message = f"<{self._name()}> lacks {_listed(lacking[0])}"
+            self._report(self.walk.faults.missing_element, message, self.element)
 
-    def _step(self, state: State, child: etree._Element, tag: str) -> State:
+    def _step(self, state: State, child: etree._Element, tag: str, where: str) -> State:
+        """Return the state after a child; one in a wrong place is reported, and leaves the state as it is."""
         after = self.content.move(state, tag)
         if after:
             return after
@@ -263,9 +270,6 @@ class _Children:
             message = f"<{self._name()}> lacks {_listed(lacking[0])} before <{tag}>"
             self._report(self.walk.faults.missing_element, message, child)
             return lacking[1]
-        at = next(at for at, (one, _) in enumerate(self.known) if one is child)
-        repeated = [one for _, one in self.known].count(tag) > 1
-        where = "stands too often or too late" if repeated else f"has no place after <{self.known[at - 1][1]}>"
         expected = self.content.expected(state)
         hint = f"here may stand: {', '.join(expected)}" if 0 < len(expected) <= 12 else ""
         self._report(self.walk.faults.misplaced, f"<{tag}> {where} in <{self._name()}>", child, hint)
@@ -274,17 +278,17 @@ class _Children:
     def _disorder(self) -> None:
         """Report the first child that comes too early or too late, of children that are complete."""
         state = self.content.start
-        child, tag = self.known[0]
-        for child, tag in self.known:  # noqa: B007 - the last one looked at is the one that is reported
+        for child, tag in self.known:
             state = self.content.move(state, tag)
             if not state:
-                break
-        hint = f"the order is: {', '.join(self.content.tags())}"
-        self._report(self.walk.faults.order, f"<{tag}> stands in the wrong place in <{self._name()}>", child, hint)
+                message = f"<{tag}> stands in the wrong place in <{self._name()}>"
+                hint = f"the order is: {', '.join(self.content.tags())}"
+                self._report(self.walk.faults.order, message, child, hint)
+                return
 
     def _report(self, code: Code, message: str, element: etree._Element, hint: str = "") -> None:
-        code, other = self.walk.elsewhere(code, self.declaration, [tag for _, tag in self.known])
-        self.walk.findings.report(code, message, element, hint=other or hint)
+        code = self.walk.faults.other_version or code if self.other else code
+        self.walk.findings.report(code, message, element, hint=self.other or hint)
 
     def _name(self) -> str:
         return local_name(self.element)

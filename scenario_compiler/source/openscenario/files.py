@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path, PureWindowsPath
 
-from scenario_compiler.diagnostics import Diagnostics, FilePlace, Place
+from scenario_compiler.diagnostics import Diagnostics, Place
 from scenario_compiler.document import MALFORMED, Document, parse_document, read_document
 from scenario_compiler.source.openscenario.codes import MENDED_COMMENT, UNKNOWN_VERSION
 
@@ -25,8 +25,7 @@ def read_forgiving(path: str | Path, sink: Diagnostics) -> Document | None:
         again = Diagnostics()
         document = None if mended == raw else parse_document(mended, str(path), again)
         if document is not None:
-            place = FilePlace(str(path), attempt.found[0].place.line)
-            sink.add(MENDED_COMMENT, "a comment holds '--'", place)
+            sink.add(MENDED_COMMENT, "a comment holds '--'", attempt.found[0].place)
             sink.found.extend(again.found)
             return document
     sink.found.extend(attempt.found)

@@ -99,7 +99,7 @@ KINDS = {
 }
 """What each type is called, and its test."""
 
-MISSPELT = {"euclideandistance": "euclidianDistance"}
+MISSPELT = {"euclideandistance": "euclidianDistance", "bool": "boolean"}
 """Words that are often written in another way, in lower case."""
 
 _LOOSE_DATE = re.compile(
