@@ -3,7 +3,7 @@
 Each is straight, along or across; along and across are meant in the entity's own axes, in the world's, or along the
 road (a lane's and a trajectory's system are measured along the road too). With `freespace` it lies between the boxes
 and is 0 where they overlap in that direction. Along is positive ahead, across positive to the left; a straight one is
-negative for what is behind. FAR where there is none: no road leads there.
+negative for what is not ahead. FAR where there is none: no road leads there.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from scenario_compiler.engine.opcodes import (
     MEASURE_ALONG,
     MEASURE_STRAIGHT,
     POSITION_FREE,
+    TOLERANCE,
 )
 from scenario_compiler.engine.positions import PLACE_NONE, place_of
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
@@ -89,8 +90,8 @@ def box_distance(p: Program, st: State, i: int, j: int) -> float:
 
 @compiled
 def behind(st: State, i: int, x: float, y: float) -> int:
-    """Return 1 where a point lies behind an entity's reference point."""
-    return 1 if (x - st.x[i]) * cos(st.h[i]) + (y - st.y[i]) * sin(st.h[i]) < 0.0 else 0
+    """Return 1 where a point does not lie ahead of an entity's reference point."""
+    return 1 if (x - st.x[i]) * cos(st.h[i]) + (y - st.y[i]) * sin(st.h[i]) < TOLERANCE else 0
 
 
 @compiled
