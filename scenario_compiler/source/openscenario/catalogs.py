@@ -126,9 +126,15 @@ def given(node: Node, *tags: str, severity: Severity | None = None) -> Node | No
     if found is not None:
         return with_parameters(found)
     reference = node.child("CatalogReference")
-    entry = None if reference is None else referred(reference, severity)
-    if entry is None or reference is None or entry.tag in tags:
+    return None if reference is None else entry_of(reference, *tags, severity=severity)
+
+
+def entry_of(reference: Node, *tags: str, severity: Severity | None = None) -> Node | None:
+    """Return the entry that a <CatalogReference> names, as `referred` does; an entry of another kind is reported."""
+    entry = referred(reference, severity)
+    if entry is None or entry.tag in tags:
         return entry
+    entry.read_whole()
     expected = " or ".join(f"<{tag}>" for tag in tags)
     reference.report(UNKNOWN_CATALOG_ENTRY, f"the entry is a <{entry.tag}>, not a {expected}", "entryName")
     return None

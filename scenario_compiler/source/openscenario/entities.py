@@ -68,6 +68,7 @@ def read_entities(root: Node) -> Entities:
 def _add_object(node: Node, found: Entities, known: Known, trailers: list[tuple[str, Node]], depth: int) -> None:
     name = node.text("name")
     if name in known.entities:
+        node.read_whole()
         node.report(names.DUPLICATE_NAME, f"an entity named '{name}' is there already", "name")
         return
     described = _described(node)

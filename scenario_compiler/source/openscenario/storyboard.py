@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from scenario_compiler.source.openscenario.actions import read_actions
-from scenario_compiler.source.openscenario.catalogs import referred
+from scenario_compiler.source.openscenario.catalogs import entry_of
 from scenario_compiler.source.openscenario.codes import TRIGGERING_ACTORS
 from scenario_compiler.source.openscenario.element_names import Siblings, with_full_names
 from scenario_compiler.source.openscenario.node import Node
@@ -86,8 +86,8 @@ def _group(node: Node, names: Siblings) -> ManeuverGroup:
     inside = Siblings()
     maneuvers: list[Maneuver] = []
     for one in node.children("Maneuver", "CatalogReference"):
-        maneuver = with_parameters(one) if one.tag == "Maneuver" else referred(one)
-        if maneuver is not None and maneuver.tag == "Maneuver":
+        maneuver = with_parameters(one) if one.tag == "Maneuver" else entry_of(one, "Maneuver")
+        if maneuver is not None:
             maneuvers.append(_maneuver(maneuver, inside))
     return ManeuverGroup(
         name=names.name(node),
