@@ -78,7 +78,7 @@ def limited_span(shape: int, change: float, acceleration: float) -> float:
     """Return the time of a move whose greatest lateral acceleration is given; a linear one takes as long as a cubic."""
     if shape == SHAPE_STEP:
         return 0.0
-    most = acceleration if acceleration > TOLERANCE else USUAL_ACCELERATION
+    most = max(acceleration if acceleration > TOLERANCE else USUAL_ACCELERATION, TOLERANCE)
     if shape == SHAPE_SINUSOIDAL:
         return pi * safe_sqrt(abs(change) / (2.0 * most))
     return safe_sqrt(6.0 * abs(change) / most)

@@ -45,11 +45,11 @@ def profile_limit(p: Program, k: int, change: float, timed: int) -> float:
     slot = A_ACCELERATION if change > 0.0 else A_DECELERATION
     limit = p.const[p.action_const[k] + slot]
     if limit >= 0.0:
-        return max(limit, TOLERANCE)
+        return limit
     if timed == 1:
         return FAR
     of_vehicle = E_MAX_ACCELERATION if change > 0.0 else E_MAX_DECELERATION
-    return max(p.const[p.entity_const[p.action_entity[k]] + of_vehicle], TOLERANCE)
+    return p.const[p.entity_const[p.action_entity[k]] + of_vehicle]
 
 
 @compiled
@@ -67,7 +67,7 @@ def begin_entry(p: Program, st: State, k: int, entry: int) -> None:
     begin = speed_before(p, st, i)
     change = clip(target, -fastest, fastest) - begin
     time = p.const[slot + 1]
-    most = profile_limit(p, k, change, 1 if time >= 0.0 else 0)
+    most = max(profile_limit(p, k, change, 1 if time >= 0.0 else 0), TOLERANCE)
     jerk = profile_jerk(p, k, change)
     least = abs(change) / most
     if jerk > TOLERANCE:
