@@ -53,7 +53,7 @@ def read_entities(root: Node) -> Entities:
     objects = [one for group in root.children("Entities") for one in group.children("ScenarioObject")]
     trailers: list[tuple[str, Node]] = []
     for one in objects:
-        _add_object(one, found, known, trailers, 0)
+        _add_object(one, one.text("name"), found, known, trailers, 0)
     for group in root.children("Entities"):
         for selection in group.children("EntitySelection"):
             _add_selection(selection, known)
@@ -65,8 +65,9 @@ def read_entities(root: Node) -> Entities:
     return found
 
 
-def _add_object(node: Node, found: Entities, known: Known, trailers: list[tuple[str, Node]], depth: int) -> None:
-    name = node.text("name")
+def _add_object(
+    node: Node, name: str, found: Entities, known: Known, trailers: list[tuple[str, Node]], depth: int
+) -> None:
     if name in known.entities:
         node.read_whole()
         node.report(names.DUPLICATE_NAME, f"an entity named '{name}' is there already", "name")
@@ -92,13 +93,16 @@ def _add_object(node: Node, found: Entities, known: Known, trailers: list[tuple[
 def _add_trailer(
     entity: str, node: Node, found: Entities, known: Known, trailers: list[tuple[str, Node]], depth: int
 ) -> None:
+    """Add a vehicle's trailer: one of a catalog has its vehicle's name and a +, as in esmini: each has its own."""
     reference = node.child("TrailerRef")
     if reference is not None and reference.has("entityRef") and reference.text("entityRef"):
         trailers.append((entity, reference))
     hitched = node.child("Trailer")
     if hitched is not None and depth < MOST_TRAILERS:
         name = hitched.text("name")
-        _add_object(hitched, found, known, trailers, depth + 1)
+        if hitched.reading.within is not None:
+            name = f"{entity}+"
+        _add_object(hitched, name, found, known, trailers, depth + 1)
         action = ConnectTrailerAction(trailer=name).written_at(hitched.origin)
         found.first.append(InitAction(entity=entity, action=action).written_at(hitched.origin))
 
