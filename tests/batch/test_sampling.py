@@ -29,6 +29,8 @@ def _values(text: str, count: int = 4001) -> list[float]:
         ("poisson(3.5)", 3.5, math.sqrt(3.5)),
         ("histogram(0, 1, 10, 3, 20)", 12.5, math.sqrt(100 / 12 + 100 * 3 / 16)),
         ("choice(10, 20, 30)", 20.0, 10 * math.sqrt(2 / 3)),
+        ("values(10, 20, 30)", 20.0, 10 * math.sqrt(2 / 3)),
+        ("weighted(10, 1, 20, 0, 30, 3)", 25.0, 10 * math.sqrt(3 / 4)),
     ],
 )
 def test_a_distribution_has_its_moments(text: str, mean: float, deviation: float) -> None:
@@ -54,6 +56,7 @@ def test_quantiles_rise(text: str, low: float, high: float) -> None:
 @pytest.mark.parametrize(
     "text",
     ["uniform", "uniform()", "uniform(3)", "uniform(4, 3)", "normal(0, 0)", "poisson(0)", "grid(1, 2, 2.5)",
+     "weighted(1)", "weighted(1, 0)", "weighted(1, -1, 2, 3)",
      "histogram(0, 1)", "histogram(0, 1, 0)", "choice()", "choice(1,,2)", "gauss(1, 2)", "uniform(1, x)",
      "lognormal(0, 1, -1, 2)", "uniform(1, inf)", "triangular(3, 1, 2)"],
 )  # fmt: skip
@@ -66,6 +69,8 @@ def test_choices_keep_their_type() -> None:
     assert parse_distribution("choice(1, 2.5)").points == (1.0, 2.5)
     assert parse_distribution("choice(true, false)").points == (True, False)
     assert parse_distribution("choice(a, 2)").points == ("a", "2")
+    assert parse_distribution("weighted(a, 1, 2, 1)").points == ("a", "2")
+    assert parse_distribution("values(a, 2)").listed
 
 
 def test_a_random_sample_depends_on_seed_and_index_alone() -> None:

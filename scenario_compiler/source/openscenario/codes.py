@@ -153,7 +153,8 @@ UNKNOWN_VARIABLE = Code(
     "unknown-variable",
     "An action or a condition names a variable, a parameter or a monitor that the scenario does not declare.\n\n"
     '    <VariableDeclaration name="attempts" variableType="integer" value="0"/>\n'
-    '    <VariableCondition variableRef="atempts" .../>     the variable is called attempts',
+    '    <VariableCondition variableRef="atempts" .../>     the variable is called attempts\n\n'
+    "It stands for a text that is empty until an action changes it.",
     Severity.WARNING,
 )
 REPEATED_PARAMETER = Code(

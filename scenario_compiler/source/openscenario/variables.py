@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import get_args
 
-from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
+from scenario_compiler.document import Origin
 from scenario_compiler.source import names
 from scenario_compiler.source.openscenario.codes import UNKNOWN_VARIABLE, WRONG_TYPE
 from scenario_compiler.source.openscenario.node import Node
@@ -50,23 +51,31 @@ def used_variables(
 ) -> tuple[Variable, ...]:
     """Return the variables, and the scenario's parameters that actions change or conditions read; report other names.
 
-    A parameter that is used so decides structure: its value is the one that the run starts with.
+    A parameter that is used so decides structure: its value is the one that the run starts with. A name that means
+    nothing stands for a text that is empty until an action changes it.
     """
     found = dict(declared)
     for word in walk(storyboard):
         name = _named(word)
-        if not name or name in found:
+        if name is None or name in found:
             continue
         parameter = scope.bound.get(name)
         if parameter is None:
-            place = next((word.place_of(one) for one in _ATTRIBUTES), word.origin)
             hint = did_you_mean(name, [*found, *scope.bound])
-            sink.add(UNKNOWN_VARIABLE, f"there is no variable or parameter '{name}'", place, hint=hint)
+            sink.add(UNKNOWN_VARIABLE, f"there is no variable or parameter '{name}'", _place(word), hint=hint)
+            found[name] = Variable(name=name, type="string").written_at(word.origin)
             continue
         if parameter.expression is not None:
             scope.structural.update(parameter.expression.names)
         found[name] = _variable(name, parameter.type, parameter)
     return tuple(found.values())
+
+
+def _place(word: Word) -> Place:
+    origin = word.origin
+    if not isinstance(origin, Origin):
+        return origin
+    return next((origin.of(one) for one in _ATTRIBUTES if origin.element.get(one) is not None), origin)
 
 
 def _named(word: Word) -> str | None:
