@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from scenario_compiler.engine.ahead import measure_on_way, walk
 from scenario_compiler.engine.numbers import clip, length_of, ratio, safe_sqrt
-from scenario_compiler.engine.opcodes import FAR
+from scenario_compiler.engine.opcodes import FAR, SEEN_BY_TRAFFIC
+from scenario_compiler.engine.presence import there_for
 from scenario_compiler.engine.slots import (
     E_ACCELERATION,
     E_CENTER,
@@ -80,7 +81,8 @@ def follow_leader(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
     walk(n, st, road, lane, st.s[i], along, FOLLOW_HORIZON, -1)
     for j in range(p.entity_count[0]):
         st.on_way[j] = 0
-        if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < FOLLOW_HORIZON:
+        near = length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < FOLLOW_HORIZON
+        if j != i and near and there_for(st, j, SEEN_BY_TRAFFIC) == 1:
             measure_on_way(n, p, st, j)
     gap, speed = leader_gap(p, st, i, st.facing[i] * st.off[i], 0, -FAR)
     pull = idm_acceleration(p, i, st.v[i], st.desired[i], gap, speed)

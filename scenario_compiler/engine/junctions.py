@@ -7,8 +7,9 @@ is room behind the junction. It is held until the vehicle's rear has left the co
 from __future__ import annotations
 
 from scenario_compiler.engine.numbers import ratio
-from scenario_compiler.engine.opcodes import FAR, MOTION_STATIC, MOTION_TRAFFIC, MOTION_WALKER, NONE
+from scenario_compiler.engine.opcodes import FAR, MOTION_STATIC, MOTION_TRAFFIC, MOTION_WALKER, NONE, SEEN_BY_TRAFFIC
 from scenario_compiler.engine.path import STEP_OVER, preferred_road
+from scenario_compiler.engine.presence import there_for
 from scenario_compiler.engine.slots import E_CENTER, E_DECELERATION, E_LENGTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -71,7 +72,7 @@ def outsider_in_way(n: RoadTables, p: Program, st: State, road: int, j: int) -> 
 def way_is_free(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
     """Return 1 where nobody drives on, has claimed or has waited longer for a road that crosses `road`."""
     for j in range(p.entity_count[0]):
-        if st.present[j] == 0:
+        if there_for(st, j, SEEN_BY_TRAFFIC) == 0:
             continue
         kind = p.entity_motion[j]
         if j != i and kind == MOTION_TRAFFIC:

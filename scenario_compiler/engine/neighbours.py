@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from scenario_compiler.engine.opcodes import BUCKETS, FAR, MOTION_STATIC, NONE
+from scenario_compiler.engine.opcodes import BUCKETS, FAR, MOTION_STATIC, NONE, SEEN_BY_TRAFFIC
+from scenario_compiler.engine.presence import there_for
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -23,7 +24,7 @@ def list_by_road(p: Program, st: State) -> None:
     for b in range(BUCKETS):
         st.bucket_head[b] = NONE
     for i in range(p.entity_count[0]):
-        if st.road[i] >= 0 and st.present[i] == 1:
+        if st.road[i] >= 0 and there_for(st, i, SEEN_BY_TRAFFIC) == 1:
             b = st.road[i] % BUCKETS
             st.bucket_next[i] = st.bucket_head[b]
             st.bucket_head[b] = i

@@ -7,8 +7,9 @@ from math import cos, sin
 from scenario_compiler.engine.ahead import measure_on_way, walk, walk_route
 from scenario_compiler.engine.lane_changes import neighbour_lane
 from scenario_compiler.engine.numbers import angle_between, bearing, length_of
-from scenario_compiler.engine.opcodes import FAR
+from scenario_compiler.engine.opcodes import FAR, SEEN_BY_SENSORS
 from scenario_compiler.engine.path import preferred_road
+from scenario_compiler.engine.presence import there_for
 from scenario_compiler.engine.slots import (
     E_CENTER,
     E_LENGTH,
@@ -45,7 +46,7 @@ LEAST_GAP = 2.0
 def ray_free(p: Program, st: State, i: int, j: int, px: float, py: float, qx: float, qy: float) -> int:
     """Return 1 where no box but those of i and j cuts the segment from P to Q (slab test in each box's axes)."""
     for k in range(p.entity_count[0]):
-        if k in (i, j) or st.present[k] == 0:
+        if k in (i, j) or there_for(st, k, SEEN_BY_SENSORS) == 0:
             continue
         c = cos(st.h[k])
         s = sin(st.h[k])
@@ -94,7 +95,7 @@ def point_seen(p: Program, st: State, i: int, j: int, qx: float, qy: float, reac
 @compiled
 def sees(p: Program, st: State, i: int, j: int, reach: float, half_view: float) -> int:
     """Return 1 where the centre of j's box or one of its two outermost corners is seen from i's front bumper."""
-    if st.present[j] == 0:
+    if there_for(st, j, SEEN_BY_SENSORS) == 0:
         return 0
     dx = st.middle_x[j] - st.x[i]
     dy = st.middle_y[j] - st.y[i]

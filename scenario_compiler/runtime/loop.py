@@ -12,7 +12,16 @@ from importlib.metadata import version
 from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
 from scenario_compiler.engine.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.following import leader_gap
-from scenario_compiler.engine.opcodes import ELEMENT_EVENT, FAILURE_BLACKOUT, FAILURE_BLUR, FAILURE_DIRT, FAR, STOP_NONE
+from scenario_compiler.engine.opcodes import (
+    ELEMENT_EVENT,
+    FAILURE_BLACKOUT,
+    FAILURE_BLUR,
+    FAILURE_DIRT,
+    FAR,
+    SEEN_IN_PICTURES,
+    STOP_NONE,
+)
+from scenario_compiler.engine.presence import there_for
 from scenario_compiler.engine.program import Program, build_program
 from scenario_compiler.engine.sensor import look_ahead
 from scenario_compiler.engine.slots import K_FIELD_OF_VIEW, K_SENSOR_RANGE
@@ -162,7 +171,7 @@ class _Execution:
         st = self.state
         poses = map(Pose, st.x, st.y, st.z, st.h, st.pitch, st.roll)
         weather = weather_of(st.weather) if self.weather_changes else None
-        present = tuple(one == 1 for one in st.present)
+        present = tuple(there_for(st, i, SEEN_IN_PICTURES) == 1 for i in range(len(st.present)))
         moving = tuple(poses), tuple(st.v)
         return Snapshot(st.clock[0], st.frame[0], present, *moving, st.sigma[0], faults_of(st), weather)
 

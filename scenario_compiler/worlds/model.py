@@ -44,7 +44,7 @@ class Snapshot:
     Attributes:
         t: Time, s.
         frame: Number of the time step.
-        present: Whether each entity is in the world, in the plan's order.
+        present: Whether each entity is in the world and pictures show it, in the plan's order.
         poses: Pose of each entity's reference point, in the plan's order, OpenDRIVE axes, m and rad.
         speeds: Speed of each entity, m/s, signed along its heading.
         sigma: Standard deviation of the camera's noise, grey levels.
