@@ -75,16 +75,24 @@ def measure_motion(st: State, i: int, dt: float) -> None:
 
 @compiled
 def watch_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Take the measures of all entities that are there."""
+    """Take the measures of all entities that are there; one is at its road's end from the step that took it there."""
     for i in range(p.entity_count[0]):
         if st.present[i] == 0:
             continue
         st.still[i] = held_for(1 if abs(st.v[i]) < AT_REST else 0, st.still[i], dt)
-        st.at_end[i] = held_for(st.ended[i], st.at_end[i], dt)
+        st.at_end[i] = held_for(st.ended[i], max(st.at_end[i], 0.0), dt)
         if p.watches[0] & WATCH_OFF_ROAD != 0:
             st.off_road[i] = held_for(is_off_road(n, st, i), st.off_road[i], dt)
         if p.watches[0] & WATCH_MOTION != 0:
             measure_motion(st, i, dt)
+
+
+@compiled
+def begin_watches(p: Program, st: State) -> None:
+    """Take the motion that entities begin with, once the init's actions have set it."""
+    if p.watches[0] & WATCH_MOTION != 0:
+        for i in range(p.entity_count[0]):
+            measure_motion(st, i, 0.0)
 
 
 @compiled
