@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from scenario_compiler.coverage.uses import files_with
 from scenario_compiler.engine import opcodes
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
+from scenario_compiler.source.openscenario.structure.elements import elements
 from scenario_compiler.vocabulary.word import Word
 
 WORDS = conflict_words()
@@ -41,6 +43,13 @@ def test_every_word_is_used_by_the_library_or_a_test(repository: Path) -> None:
     files = [file for folder in ("library", "tests") for file in (repository / folder).rglob("*.xml")]
     uses = files_with(files, (LibraryElement, CatalogElement))
     assert [word.__name__ for word in WORDS if not uses[word]] == []
+
+
+def test_what_is_exported_is_an_element_of_the_standard() -> None:
+    known = {tag for element in elements().values() for tag in element.tags}
+    for row in conflict_table().records():
+        for tag in re.findall(r"<(\w+)>", row["exported"]):
+            assert tag in known, (row["word"], tag)
 
 
 def test_a_table_has_a_text_in_every_cell() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from scenario_compiler.coverage.exported import exported
 from scenario_compiler.coverage.table import Table
 from scenario_compiler.source import catalogs, conflict
 from scenario_compiler.vocabulary import (
@@ -36,7 +37,7 @@ Stage = Literal["expansion", "compilation", "engine", "camera", "run", "judgemen
 """When a word takes effect."""
 
 NOT_YET = "not yet"
-"""What stands where nothing executes or exports a word."""
+"""What stands where nothing executes a word."""
 
 
 MOST_PARENTS = 4
@@ -238,8 +239,12 @@ EXECUTION: dict[type[Word], Execution] = {
 def conflict_table() -> Table:
     """Return the table of the conflict language's words, in the order of its reference."""
     columns = ("word", "stands in", "read", "executed, kinematic", "executed, CARLA", "exported")
-    rows = ((f"<{word.tag()}>", _parents(word), "yes", _executed(word), NOT_YET, NOT_YET) for word in conflict_words())
-    return Table("conflict", "The conflict language", columns, tuple(rows))
+    return Table("conflict", "The conflict language", columns, tuple(map(_row, conflict_words())))
+
+
+def _row(word: type[Word]) -> tuple[str, ...]:
+    stage = EXECUTION[word].stage if word in EXECUTION else ""
+    return (f"<{word.tag()}>", _parents(word), "yes", _executed(word), NOT_YET, exported(word, stage))
 
 
 def _executed(word: type[Word]) -> str:
