@@ -9,7 +9,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from scenario_compiler.compiler import compile_scenario
+    from scenario_compiler.compiler import Compilation, compile_built, compile_scenario
     from scenario_compiler.controllers import Control, ControllerModel, ControllerParams
     from scenario_compiler.diagnostics import CompileError
     from scenario_compiler.plan.model import Plan
@@ -20,8 +20,10 @@ if TYPE_CHECKING:
     from scenario_compiler.resources import find_map
     from scenario_compiler.roads import Network, load_network
     from scenario_compiler.runtime import open_world, run
+    from scenario_compiler.source.openscenario.export.files import write_openscenario
 
 _HOMES = {
+    "Compilation": "compiler",
     "CompileError": "diagnostics",
     "Control": "controllers",
     "ControllerModel": "controllers",
@@ -31,16 +33,19 @@ _HOMES = {
     "Plan": "plan.model",
     "Recording": "recording.recording",
     "Run": "report.run",
+    "compile_built": "compiler",
     "compile_scenario": "compiler",
     "find_map": "resources",
     "judge": "recording.outcome",
     "load_network": "roads",
     "open_world": "runtime",
     "run": "runtime",
+    "write_openscenario": "source.openscenario.export.files",
     "write_report": "report.html",
 }
 
 __all__ = [
+    "Compilation",
     "CompileError",
     "Control",
     "ControllerModel",
@@ -50,12 +55,14 @@ __all__ = [
     "Plan",
     "Recording",
     "Run",
+    "compile_built",
     "compile_scenario",
     "find_map",
     "judge",
     "load_network",
     "open_world",
     "run",
+    "write_openscenario",
     "write_report",
 ]
 

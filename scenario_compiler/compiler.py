@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lxml import etree
+
 from scenario_compiler.controllers import check_controller
 from scenario_compiler.diagnostics import Code, CompileError, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import UNREADABLE, Document, read_document
@@ -15,6 +17,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
 from scenario_compiler.source import Source, check_source, drop_allowed, expand, parse
+from scenario_compiler.source.building import completed
 from scenario_compiler.source.documents import map_place, read_scenario_document
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.vocabulary.entities import Controller
@@ -157,6 +160,29 @@ def compile_scenario(path: str | Path, **arguments: object) -> Plan:
     if compilation is None:
         raise CompileError(sink)
     return compilation.plan
+
+
+def compile_built(
+    scenario: Scenario, *, maps: Sequence[str | Path] = (), perception: Perception | None = None
+) -> Compilation:
+    """Compile a scenario that a program has built from words; relative paths start from the current folder.
+
+    Args:
+        scenario: The scenario; what it leaves to the library's catalogs is filled in.
+        maps: Folders that its map is looked for in first.
+        perception: What the lane confidence comes from; the camera when None.
+
+    Raises:
+        CompileError: The scenario is at fault; its `diagnostics` say how.
+    """
+    sink = Diagnostics()
+    whole = completed(scenario, sink)
+    nowhere = Document("<python>", "", etree.Element(Scenario.tag()))
+    overrides = Overrides(perception=perception)
+    done = None if sink.has_errors else compile_expanded(whole, nowhere, sink, [Path(one) for one in maps], overrides)
+    if done is None:
+        raise CompileError(sink)
+    return replace(done, plan=sealed(done.plan))
 
 
 SUFFIXES = (".xml", ".xosc", ".xodr")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import replace
 
 from lxml import etree
 
@@ -51,7 +52,8 @@ def _point(tag: str = "Position", *, required: bool = True) -> Child:
     return Child("position", tag, read_point, lambda word, output: write_point(word, output, tag), required)
 
 
-WAYPOINT = regular("Waypoint", Waypoint, choice(Waypoint, "strategy", "routeStrategy", "shortest"), _point())
+_STRATEGY = replace(choice(Waypoint, "strategy", "routeStrategy", "shortest"), always=True)
+WAYPOINT = regular("Waypoint", Waypoint, _STRATEGY, _point())
 ROUTE = regular("Route", Route, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1, wanted=2))
 
 

@@ -65,6 +65,7 @@ class _Kept:
     word: Word | None
     entity: str
     instead_of: str | None
+    triggering: dict[str, Any]
 
     def fits(self, word: Word) -> bool:
         return self.instead_of is None or self.instead_of == fingerprint(word)
@@ -97,7 +98,9 @@ class _Restoration:
         for child in element:
             if str(child.tag) in known:
                 word = read_word(child, known[str(child.tag)], reading)
-        self.kept[key] = _Kept(word, element.get("entity", ""), element.get("instead_of"))
+        triggering = tuple(one.get("entity", "") for one in element.findall("by"))
+        more = {"entities": triggering, "every": element.get("every") == "true"} if triggering else {}
+        self.kept[key] = _Kept(word, element.get("entity", ""), element.get("instead_of"), more)
 
     def scenario(self) -> Scenario:
         changes = self._of_scenario()
@@ -246,7 +249,8 @@ class _Restoration:
             for place, one in enumerate(group.conditions, 1):
                 kept = self.kept.get((of, name, str(number), str(place)))
                 if kept is not None and kept.word is not None and kept.fits(one.condition):
-                    one = one.model_copy(update={"condition": kept.word.written_at(one.condition.origin)})
+                    said = {"condition": kept.word.written_at(one.condition.origin), **kept.triggering}
+                    one = one.model_copy(update=said)
                 conditions.append(one)
             groups.append(group.model_copy(update={"conditions": tuple(conditions)}))
         return trigger.model_copy(update={"groups": tuple(groups)})

@@ -25,7 +25,7 @@ class ControllerProperty(Word):
     word: Literal["property"] = "property"
 
     name: str = attribute("Its name.")
-    value: str = attribute("Its value.")
+    value: str = attribute("Its value.", default="")
 
 
 class AssignControllerAction(Word):

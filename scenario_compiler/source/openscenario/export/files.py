@@ -11,7 +11,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.source.openscenario.export.distribution import export_variation
 from scenario_compiler.source.openscenario.export.document import export_openscenario
-from scenario_compiler.source.openscenario.output import Output, Version
+from scenario_compiler.source.openscenario.output import VERSIONS, Output, Version
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 
 
@@ -41,6 +41,28 @@ def export_files(
         if variation is not None:
             files[output.with_name(f"{output.stem}_variation{output.suffix}")] = _text(variation)
     return files
+
+
+def write_openscenario(
+    plan: Plan, network: Network, path: str | Path, version: str = "1.3", scenario: Scenario | None = None
+) -> Diagnostics:
+    """Write a plan as OpenSCENARIO, its road file beside it, over what is there; return what cannot be said in it.
+
+    Args:
+        plan: The plan.
+        network: Its map.
+        path: The scenario's file.
+        version: "1.0", "1.1", "1.2" or "1.3"; ValueError for any other.
+        scenario: What the plan was made from: without it, background traffic and how a sweep varies are lost.
+    """
+    known = {"{}.{}".format(*one): one for one in VERSIONS}
+    if version not in known:
+        raise ValueError(f"OpenSCENARIO is written in {', '.join(known)}, not in '{version}'")
+    sink = Diagnostics()
+    for file, content in export_files(plan, network, Path(path), known[version], sink, scenario).items():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content)
+    return sink
 
 
 def _text(element: etree._Element) -> bytes:

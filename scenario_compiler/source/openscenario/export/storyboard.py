@@ -116,6 +116,8 @@ class StoryboardWriter:
         inner = write_condition(one.condition, self.output)
         if inner is None:
             inner = made("UserDefinedValueCondition", name=one.condition.tag(), rule="equalTo", value="true")
+            keep.extend([made("by", entity=name) for name in one.entities])
+            keep.set("every", "true" if one.every else "false")
         self._compare(inner, one.condition, keep, self.output)
         delay = self.output.text(one.delay, one)
         return made(

@@ -1,0 +1,90 @@
+"""Scenarios that a program builds from words: completed as those that are read from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.resources import library_folder
+from scenario_compiler.source import names
+from scenario_compiler.source.catalogs import Catalogs, load_catalogs
+from scenario_compiler.source.events import storyboard_of
+from scenario_compiler.source.expansion import (
+    catalog_driver,
+    catalog_vehicles,
+    settled_weather,
+    traffic_models,
+    with_weather,
+)
+from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.storyboard import Storyboard, When
+from scenario_compiler.vocabulary.takeover import Driver
+from scenario_compiler.vocabulary.traversal import parameters_in, walk
+
+
+def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
+    """Return a scenario with everything filled in that a file leaves to the library, and its `whens` as a storyboard.
+
+    Vehicles that the scenario does not bring along, and the driver, come from the library's catalogs. Names of
+    entities, vehicles, drivers, presets and parameters that mean nothing are reported.
+    """
+    catalogs = load_catalogs(library_folder() / "catalogs", sink)
+    catalogs = catalogs.extended(Catalogs({one.name: one for one in scenario.vehicles}))
+    entities = [*([] if scenario.ego is None else [scenario.ego]), *scenario.actors]
+    _check_names(scenario, [one.id for one in entities], sink)
+    traffic = [traffic_models(one, catalogs, sink) for one in scenario.traffic]
+    vehicles = {one.name: one for one in catalog_vehicles(entities, catalogs, sink)}
+    vehicles.update((one.name, one) for _, models in traffic for one in models)
+    takeover = scenario.takeover
+    if isinstance(takeover.driver, Driver):
+        takeover = takeover.model_copy(update={"driver": catalog_driver(takeover.driver, catalogs, sink)})
+    changes = {
+        "weather": settled_weather(scenario.weather, sink),
+        "ego": None if scenario.ego is None else scenario.ego.model_copy(update={"whens": ()}),
+        "actors": tuple(
+            one.model_copy(update={"whens": ()}) if isinstance(one, Dynamic) else one for one in scenario.actors
+        ),
+        "traffic": tuple(one for one, _ in traffic),
+        "vehicles": tuple(vehicles.values()),
+        "storyboard": _with_whens(scenario.storyboard, entities, sink),
+        "takeover": takeover,
+    }
+    return scenario.model_copy(update=changes)
+
+
+def _with_whens(written: Storyboard, entities: Iterable[Ego | Static | Dynamic], sink: Diagnostics) -> Storyboard:
+    """Return a storyboard with a story behind its own in which the `whens` of the entities happen."""
+    listed = list(entities)
+    happenings: list[tuple[str, When]] = [
+        (one.id, with_weather(when, sink)) for one in listed if not isinstance(one, Static) for when in one.whens
+    ]
+    made = storyboard_of([one.id for one in listed], happenings)
+    written = with_weather(written, sink)
+    return written.model_copy(update={"stories": (*written.stories, *made.stories)})
+
+
+def _check_names(scenario: Scenario, ids: list[str], sink: Diagnostics) -> None:
+    for name in sorted({one for one in ids if ids.count(one) > 1}):
+        sink.add(names.DUPLICATE_NAME, f"there are several entities '{name}'", scenario.origin)
+    for name, where in _entities_named(scenario):
+        if name not in ids:
+            message = f"<{where}> names the entity '{name}', which the scenario does not have"
+            sink.add(names.UNKNOWN_ENTITY, message, scenario.origin, hint=did_you_mean(name, ids))
+    declared = {one.name for one in scenario.parameters}
+    for name in sorted(parameters_in(scenario) - declared):
+        message = f"there is no parameter '{name}'"
+        sink.add(names.UNKNOWN_PARAMETER, message, scenario.origin, hint=did_you_mean(name, declared))
+
+
+def _entities_named(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Yield the entities that words name, each with the word's tag or type."""
+    for word in walk(scenario):
+        for rule in grammar_of(type(word)).attributes.values():
+            if rule.spelling.names != "entity":
+                continue
+            value = getattr(word, rule.field)
+            for name in value if isinstance(value, tuple) else (value,):
+                if name:
+                    yield name, word.tag() or type(word).__name__
