@@ -11,7 +11,8 @@ from lxml import etree
 from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.structure.content import Content, State
 from scenario_compiler.structure.findings import Findings
-from scenario_compiler.structure.grammar import Attribute, Declaration, Grammar
+from scenario_compiler.structure.grammar import Grammar
+from scenario_compiler.structure.notation import Attribute, Declaration
 
 _XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
 

@@ -8,7 +8,8 @@ from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.document import parse_document
 from scenario_compiler.source.openscenario.structure import codes
 from scenario_compiler.structure.findings import Findings
-from scenario_compiler.structure.grammar import Declaration, Faults, Grammar, in_versions
+from scenario_compiler.structure.grammar import Faults, Grammar
+from scenario_compiler.structure.notation import Declaration, in_versions
 from scenario_compiler.structure.values import Kind, is_date_time, is_integer, is_integer_within, is_number
 from scenario_compiler.structure.walk import check_elements
 

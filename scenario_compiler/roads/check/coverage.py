@@ -6,7 +6,8 @@ It is made from the declarations of elements (`structure.grammar`) and from the 
 from __future__ import annotations
 
 from scenario_compiler.roads.check.unread import NOT_READ_IN, READ_ATTRIBUTES
-from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, Declaration, declarations
+from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, declarations
+from scenario_compiler.structure.notation import Declaration
 
 KEPT = """
 header

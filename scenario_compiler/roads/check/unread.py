@@ -10,7 +10,8 @@ from lxml import etree
 
 from scenario_compiler.document import Document
 from scenario_compiler.roads.structure import road_version
-from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, Declaration, declarations
+from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, declarations
+from scenario_compiler.structure.notation import Declaration
 
 READ = """
 OpenDRIVE

@@ -16,7 +16,8 @@ from scenario_compiler.roads.structure.object_elements import (
 from scenario_compiler.roads.structure.road_elements import LANE_ELEMENTS, ROAD_ELEMENTS
 from scenario_compiler.roads.structure.words import KINDS, WORDS
 from scenario_compiler.structure.content import Choice, Model, Name, Repeat, Sequence
-from scenario_compiler.structure.grammar import Declaration, Faults, Grammar
+from scenario_compiler.structure.grammar import Faults, Grammar
+from scenario_compiler.structure.notation import Declaration
 
 FIRST_MINOR, LAST_MINOR = 1, 8
 """Minor versions of OpenDRIVE 1 that are declared."""

@@ -12,7 +12,7 @@ from lxml import etree
 
 from scenario_compiler.roads.structure.codes import LOST_REFERENCE, REPEATED_KEY
 from scenario_compiler.structure.findings import Findings
-from scenario_compiler.structure.grammar import in_versions
+from scenario_compiler.structure.notation import in_versions
 
 
 @dataclass(frozen=True, slots=True)

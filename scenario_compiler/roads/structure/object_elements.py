@@ -1,4 +1,4 @@
-"""OpenDRIVE's elements of objects, signals, controllers and junctions; `grammar` explains the notation."""
+"""OpenDRIVE's elements of objects, signals, controllers and junctions; `structure.notation` explains the notation."""
 
 OBJECT_ELEMENTS = """
 objects

@@ -1,4 +1,4 @@
-"""OpenDRIVE's elements of header, roads, profiles, lanes and marks; `grammar` explains the notation."""
+"""OpenDRIVE's elements of header, roads, profiles, lanes and marks; `structure.notation` explains the notation."""
 
 ROAD_ELEMENTS = """
 OpenDRIVE

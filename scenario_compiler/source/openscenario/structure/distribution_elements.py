@@ -1,4 +1,4 @@
-"""OpenSCENARIO: distributions of parameter values; the notation is in `structure.grammar`."""
+"""OpenSCENARIO: distributions of parameter values; the notation is in `structure.notation`."""
 
 DISTRIBUTION_ELEMENTS = """
 ParameterValueDistribution

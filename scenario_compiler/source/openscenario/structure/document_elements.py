@@ -1,4 +1,4 @@
-"""OpenSCENARIO: the document, parameters, catalogs and the road network; the notation is in `structure.grammar`."""
+"""OpenSCENARIO: the document, parameters, catalogs and the road network; the notation is in `structure.notation`."""
 
 DOCUMENT_ELEMENTS = """
 OpenSCENARIO

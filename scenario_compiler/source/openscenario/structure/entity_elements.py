@@ -1,4 +1,4 @@
-"""OpenSCENARIO: entities, vehicles, controllers and traffic; the notation is in `structure.grammar`."""
+"""OpenSCENARIO: entities, vehicles, controllers and traffic; the notation is in `structure.notation`."""
 
 ENTITY_ELEMENTS = """
 Entities

@@ -1,4 +1,4 @@
-"""OpenSCENARIO: positions, routes and trajectories; the notation is in `structure.grammar`."""
+"""OpenSCENARIO: positions, routes and trajectories; the notation is in `structure.notation`."""
 
 POSITION_ELEMENTS = """
 Position

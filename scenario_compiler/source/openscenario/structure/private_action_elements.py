@@ -1,4 +1,4 @@
-"""OpenSCENARIO: actions of entities; the notation is in `structure.grammar`."""
+"""OpenSCENARIO: actions of entities; the notation is in `structure.notation`."""
 
 PRIVATE_ACTION_ELEMENTS = """
 PrivateAction

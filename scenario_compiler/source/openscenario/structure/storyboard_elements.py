@@ -1,4 +1,4 @@
-"""OpenSCENARIO: the storyboard, its triggers and conditions; the notation is in `structure.grammar`."""
+"""OpenSCENARIO: the storyboard, its triggers and conditions; the notation is in `structure.notation`."""
 
 STORYBOARD_ELEMENTS = """
 Storyboard
