@@ -10,7 +10,7 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 _SHAPE = "How the offset goes from one lane to the other."
 _INSTEAD = "A rate or a distance in place of the duration."
-_OFFSET = "Distance from the new lane's centre at the end, m, positive to the left in the entity's direction of travel."
+_OFFSET = "Distance from the new lane's centre at the end, m, along the road's t axis: positive to the left of s."
 
 
 class LaneChangeAction(Word):
@@ -60,8 +60,8 @@ class LimitedLaneOffsetAction(Word):
     word: Literal["limited_lane_offset"] = "limited_lane_offset"
 
     to: Number = attribute(
-        "Distance from the lane's centre, or from where the other entity is, m, positive to the left in the direction "
-        "of the lane's travel.",
+        "Distance from the lane's centre, or from where the other entity is, m, along the t axis: positive to the "
+        "left of s.",
         quantity="length",
     )
     of: str = attribute("Id of the entity whose offset is counted from.", default="", names="entity")

@@ -1,4 +1,7 @@
-"""Actions across the lanes. Left is positive, as the entity counted from travels, in the standard and in our words."""
+"""Actions across the lanes.
+
+Lanes are counted to the left as the entity counted from travels; offsets go along the t axis, to the left of s.
+"""
 
 from __future__ import annotations
 

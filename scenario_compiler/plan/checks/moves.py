@@ -1,0 +1,77 @@
+"""What actions on speeds, lanes and distances refer to: another entity, one distance, a lane that there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import (
+    LaneChangeToAction,
+    LateralDistanceAction,
+    LongitudinalDistanceAction,
+    SynchronizeAction,
+)
+from scenario_compiler.vocabulary.word import Word
+
+TO_ITSELF = Code(
+    "SC270",
+    "distance-to-itself",
+    "An entity is to keep a distance to itself, or to arrive together with itself."
+    '\n\n    <dynamic id="truck"> ... <do><keep_distance to="truck" distance="20"/></do>     to another entity',
+)
+TWO_DISTANCES = Code(
+    "SC271",
+    "distance-and-gap",
+    "An action gives a distance and a time gap; only one of them can be kept."
+    '\n\n    <keep_distance to="truck" time_gap="2"/>',
+)
+TWO_STEADY_STATES = Code(
+    "SC272",
+    "two-steady-states",
+    "The last stretch before an arrival is given by its time and by its distance; only one of them can hold."
+    '\n\n    <final_speed value="12" steady_time="2"/>',
+)
+NO_SUCH_LANE = Code(
+    "SC273",
+    "no-such-lane",
+    "A change goes to a lane that no road of the map has. It does nothing then."
+    '\n\n    <lane_change_to lane="-2" over_time="3"/>     lanes to the right of the reference line are negative',
+    Severity.WARNING,
+)
+
+OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", SynchronizeAction: "master"}
+"""Actions that only another entity gives a meaning to, and the attribute that names it."""
+
+
+def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report actions on speeds, lanes and distances that cannot be meant."""
+    lanes = set(network.tables.lane_id)
+    for actor, action in _actions(plan):
+        named = OTHERS.get(type(action))
+        if named is not None and getattr(action, named) == actor:
+            sink.add(TO_ITSELF, f"<{action.tag()}> of '{actor}' refers to '{actor}' itself", action.place_of(named))
+        if isinstance(action, LongitudinalDistanceAction) and None not in (action.distance, action.time_gap):
+            sink.add(TWO_DISTANCES, "both a distance and a time gap are given", action.place_of("time_gap"))
+        if isinstance(action, SynchronizeAction) and action.final_speed is not None:
+            final = action.final_speed
+            if None not in (final.steady_time, final.steady_distance):
+                message = "both a time and a distance of the steady state are given"
+                sink.add(TWO_STEADY_STATES, message, final.place_of("steady_distance"))
+        if isinstance(action, LaneChangeToAction) and lanes and action.lane not in lanes:
+            sink.add(NO_SUCH_LANE, f"no road of the map has a lane {action.lane}", action.place_of("lane"))
+
+
+def _actions(plan: Plan) -> Iterator[tuple[str, Word]]:
+    """Yield every action of the storyboard with each entity that does it."""
+    for initial in plan.storyboard.init:
+        yield initial.entity, initial.action
+    for story in plan.storyboard.stories:
+        for act in story.acts:
+            for group in act.groups:
+                for maneuver in group.maneuvers:
+                    for event in maneuver.events:
+                        for named in event.actions:
+                            for actor in group.actors or ("",):
+                                yield actor, named.action
