@@ -181,13 +181,16 @@ def print_run(run: Run, folder: Path | None) -> None:
 
     summary = summary_of(run)
     table = Table(show_header=False, box=None, pad_edge=False)
+    of_takeover = (
+        ("cause of the request", summary.cause),
+        ("time of the request", f"{summary.request_time} s"),
+        ("takeover time", f"{summary.takeover_time} s"),
+    )
     for label, value in (
         ("conflict", summary.name),
         ("result", summary.result),
         ("outcome", summary.outcome),
-        ("cause of the request", summary.cause),
-        ("time of the request", f"{summary.request_time} s"),
-        ("takeover time", f"{summary.takeover_time} s"),
+        *(() if run.plan.controller is None else of_takeover),
         ("minimum time to collision", f"{summary.minimum_ttc} s"),
     ):
         table.add_row(label, value)

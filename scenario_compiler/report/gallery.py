@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scenario_compiler.plan.model import Plan, StartPose
-from scenario_compiler.report.preview import way_ahead
+from scenario_compiler.report.preview import start_of, way_ahead
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.worlds.kinematic import KinematicWorld
@@ -69,7 +69,11 @@ class Card:
 
 
 def start_picture(plan: Plan, network: Network) -> bytes:
-    """Return the start as a driver on the way to it sees it, as a small PNG file; equal plans give equal bytes."""
+    """Return the start as a driver on the way to it sees it, as a small PNG file; equal plans give equal bytes.
+
+    Raises:
+        ValueError: No entity has a place before the run.
+    """
     from scenario_compiler.perception.overlay import encode_png
 
     shown = plan.model_copy(update={"entities": tuple(one for one in plan.entities if one.id in plan.derived)})
@@ -90,9 +94,11 @@ def start_picture(plan: Plan, network: Network) -> bytes:
 
 
 def _viewpoint(plan: Plan, network: Network) -> StartPose:
-    """Return where the start is seen from: the ego vehicle's start, or its way close to the first actor ahead."""
-    start = plan.derived[plan.ego.id]
-    others = [pose for name, pose in plan.derived.items() if name != plan.ego.id]
+    """Return where the start is seen from: the first entity's start, or its way close to the first actor ahead."""
+    start = start_of(plan)
+    if start is None:
+        raise ValueError(f"no entity of '{plan.name}' has a place before the run")
+    others = [pose for pose in plan.derived.values() if pose is not start]
     way = way_ahead(plan, network)
     if not others or min(math.dist((start.x, start.y), (one.x, one.y)) for one in others) <= CLOSE:
         return start

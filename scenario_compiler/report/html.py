@@ -21,7 +21,6 @@ from scenario_compiler.report.wording import (
     command,
     conditions,
     fixed,
-    outcome_words,
     summary_of,
 )
 
@@ -88,17 +87,18 @@ def render(runs: Sequence[Run], *, title: str = "") -> str:
 
 def _section(run: Run, anchor: str) -> Section:
     drawn = {}
-    if len(run.recording.t):
+    if run.recording.present[:, :1].any():
         drawn = {
             "time": plots.timeline_plot(run, f"{anchor}-time"),
             "near": plots.close_up_map(run, f"{anchor}-near"),
             "map": plots.overview_map(run, f"{anchor}-map"),
         }
+    summary = summary_of(run)
     return Section(
         anchor=anchor,
         run=run,
-        summary=summary_of(run),
-        outcome_words=outcome_words(run.outcome),
+        summary=summary,
+        outcome_words=summary.outcome,
         classification=classification(run),
         frames=_frames(run.recording.frames),
         plots=drawn,

@@ -113,7 +113,7 @@ def plot_map(
     ending = Path(path).suffix.lower()
     if ending not in {".png", ".svg"}:
         raise ValueError(f"a map is drawn as .png or .svg, not as '{Path(path).suffix}'")
-    shown = window if window is not None else _all_of(network)
+    shown = window if window is not None else extent_of(network)
     width, height = _figure_size(shown, size)
     with mpl.rc_context({"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans", "path.simplify": True}):
         figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
@@ -150,7 +150,7 @@ def draw_map(
     """
     figure = axes.get_figure(root=True)
     box = axes.get_window_extent()
-    shown = _fitted(window if window is not None else _all_of(network), box.width, box.height)
+    shown = _fitted(window if window is not None else extent_of(network), box.width, box.height)
     axes.set_xlim(shown.x_min, shown.x_max)
     axes.set_ylim(shown.y_min, shown.y_max)
     axes.set_aspect("equal", adjustable="box")
@@ -182,7 +182,8 @@ def draw_map(
     return _legend({shape.type for shape in shapes}, paints, bool(hulls), any(drawn))
 
 
-def _all_of(network: Network) -> Window:
+def extent_of(network: Network) -> Window:
+    """Return the part of the plane that holds all roads."""
     x0, y0, x1, y1 = network.bounds()
     margin = max(5.0, 0.03 * max(x1 - x0, y1 - y0))
     return Window(x0 - margin, y0 - margin, x1 + margin, y1 + margin)

@@ -81,7 +81,12 @@ NEAR = 60.0
 
 
 def timeline_plot(run: Run, prefix: str) -> str:
-    """Return an SVG of the takeover's states, lane confidence, speed and distance to the limit over time."""
+    """Return an SVG of the takeover's states, lane confidence, speed and distance to the limit over time.
+
+    Without an automated vehicle it is the speed alone.
+    """
+    if run.plan.controller is None:
+        return _speed_plot(run, prefix)
     recording, outcome = run.recording, run.outcome
     limit = np.fmin(recording.blocked_distance, recording.lane_end_distance)
     panels = ["confidence", "speed", *(["limit"] if np.isfinite(limit).any() else [])]
@@ -104,9 +109,26 @@ def timeline_plot(run: Run, prefix: str) -> str:
             axes[3].plot(recording.t, limit, color=EGO)
             axes[3].set_ylabel("distance to\nthe limit (m)")
             axes[3].set_ylim(bottom=0)
-        axes[-1].set_xlabel("time (s)")
-        axes[-1].set_xlim(float(recording.t[0]), max(float(recording.t[-1]), float(recording.t[0]) + 1e-3))
+        _time_axis(axes[-1], run)
         return svg_of(figure, prefix)
+
+
+def _speed_plot(run: Run, prefix: str) -> str:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 2.1), layout="constrained")
+        axis = figure.subplots()
+        for kind, t in run.moments:
+            axis.axvline(t, color=MOMENT_COLOURS[kind], linewidth=1.0)
+        axis.grid(axis="y")
+        _speed_panel(axis, run)
+        _time_axis(axis, run)
+        return svg_of(figure, prefix)
+
+
+def _time_axis(axis: Axes, run: Run) -> None:
+    t = run.recording.t
+    axis.set_xlabel("time (s)")
+    axis.set_xlim(float(t[0]), max(float(t[-1]), float(t[0]) + 1e-3))
 
 
 def _state_bar(axis: Axes, run: Run) -> None:
@@ -172,10 +194,11 @@ def _metres_per_second(speed: Any) -> Any:
 
 def overview_map(run: Run, prefix: str) -> str:
     """Return an SVG map of the whole run, turned so that the ego vehicle's way runs to the right."""
-    x, y = run.recording.x[:, 0], run.recording.y[:, 0]
-    turn = _principal_direction(x, y) if len(x) > 1 else float(run.recording.h[0, 0])
+    there = run.recording.present[:, 0]
+    x, y = run.recording.x[there, 0], run.recording.y[there, 0]
+    turn = _principal_direction(x, y) if len(x) > 1 else float(run.recording.h[there, 0][0])
     way = _turned(np.stack([x, y], axis=-1), -turn)
-    frame = np.concatenate([way, _others_near(run, way, turn, len(x) - 1)])
+    frame = np.concatenate([way, _others_near(run, way, turn, len(there) - 1)])
     return _map(run, prefix, turn, frame, margin=(30.0, 22.0))
 
 
@@ -184,8 +207,11 @@ def close_up_map(run: Run, prefix: str) -> str:
     recording = run.recording
     moments = dict(run.moments)
     row = _row_at(recording.t, moments.get("request", moments.get("collision", float(recording.t[-1]))))
+    there = np.nonzero(recording.present[:, 0])[0]
+    row = int(there[np.argmin(np.abs(there - row))])
     turn = float(recording.h[row, 0])
-    way = _turned(np.stack([recording.x[row:, 0], recording.y[row:, 0]], axis=-1), -turn)
+    there = there[there >= row]
+    way = _turned(np.stack([recording.x[there, 0], recording.y[there, 0]], axis=-1), -turn)
     here = way[0]
     near = way[np.abs(way - here).max(axis=-1) < 3 * CLOSE_UP]
     others = _others_near(run, near, turn, row)
@@ -294,7 +320,7 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
         }
         label = f"{WORDS[kind]}, {t:.2f} s"
         axis.plot(*box.mean(axis=0)[:, None], "X" if kind == "collision" else "o", zorder=9, label=label, **style)
-    if len(recording.t):
+    if len(recording.t) and recording.present[-1, 0]:
         last = _turned(np.stack([x[-1, 0], y[-1, 0]], axis=-1), -turn)
         axis.fill(*last.T, facecolor=EGO, edgecolor=PAPER, linewidth=0.7, zorder=7)
 

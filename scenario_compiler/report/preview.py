@@ -20,8 +20,8 @@ from matplotlib.patheffects import withStroke
 
 from scenario_compiler.expressions import Value
 from scenario_compiler.frames import center_from_reference
-from scenario_compiler.plan.model import Entity, Plan
-from scenario_compiler.report.map_plot import draw_map
+from scenario_compiler.plan.model import Entity, Plan, StartPose
+from scenario_compiler.report.map_plot import draw_map, extent_of
 from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
 from scenario_compiler.report.surroundings import Window
 from scenario_compiler.roads.network import Network
@@ -91,7 +91,7 @@ def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, 
         ValueError: When the ending is neither .png nor .svg.
         OSError: When the file cannot be written.
     """
-    window = _around(way_ahead(plan, network))
+    window = _around(way_ahead(plan, network)) or extent_of(network)
     share = (window.y_max - window.y_min) / (window.x_max - window.x_min)
     with _style():
         figure = Figure(figsize=(size, min(max(share, 0.3), 1.0) * size + 0.6), dpi=dpi, facecolor="white")
@@ -105,21 +105,30 @@ def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, 
 
 
 def section_of(plan: Plan, network: Network) -> Window:
-    """Return the part of the map that holds every start and the way to the farthest actor ahead."""
+    """Return the part of the map that holds every start and the way to the farthest actor ahead; else all of it."""
     starts = [(pose.x, pose.y) for pose in plan.derived.values()]
-    ego = plan.derived[plan.ego.id]
+    ego = start_of(plan)
+    if ego is None:
+        return extent_of(network)
     reach = max([60.0, *(math.hypot(x - ego.x, y - ego.y) + 20.0 for x, y in starts)])
     ahead = [point for point in way_ahead(plan, network) if math.hypot(point[0] - ego.x, point[1] - ego.y) <= reach]
-    return _around([*starts, *ahead])
+    return _around([*starts, *ahead]) or extent_of(network)
 
 
-def _around(points: list[tuple[float, float]]) -> Window:
+def start_of(plan: Plan) -> StartPose | None:
+    """Return where the first entity starts that has a place before the run; None where none has."""
+    return next((plan.derived[one.id] for one in plan.entities if one.id in plan.derived), None)
+
+
+def _around(points: list[tuple[float, float]]) -> Window | None:
+    if not points:
+        return None
     xs, ys = [x for x, _ in points], [y for _, y in points]
     return Window(min(xs) - MARGIN, min(ys) - MARGIN, max(xs) + MARGIN, max(ys) + MARGIN)
 
 
 def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
-    """Return points along the ego vehicle's route, or along its lane straight on, (x, y) in m."""
+    """Return points along the first vehicle's route, or along its lane straight on, (x, y) in m; none without one."""
     if plan.route:
         return [
             network.lane_pose(leg.road, leg.lane, _between(leg.s_from, leg.s_to, k, count))[:2]
@@ -127,7 +136,9 @@ def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
             for count in [max(1, math.ceil(abs(leg.s_to - leg.s_from) / SPACING))]
             for k in range(count + 1)
         ]
-    pose = plan.derived[plan.ego.id]
+    pose = start_of(plan)
+    if pose is None:
+        return []
     place: LanePosition | None = next(iter(network.locate(pose.x, pose.y)), None)
     points = [(pose.x, pose.y)]
     for _ in range(int(REACH / SPACING)):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.run import Run
+from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.takeover import Cause, Driver
 from scenario_compiler.vocabulary.word import Number, number_value
 
@@ -60,25 +61,27 @@ def summary_of(run: Run) -> Summary:
         request_time=measured(outcome, "request_time"),
         takeover_time=measured(outcome, "takeover_time"),
         minimum_ttc=measured(outcome, "minimum_time_to_collision"),
-        outcome=outcome_words(outcome),
+        outcome=outcome_words(outcome, automated=run.plan.controller is not None),
         result=outcome.result,
     )
 
 
-def outcome_words(outcome: Outcome) -> str:
-    """Return what came of a run in a few words."""
-    ended = {
+def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
+    """Return what came of a run in a few words; without an automated vehicle, nothing of takeovers."""
+    took_over = {
         "no_request": "no takeover request",
         "driver": "driver took over",
         "minimum_risk": "minimum-risk manoeuvre",
         "unanswered": "request unanswered",
     }[outcome.resolution]
     if outcome.collision_with is not None:
-        return f"{ended}, collision" + (f" with {outcome.collision_with}" if outcome.collision_with else "")
-    if outcome.result == "error":
-        return f"{ended}, run broke off"
-    stands = {"destination": "destination reached", "standstill": "stopped safely"}.get(outcome.stop_reason, "")
-    return f"{ended}, {stands or 'no collision'}"
+        ended = "collision" + (f" with {outcome.collision_with}" if outcome.collision_with else "")
+    elif outcome.result == "error":
+        ended = "run broke off"
+    else:
+        stands = {"destination": "destination reached", "standstill": "stopped safely"}
+        ended = stands.get(outcome.stop_reason, "no collision")
+    return f"{took_over}, {ended}" if automated else ended
 
 
 def measured(outcome: Outcome, name: str) -> str:
@@ -116,7 +119,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         *[("Speed at the start", number(one.speed, "m/s")) for one in plan.entities[:1]],
         ("Other actors", ", ".join(f"{e.id} ({e.vehicle.name})" for e in plan.entities[1:]) or "none"),
         ("Markings changed", ", ".join(f"road {m.road}" for m in plan.markings) or "none"),
-        ("Markings added", ", ".join(f"{m.colour} on road {m.road}" for m in plan.secondary_markings) or "none"),
+        ("Markings added", ", ".join(map(_line, plan.secondary_markings)) or "none"),
         ("World", header.world),
         ("Step, control", f"{decimal(plan.step)} s, every {plan.control_every}. step"),
         ("Duration at most", f"{decimal(plan.duration)} s"),
@@ -136,6 +139,11 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         ]
     rows += [(f"${name}", _plain(value)) for name, value in sorted(header.parameters.items())]
     return rows
+
+
+def _line(line: SecondaryMarkings | LineBeside) -> str:
+    where = f"on road {line.road}" if isinstance(line, SecondaryMarkings) else f"beside {line.entity}"
+    return f"{line.colour} {where}"
 
 
 def _cause(cause: Cause) -> str:
