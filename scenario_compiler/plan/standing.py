@@ -74,7 +74,10 @@ def stands_at(binder: Binder, position: Position | BoundPosition, standings: Sta
         base = standings.get(position.entity)
         return None if base is None or base.lane is None else _along_road(binder, position, base.lane)
     lanes = {name: one.lane for name, one in standings.items() if one.lane is not None}
-    found = binder.resolve(position, lanes)
+    try:
+        found = binder.resolve(position, lanes)
+    except ValueError:  # a place that the map does not have, which binding it has reported
+        return None
     return None if found is None else Standing(found[1], found[0])
 
 
