@@ -13,7 +13,7 @@ from scenario_compiler.engine.distances import along_axis, along_roads, turned_a
 from scenario_compiler.engine.keeping_distance import limit_or
 from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
 from scenario_compiler.engine.motion import glide, place_scripted
-from scenario_compiler.engine.numbers import angle_between, clip, safe_sqrt
+from scenario_compiler.engine.numbers import angle_between, clip, heading_in_circle, safe_sqrt
 from scenario_compiler.engine.opcodes import (
     FAR,
     FLAG_AHEAD,
@@ -33,6 +33,7 @@ from scenario_compiler.engine.slots import (
     A_DECELERATION,
     A_MOST_SPEED,
     A_TARGET,
+    E_MAX_ACCELERATION,
     E_WIDTH,
 )
 from scenario_compiler.engine.spring import spring_acceleration
@@ -55,7 +56,7 @@ def left_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, f
     i = p.action_entity[k]
     j = p.action_other[k]
     if p.action_mode[k] in (FRAME_ENTITY, FRAME_WORLD):
-        axis = st.h[i] - st.turn[i]
+        axis = st.h[i] - st.turn[i] if st.road[i] >= 0 else st.h[j]
         left = along_axis(axis, st.x[j] - st.x[i], st.y[j] - st.y[i], MEASURE_ACROSS)
         return left, 1.0 if cos(angle_between(st.h[j], axis)) >= 0.0 else -1.0
     ahead, left, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
@@ -101,7 +102,7 @@ def shift_by(n: RoadTables, p: Program, st: State, i: int, left: float) -> None:
 def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     """Go on towards the distance; return 1 where it is reached and need not be kept."""
     i = p.action_entity[k]
-    if p.action_other[k] < 0 or st.road[i] < 0:
+    if p.action_other[k] < 0:
         return 1
     if st.action_progress[k] <= 0.0:
         st.action_progress[k] = 1.0
@@ -119,13 +120,28 @@ def step_keep_aside(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
     if dt <= 0.0:
         return 0
     done = 1 if abs(error) < NEAR_ASIDE and flags & FLAG_CONTINUOUS == 0 else 0
-    if flags & FLAG_LIMITED != 0:
+    if st.road[i] < 0:
+        steer_aside(p, st, k, error, dt)
+    elif flags & FLAG_LIMITED != 0:
         drive_aside(n, p, st, k, error, dt)
     else:
         shift_by(n, p, st, i, error)
         st.turn[i] = atan2(error, st.v[i] * dt) if abs(error) > TOLERANCE else 0.0
         place_scripted(n, p, st, i)
     return done
+
+
+@compiled
+def steer_aside(p: Program, st: State, k: int, error: float, dt: float) -> None:
+    """Turn an entity that is off every road towards the distance, as its acceleration lets it."""
+    i = p.action_entity[k]
+    j = p.action_other[k]
+    if abs(st.v[i]) < TOLERANCE:
+        return
+    most = limit_or(p, k, A_ACCELERATION, p.const[p.entity_const[i] + E_MAX_ACCELERATION])
+    speed = st.v[i] * sin(angle_between(st.h[i], st.h[j])) - drift(st, j)
+    turn = spring_acceleration(error, speed, most, most, most) * dt / st.v[i]
+    st.h[i] = heading_in_circle(st.h[i] + turn)
 
 
 @compiled

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import cos
 
-from scenario_compiler.engine.distances import along_axis, along_roads, half_extent, turned_against
+from scenario_compiler.engine.distances import along_axis, along_roads, gap_beyond, half_extent, turned_against
 from scenario_compiler.engine.motion import glide, place_scripted
 from scenario_compiler.engine.numbers import angle_between, clip
 from scenario_compiler.engine.opcodes import (
@@ -101,7 +101,7 @@ def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
     st.action_a[k] = side
     st.action_b[k] = p.const[p.action_const[k] + A_TARGET]
     if flags & FLAG_PRESENT != 0 and ahead < FAR:
-        st.action_b[k] = side * ahead - reach
+        st.action_b[k] = side * gap_beyond(ahead, reach)
     st.action_change[k] = 0.0
 
 
@@ -119,7 +119,7 @@ def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) 
     wanted = st.action_b[k]
     if flags & FLAG_TIME_GAP != 0:
         wanted = wanted * abs(st.v[j])
-    error = ahead - st.action_a[k] * (wanted + reach)
+    error = gap_beyond(ahead, reach) - st.action_a[k] * wanted
     if flags & FLAG_CONTINUOUS == 0 and abs(error) < NEAR_ENOUGH:
         return 1
     if flags & FLAG_LIMITED != 0:
