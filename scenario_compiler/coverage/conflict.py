@@ -116,6 +116,7 @@ EXECUTION: dict[type[Word], Execution] = {
     sensors.Failure: _engine("failures", "ACTION_FAILURE"),
     markings.Markings: _engine("lane_confidence", "ALL_MARKS"),
     markings.SecondaryMarkings: Execution("camera", "worlds.kinematic"),
+    markings.LineBeside: Execution("camera", "worlds.kinematic"),
     weather.Weather: Execution("camera", "perception.weather_look"),
     positions.SpawnPoints: _BOUND,
     positions.NamedPosition: _BOUND,

@@ -313,7 +313,8 @@ def add_traffic(draft: Draft) -> None:
 def check_markings(draft: Draft) -> None:
     """Report marks on roads that the map does not have."""
     scenario = draft.scenario
-    paint: tuple[Markings | SecondaryMarkings, ...] = (*scenario.markings, *scenario.secondary_markings)
+    beside = [line for line in scenario.secondary_markings if isinstance(line, SecondaryMarkings)]
+    paint: tuple[Markings | SecondaryMarkings, ...] = (*scenario.markings, *beside)
     for stretch in paint:
         draft.binder.on_road(stretch, stretch.road, 0.0)
 

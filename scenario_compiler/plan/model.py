@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
-from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
+from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePosition
 from scenario_compiler.vocabulary.scenario import Classification, Parameter
 from scenario_compiler.vocabulary.sensors import Camera
@@ -109,7 +109,9 @@ class Plan(PlanPart):
     destination: LanePosition | None = Field(default=None, description="Where the run ends.")
     route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
     markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")
-    secondary_markings: tuple[SecondaryMarkings, ...] = Field(default=(), description="Lines beside the map's paint.")
+    secondary_markings: tuple[SecondaryMarkings | LineBeside, ...] = Field(
+        default=(), description="Lines beside the map's paint."
+    )
     variables: tuple[Variable, ...] = Field(default=(), description="Values that change while it runs.")
     signal_controllers: tuple[SignalController, ...] = Field(default=(), description="Controllers of traffic signals.")
     storyboard: Storyboard = Field(description="What happens.")

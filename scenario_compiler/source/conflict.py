@@ -23,7 +23,7 @@ from scenario_compiler.source.reading import misspelt, place_children, read_attr
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Row, Static, Traffic, WorkZone
-from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
+from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import SpawnPoints
 from scenario_compiler.vocabulary.scenario import Classification, Parameter, Scenario
 from scenario_compiler.vocabulary.signals import SignalController
@@ -141,7 +141,9 @@ class For(Word):
     items: tuple[Any, ...] = child("What is put there for each value.", default=())
 
 
-Item = Static | Dynamic | Row | WorkZone | Traffic | Markings | SecondaryMarkings | EntityWhen | Use | If | Repeat | For
+Paint = Markings | SecondaryMarkings | LineBeside
+
+Item = Static | Dynamic | Row | WorkZone | Traffic | Paint | EntityWhen | Use | If | Repeat | For
 
 for _word in (Else, If, Repeat, For):  # they hold items and are items: told here, where Item is known
     _word.model_fields["items"].annotation = tuple[Item, ...]

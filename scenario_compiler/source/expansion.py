@@ -28,6 +28,7 @@ from scenario_compiler.source.templates import Expander, Scope, template_paramet
 from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.takeover import Driver, DriverModel, Takeover
@@ -146,7 +147,7 @@ class _Attempt:
             traffic=tuple(one for one, _ in traffic),
             vehicles=tuple({one.name: one for one in (*vehicles, *(v for _, some in traffic for v in some))}.values()),
             markings=tuple(self.expander.contents.markings),
-            secondary_markings=tuple(self.expander.contents.secondary_markings),
+            secondary_markings=self._lines(),
             storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings)),
             variables=self.words.get("variables", ()),
             signal_controllers=self.words.get("signal_controllers", ()),
@@ -211,6 +212,11 @@ class _Attempt:
             if full in self.scope.ids and not ({full} | _names(in_full)) & lost:
                 happenings.append((full, in_full))
         return actors, happenings
+
+    def _lines(self) -> tuple[SecondaryMarkings | LineBeside, ...]:
+        """Return the lines that are painted, references in full; those beside actors that were lost are left out."""
+        found = [scope.resolved(line, self.sink) for line, scope in self.expander.contents.lines]
+        return tuple(line for line in found if not _names(line) & self.expander.unread)
 
     def _weather(self, text: str) -> Weather:
         weather = weather_preset(text)

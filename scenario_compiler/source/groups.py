@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from scenario_compiler.vocabulary.entities import Row, Static, WorkZone
+from scenario_compiler.vocabulary.markings import LineBeside
 from scenario_compiler.vocabulary.positions import BesidePosition
 from scenario_compiler.vocabulary.word import Number
 
@@ -25,6 +26,20 @@ ACROSS = math.pi / 2
 def members(group: Row | WorkZone) -> list[Static]:
     """Return what a group consists of; all but the first are placed relative to the first."""
     return _row(group) if isinstance(group, Row) else _work_zone(group)
+
+
+LINE_ASIDE = 0.4
+"""Distance of the temporary line from the cones of the closed stretch, on the side that stays open, m."""
+
+
+def lines(group: Row | WorkZone) -> list[LineBeside]:
+    """Return the lines that a group paints: along the closed stretch of a work zone that wants one."""
+    if isinstance(group, Row) or not group.line:
+        return []
+    across = group.across + math.copysign(LINE_ASIDE, group.across)
+    first = f"{group.id}.taper.1"
+    line = LineBeside(entity=first, s_from=group.taper, s_to=group.taper + group.length, across=across)
+    return [line.written_at(group.origin)]
 
 
 def _row(row: Row) -> list[Static]:

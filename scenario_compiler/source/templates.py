@@ -30,12 +30,12 @@ from scenario_compiler.source.conflict import (
     read_library,
 )
 from scenario_compiler.source.environment import Environment, Reading
-from scenario_compiler.source.groups import members
+from scenario_compiler.source.groups import lines, members
 from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
 from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.entities import Dynamic, Row, Static, Traffic, WorkZone
 from scenario_compiler.vocabulary.grammar import NUMBER, ChildRule, grammar_of
-from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
+from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.traversal import AnyWord, replaced
 from scenario_compiler.vocabulary.word import ENTITY_ID, Word
@@ -187,7 +187,7 @@ class Contents:
     actors: list[tuple[Static | Dynamic, Scope]] = field(default_factory=list)
     traffic: list[Traffic] = field(default_factory=list)
     markings: list[Markings] = field(default_factory=list)
-    secondary_markings: list[SecondaryMarkings] = field(default_factory=list)
+    lines: list[tuple[SecondaryMarkings | LineBeside, Scope]] = field(default_factory=list)
     happenings: list[tuple[str, EntityWhen | When, Scope]] = field(default_factory=list)
     count: int = 0
 
@@ -242,12 +242,13 @@ class Expander:
             elif isinstance(item, Row | WorkZone):
                 for one in members(item):
                     self._add_actor(one, scope, reading.sink)
+                self.contents.lines += [(line, scope) for line in lines(item)]
             elif isinstance(item, Traffic):
                 self._add_traffic(item, scope, reading.sink)
             elif isinstance(item, Markings):
                 self.contents.markings.append(item)
-            elif isinstance(item, SecondaryMarkings):
-                self.contents.secondary_markings.append(item)
+            elif isinstance(item, SecondaryMarkings | LineBeside):
+                self.contents.lines.append((item, scope))
             elif isinstance(item, EntityWhen):
                 self.contents.happenings.append((item.entity, scope.name_event(item, reading.sink), scope))
             elif isinstance(item, Use):
@@ -331,7 +332,7 @@ class Expander:
         """Remember what an item that cannot be read would have brought."""
         if element.tag in (Static.tag(), Dynamic.tag()) and re.fullmatch(ENTITY_ID, element.get("id", "")):
             self.unread.add(scope.declare(str(element.get("id"))))
-        elif element.tag not in (Markings.tag(), SecondaryMarkings.tag()):
+        elif element.tag not in (Markings.tag(), SecondaryMarkings.tag(), LineBeside.tag()):
             scope.all_read = False
 
     def _add_actor(self, actor: Static | Dynamic, scope: Scope, sink: Diagnostics) -> None:

@@ -190,6 +190,10 @@ class WorkZone(Word):
         minimum=0,
         maximum=300,
     )
+    line: bool = attribute(
+        "Whether a temporary yellow line runs along the cones of the closed stretch, on the side that stays open.",
+        default=False,
+    )
     at: Position = child("Where the first cone stands: at the lane's edge.", wrapper="at")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.word import Number, Word, attribute
+from scenario_compiler.vocabulary.word import Number, Word, attribute, same_as
 
 MarkColour = Literal["white", "yellow", "orange", "red", "blue"]
 
@@ -72,3 +72,30 @@ class SecondaryMarkings(Word):
     quality: Number = attribute(
         "Quality: 1 is fresh paint, 0 is none.", default=1.0, quantity="fraction", minimum=0, maximum=1
     )
+
+
+class LineBeside(Word):
+    """A line painted beside where an entity starts, such as the temporary one along a work zone's cones.
+
+    It lies on the road that the entity starts on, along it, and ends with it. It matters to the camera alone.
+    """
+
+    word: Literal["line_beside"] = "line_beside"
+
+    entity: str = attribute("Id of the entity that the line is measured from.", names="entity")
+    s_from: Number = attribute(
+        "Begin of the line along the road from the entity, m, positive to where it faces.",
+        name="from",
+        default=0.0,
+        quantity="length",
+    )
+    s_to: Number = attribute("End of the line, m, counted likewise.", name="to", quantity="length")
+    across: Number = attribute(
+        "Distance of the line's middle from the entity, m, positive to the left of where it faces.",
+        default=0.0,
+        quantity="length",
+    )
+    colour: MarkColour = same_as(SecondaryMarkings, "colour")
+    type: Literal["solid", "broken"] = same_as(SecondaryMarkings, "type")
+    width: Number = same_as(SecondaryMarkings, "width")
+    quality: Number = same_as(SecondaryMarkings, "quality")

@@ -8,7 +8,7 @@ from typing import Literal
 from scenario_compiler.expressions import Value
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Actor, Ego, Traffic, Vehicle
-from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
+from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import SpawnPoints
 from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
@@ -94,7 +94,7 @@ class Scenario(Word):
     traffic: tuple[Traffic, ...] = child("Background traffic.", default=())
     vehicles: tuple[Vehicle, ...] = child("The vehicles that the entities are.", default=())
     markings: tuple[Markings, ...] = child("Where the paint differs from the map's.", default=())
-    secondary_markings: tuple[SecondaryMarkings, ...] = child("Lines beside the map's paint.", default=())
+    secondary_markings: tuple[SecondaryMarkings | LineBeside, ...] = child("Lines beside the map's paint.", default=())
     variables: tuple[Variable, ...] = child("Values that change while it runs.", default=())
     signal_controllers: tuple[SignalController, ...] = child("Controllers of traffic signals.", default=())
     storyboard: Storyboard = child("What happens.", default_factory=Storyboard)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 import zlib
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from scenario_compiler.controllers.model import CameraMounting, SensorData
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.randomness import random_unit
-from scenario_compiler.roads import MarkStretch, Network, SecondaryLine
+from scenario_compiler.roads import MarkStretch, Network, Pose, SecondaryLine
+from scenario_compiler.roads.lanes import lane_centre
 from scenario_compiler.vocabulary.entities import Category
+from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import number_value
@@ -59,6 +62,7 @@ class KinematicWorld:
         self._seed = 1
         self._camera: RoadCamera | None = None
         self._viewer: RoadCamera | None = None
+        self._lines: list[SecondaryLine] = []
         camera = plan.camera
         self._mounting = CameraMounting(
             camera.width,
@@ -71,9 +75,10 @@ class KinematicWorld:
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
         """Begin a run: noise and rain are drawn from its seed."""
-        del snapshot
-        if seed != self._seed:
+        lines = lines_beside(self.plan, self.network, snapshot.poses)
+        if seed != self._seed or lines != self._lines:
             self._camera = self._viewer = None
+        self._lines = lines
         if self._camera is not None:
             self._camera.forget()
         self._seed = seed
@@ -113,7 +118,7 @@ class KinematicWorld:
 
         if self._camera is None:
             painted = self.network.with_mark_quality(mark_stretches(self.plan))
-            scene = scene_of(painted, secondary_lines(self.plan))
+            scene = scene_of(painted, [*secondary_lines(self.plan), *self._lines])
             center = self.plan.ego.vehicle.center
             self._camera = RoadCamera(scene, self._mounting.camera(), self._seed, center)
         return self._camera
@@ -178,7 +183,36 @@ def secondary_lines(plan: Plan) -> list[SecondaryLine]:
             number_value(line.quality, values),
         )
         for line in plan.secondary_markings
+        if isinstance(line, SecondaryMarkings)
     ]
+
+
+def lines_beside(plan: Plan, network: Network, poses: Sequence[Pose]) -> list[SecondaryLine]:
+    """Return the lines that the plan paints beside entities, which start at these poses; none beside one off the roads.
+
+    Args:
+        plan: The plan.
+        network: Its map.
+        poses: Where each entity starts, in the plan's order.
+    """
+    values = parameter_values(plan.parameters)
+    starts = {entity.id: pose for entity, pose in zip(plan.entities, poses, strict=True)}
+    found = []
+    for line in plan.secondary_markings:
+        if not isinstance(line, LineBeside):
+            continue
+        pose = starts[line.entity]
+        for place in network.locate(pose.x, pose.y, nearest=True)[:1]:
+            row = network.road_index(place.road)
+            centre, _ = lane_centre(network.tables, row, place.lane, place.s)
+            along = network.road_pose(place.road, place.s, 0.0).heading
+            facing = 1.0 if math.cos(pose.heading - along) > 0.0 else -1.0
+            ends = [place.s + facing * number_value(one, values) for one in (line.s_from, line.s_to)]
+            t = centre + place.offset + facing * number_value(line.across, values)
+            width, quality = number_value(line.width, values), number_value(line.quality, values)
+            broken = line.type == "broken"
+            found.append(SecondaryLine(place.road, min(ends), max(ends), t, line.colour, broken, width, quality))
+    return found
 
 
 def covered_pieces(road: str, s_from: float, s_to: float, coverage: float) -> list[float]:

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from scenario_compiler import open_world
 from scenario_compiler.compiler import Compilation, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.perception.road_camera import RoadCamera, scene_of
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.roads import MarkStretch, SecondaryLine
+from scenario_compiler.roads import MarkStretch, Pose, SecondaryLine
 from scenario_compiler.vocabulary.markings import SecondaryMarkings
-from scenario_compiler.worlds.kinematic import mark_stretches, secondary_lines
+from scenario_compiler.worlds import Snapshot
+from scenario_compiler.worlds.kinematic import lines_beside, mark_stretches, secondary_lines
 
 HEAD = """<scenarios version="1"><scenario name="paint" map="town_grid" duration="5">
 <parameter name="side" type="length" default="-1.5"/>
@@ -50,6 +52,7 @@ def white(image: NDArray[np.int64]) -> NDArray[np.bool_]:
 def test_the_plan_carries_the_line_and_its_digest_knows_it(tmp_path: Path) -> None:
     without, done = compiled(tmp_path, ""), compiled(tmp_path, LINE)
     line = done.plan.secondary_markings[0]
+    assert isinstance(line, SecondaryMarkings)
     assert (line.road, line.s_from, line.s_to, line.colour, line.type) == ("1", 90.0, 160.0, "yellow", "solid")
     assert [parameter.name for parameter in done.plan.parameters] == ["side"]
     assert secondary_lines(done.plan) == [SecondaryLine("1", 90.0, 160.0, -1.5, "yellow", False, 0.12, 1.0)]
@@ -91,3 +94,47 @@ def test_what_is_no_line_is_reported(tmp_path: Path, attributes: str) -> None:
     sink = Diagnostics()
     assert compile_target(path, {}, sink) is None
     assert sink.has_errors
+
+
+ZONE = """<work_zone id="works" length="40" taper="10" across="1.2" spacing="5" sign_before="0" line="true">
+<at>{at}</at></work_zone>"""
+
+
+@pytest.mark.parametrize(
+    ("at", "ends", "t"),
+    [
+        ('<lane road="1" lane="-1" s="120" offset="-1.6"/>', (130.0, 170.0), -1.75 - 1.6 + 1.2 + 0.4),
+        ('<ahead_of entity="ego" distance="20" offset="-1.6"/>', (130.0, 170.0), -1.75 - 1.6 + 1.2 + 0.4),
+        ('<lane road="1" lane="1" s="200" offset="1.6"/>', (150.0, 190.0), 1.75 + 1.6 - 1.2 - 0.4),
+    ],
+)
+def test_the_line_of_a_work_zone_runs_along_its_cones(
+    tmp_path: Path, at: str, ends: tuple[float, float], t: float
+) -> None:
+    done = compiled(tmp_path, ZONE.format(at=at))
+    poses = [done.plan.derived[entity.id] for entity in done.plan.entities]
+    (line,) = lines_beside(done.plan, done.network, [Pose(p.x, p.y, p.z, p.heading, 0.0, 0.0) for p in poses])
+    assert (line.road, line.colour, line.broken) == ("1", "yellow", False)
+    assert (line.s_from, line.s_to, line.t) == pytest.approx((*ends, t), abs=1e-6)
+
+
+def test_the_camera_sees_the_line_of_a_work_zone(tmp_path: Path) -> None:
+    zone = ZONE.format(at='<lane road="1" lane="-1" s="105" offset="-1.6"/>')
+    seen = []
+    for body in (zone, zone.replace(' line="true"', "")):
+        done = compiled(tmp_path, body)
+        world = open_world("kinematic", done.plan, done.network)
+        poses = [done.plan.derived[entity.id] for entity in done.plan.entities]
+        placed = tuple(Pose(p.x, p.y, p.z, p.heading, 0.0, 0.0) for p in poses)
+        snapshot = Snapshot(0.0, 0, (True,) * len(placed), placed, (0.0,) * len(placed), 0.0)
+        world.reset(snapshot, 1)
+        seen.append(int(yellow(world.observe(snapshot).image.astype(np.int64)).sum()))
+    assert seen[0] > seen[1] + 50
+
+
+def test_a_line_beside_nobody_is_a_fault(tmp_path: Path) -> None:
+    path = tmp_path / "paint.xml"
+    path.write_text(f'{HEAD}<line_beside entity="nobody" to="9"/></scenario></scenarios>', encoding="utf-8")
+    sink = Diagnostics()
+    assert compile_target(path, {}, sink) is None
+    assert [(one.code.id, one.place.line) for one in sink] == [("SC222", 3)]
