@@ -14,6 +14,7 @@ from scenario_compiler.engine.lane_offsets import step_limited_offset
 from scenario_compiler.engine.opcodes import (
     ACTION_ANIMATION,
     ACTION_FOLLOW_PATH,
+    ACTION_FOLLOW_TRAJECTORY,
     ACTION_KEEP_DISTANCE,
     ACTION_KEEP_LATERAL_DISTANCE,
     ACTION_LANE_CHANGE,
@@ -34,6 +35,7 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import action_done
 from scenario_compiler.engine.synchronizing import step_synchronize
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.trajectories import step_trajectory
 from scenario_compiler.engine.world_actions import step_animation
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -60,6 +62,8 @@ def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None
         done = step_synchronize(n, p, st, k, dt)
     elif op == ACTION_ANIMATION:
         done = step_animation(p, st, k, dt)
+    elif op == ACTION_FOLLOW_TRAJECTORY:
+        done = step_trajectory(n, p, st, k, dt)
     elif op == ACTION_FOLLOW_PATH:
         done = step_follow_path(n, p, st, k, dt)
     if done == 1:

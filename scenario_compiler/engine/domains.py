@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.opcodes import (
     ACTION_FOLLOW_PATH,
+    ACTION_FOLLOW_TRAJECTORY,
     ACTION_KEEP_DISTANCE,
     ACTION_KEEP_LATERAL_DISTANCE,
     ACTION_LANE_CHANGE,
@@ -32,7 +33,7 @@ def holds_speed(op: int) -> int:
 @compiled
 def holds_lane(op: int) -> int:
     """Return 1 where an action of this kind decides on where its entity is across the road."""
-    if op in (ACTION_LANE_CHANGE, ACTION_LANE_CHANGE_TO, ACTION_FOLLOW_PATH):
+    if op in (ACTION_LANE_CHANGE, ACTION_LANE_CHANGE_TO, ACTION_FOLLOW_PATH, ACTION_FOLLOW_TRAJECTORY):
         return 1
     if op in (ACTION_LANE_OFFSET, ACTION_LIMITED_LANE_OFFSET, ACTION_KEEP_LATERAL_DISTANCE):
         return 1

@@ -341,6 +341,18 @@ FAULT_UNKNOWN_RULE = 8
 FAULT_UNKNOWN_EDGE = 9
 FAULT_NO_ROOM = 10
 
+# Trajectories.
+TRACK_POLYLINE = 0
+TRACK_CLOTHOIDS = 1
+TRACK_NURBS = 2
+
+TIMING_NONE = 0
+TIMING_RELATIVE = 1
+TIMING_ABSOLUTE = 2
+
+FOLLOW_SMOOTHLY = 1
+"""Flag of an action that follows a trajectory: its heading turns evenly, not at the corners alone."""
+
 RANDOM_GUIDE = -2
 """In place of a guide: turns at random."""
 

@@ -88,6 +88,12 @@ def reset_story(p: Program, st: State) -> None:
         for k in range(DELAY_RECORDS):
             st.ring_time[r * DELAY_RECORDS + k] = 0.0
             st.ring_value[r * DELAY_RECORDS + k] = 0
+    for v in range(p.vertex_count[0]):
+        st.track_x[v] = 0.0
+        st.track_y[v] = 0.0
+        st.track_h[v] = 0.0
+        st.track_s[v] = 0.0
+        st.track_time[v] = 0.0
     for k in range(p.action_count[0]):
         st.action_state[k] = STANDBY
         st.action_element[k] = NONE

@@ -116,3 +116,16 @@ L_TO = 1
 
 # A point of a path: the time since its begin, negative for none.
 G_TIME = 0
+
+# A corner of a trajectory: its time (negative for none), and of a clothoid the curvatures at begin and end, the length
+# and the heading relative to the end before.
+T_TIME = 0
+T_CURVATURE = 1
+T_CURVATURE_END = 2
+T_LENGTH = 3
+T_TURN = 4
+
+# An action that follows a trajectory: the distance to begin at, and the offset and scale of its times.
+J_BEGIN = 0
+J_OFFSET = 1
+J_SCALE = 2

@@ -15,6 +15,7 @@ from scenario_compiler.engine.opcodes import (
     ACTION_END_FAILURE,
     ACTION_FAILURE,
     ACTION_FOLLOW_PATH,
+    ACTION_FOLLOW_TRAJECTORY,
     ACTION_KEEP_DISTANCE,
     ACTION_KEEP_LATERAL_DISTANCE,
     ACTION_LANE_CHANGE,
@@ -35,7 +36,6 @@ from scenario_compiler.engine.opcodes import (
     EVENT_MESSAGE,
     EVENT_SENSOR_NOISE,
     NONE,
-    RANDOM_GUIDE,
     RUNNING,
     STOP_NONE,
     STOP_TRIGGER,
@@ -47,6 +47,7 @@ from scenario_compiler.engine.speeds import start_speed
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.synchronizing import start_synchronize
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.trajectories import start_trajectory
 from scenario_compiler.engine.weather import begin_weather
 from scenario_compiler.engine.world_actions import act_on_world
 from scenario_compiler.marker import compiled
@@ -99,14 +100,14 @@ def start_action(n: RoadTables, p: Program, st: State, k: int, element: int) -> 
         start_synchronize(p, st, k)
     elif op == ACTION_FOLLOW_PATH:
         start_follow_path(p, st, k)
+    elif op == ACTION_FOLLOW_TRAJECTORY:
+        start_trajectory(n, p, st, k)
     elif op == ACTION_SENSOR_NOISE:
         st.noise[0] = p.const[p.action_const[k] + A_TARGET]
         update_camera(p, st)
         log_event(st, EVENT_SENSOR_NOISE, st.noise[0])
-    elif op == ACTION_ASSIGN_ROUTE:
+    elif op in (ACTION_ASSIGN_ROUTE, ACTION_RANDOM_ROUTE):
         st.guide[p.action_entity[k]] = p.action_other[k]
-    elif op == ACTION_RANDOM_ROUTE:
-        st.guide[p.action_entity[k]] = RANDOM_GUIDE
     elif op >= ACTION_TELEPORT and op <= ACTION_DISCONNECT_TRAILER:
         act_on_place(n, p, st, k)
     else:

@@ -168,6 +168,12 @@ class State:
     action_a: list[float]
     """Free memory of whoever executes the action; so is `action_b`."""
     action_b: list[float]
+    track_x: list[float]
+    """Vertices of trajectories, as they lay when their action began last."""
+    track_y: list[float]
+    track_h: list[float]
+    track_s: list[float]
+    track_time: list[float]
     guide: list[int]
     """Guide that the entity takes its turns by, RANDOM_GUIDE for turns at random, or NONE."""
     turn_from: list[int]
@@ -433,6 +439,7 @@ _ACTION = [
     "action_x",
     "action_y",
 ]
+_TRACK = ("track_x", "track_y", "track_h", "track_s", "track_time")
 _WAY = ["way_road", "way_lane", "way_s", "way_sign", "way_from"]
 _LOG = ("log_time", "log_kind", "log_value")
 
@@ -449,6 +456,7 @@ def new_state(program: Program) -> State:
     sizes |= dict.fromkeys(_RING_ROWS, p.ring_count[0] * DELAY_RECORDS)
     sizes |= dict.fromkeys(_RING, p.ring_count[0])
     sizes |= dict.fromkeys(_ACTION, p.action_count[0])
+    sizes |= dict.fromkeys(_TRACK, p.vertex_count[0])
     sizes |= dict.fromkeys(_WAY, WAY_SIZE)
     sizes |= {"variable": p.variable_count[0], "signal_state": p.signal_count[0]}
     sizes |= dict.fromkeys(("phase_now", "phase_since"), p.controller_count[0])

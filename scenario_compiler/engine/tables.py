@@ -63,6 +63,7 @@ from scenario_compiler.engine.opcodes import (
     POSITION_RELATIVE_ROAD,
     POSITION_RELATIVE_WORLD,
     PRIORITY_SKIP,
+    RANDOM_GUIDE,
     RULE_NOT_EQUAL,
     SHAPE_STEP,
 )
@@ -154,6 +155,27 @@ class Program:
     """Position that it starts at, or NONE: off every road."""
     entity_follows: list[int] = field(default_factory=list)
     """1 where it follows the vehicle ahead."""
+    track_kind: list[int] = field(default_factory=list)
+    """TRACK_..., by trajectory."""
+    track_order: list[int] = field(default_factory=list)
+    """Order of a NURBS."""
+    track_corner: list[int] = field(default_factory=lambda: [0])
+    """Row starts of corners by trajectory: vertices, pieces of clothoids, control points."""
+    track_vertex: list[int] = field(default_factory=lambda: [0])
+    """Row starts of vertices, in the state's columns, by trajectory."""
+    track_sample: list[int] = field(default_factory=lambda: [0])
+    """Row starts of a NURBS' samples by trajectory."""
+    corner_position: list[int] = field(default_factory=list)
+    """Position of a corner, or NONE for a piece that begins where the one before ends."""
+    corner_const: list[int] = field(default_factory=list)
+    corner_samples: list[int] = field(default_factory=list)
+    vertex_heading: list[int] = field(default_factory=list)
+    """1 where the heading of a vertex is given."""
+    vertex_count: list[int] = field(default_factory=lambda: [0])
+    sample_corner: list[int] = field(default_factory=list)
+    """First of the control points that a sample is made of."""
+    sample_const: list[int] = field(default_factory=list)
+    """Their shares."""
     entity_guide: list[int] = field(default_factory=list)
     """Guide to the entity's destination, or NONE."""
     guide_next: list[int] = field(default_factory=list)
@@ -329,6 +351,16 @@ def validate(program: Program, roads: int) -> None:
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
     _column("entity_position", p.entity_position, entities, NONE, positions)
     _column("entity_follows", p.entity_follows, entities, 0, 2)
+    _rows("track_corner", p.track_corner, len(p.corner_position))
+    _rows("track_vertex", p.track_vertex, p.vertex_count[0])
+    _rows("track_sample", p.track_sample, len(p.sample_corner))
+    _column("track_order", p.track_order, len(p.track_kind), 0, 1000)
+    _column("corner_position", p.corner_position, len(p.corner_const), NONE, positions)
+    _column("corner_samples", p.corner_samples, len(p.corner_const), 0, p.vertex_count[0] + 1)
+    _inside("corner_const", p.corner_const, 0, len(p.const) + 1)
+    _column("sample_const", p.sample_const, len(p.sample_corner), 0, len(p.const) + 1)
+    _inside("sample_corner", p.sample_corner, 0, len(p.corner_const) + 1)
+    _column("vertex_heading", p.vertex_heading, p.vertex_count[0], 0, 2)
     _column("entity_guide", p.entity_guide, entities, NONE, len(p.guide_last))
     _column("guide_next", p.guide_next, 2 * roads * len(p.guide_last), NONE, roads)
     _inside("guide_last", p.guide_last, NONE, roads)
@@ -413,7 +445,7 @@ def _validate_story(p: Program, elements: int, triggers: int, conditions: int, a
             raise ValueError(f"column action_entity holds no entity for an action of kind {kind}")
     _column("action_shape", p.action_shape, actions, 0, SHAPE_STEP + 1)
     _column("action_dimension", p.action_dimension, actions, 0, DIMENSION_DISTANCE + 1)
-    _column("action_other", p.action_other, actions, NONE, 1 << 30)
+    _column("action_other", p.action_other, actions, RANDOM_GUIDE, 1 << 30)
     _column("action_mode", p.action_mode, actions, 0, 1 << 30)
     _column("action_flags", p.action_flags, actions, 0, 1 << 30)
     _column("action_position", p.action_position, actions, NONE, p.position_count[0])

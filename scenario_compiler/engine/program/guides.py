@@ -99,7 +99,7 @@ def route_path(draft: Draft, route: Route) -> list[Stretch]:
 
 
 def place_on_route(draft: Draft, position: RoutePosition) -> tuple[int, int, float, float]:
-    """Return (road, lane, s, offset) of a place on a route at the parameters' defaults; it begins at its first waypoint.
+    """Return (road, lane, s, offset) of a place on a route, which begins at its first waypoint.
 
     Beyond the route's end it is the end. Of a route that lies on no road it is the begin of the map's first road.
     """

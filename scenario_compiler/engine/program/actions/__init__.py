@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from scenario_compiler.engine.program.actions import control, lateral, longitudinal, path, place, routing, run, world
+from scenario_compiler.engine.program.actions import (
+    control,
+    lateral,
+    longitudinal,
+    path,
+    place,
+    routing,
+    run,
+    trajectories,
+    world,
+)
 from scenario_compiler.engine.program.actions.family import Family
 from scenario_compiler.engine.program.draft import Draft
 from scenario_compiler.vocabulary.word import Word
@@ -13,6 +23,7 @@ ACTIONS: Family = {
     **path.ACTIONS,
     **place.ACTIONS,
     **routing.ACTIONS,
+    **trajectories.ACTIONS,
     **run.ACTIONS,
     **world.ACTIONS,
     **control.ACTIONS,

@@ -21,7 +21,7 @@ def _acquire(draft: Draft, word: AcquirePositionAction, actor: int) -> ActionRow
 
 def _random_route(draft: Draft, word: RandomRouteAction, actor: int) -> ActionRow:
     del draft, word, actor
-    return ActionRow(op.ACTION_RANDOM_ROUTE)
+    return ActionRow(op.ACTION_RANDOM_ROUTE, other=op.RANDOM_GUIDE)
 
 
 ACTIONS: Family = {

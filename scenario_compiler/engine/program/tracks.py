@@ -1,0 +1,141 @@
+"""Trajectories: from their forms to tables of corners and samples."""
+
+from __future__ import annotations
+
+from math import ceil
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine.program.draft import Draft, Slot
+from scenario_compiler.engine.program.positions import add_position
+from scenario_compiler.vocabulary.positions import (
+    Clothoid,
+    ClothoidSpline,
+    Nurbs,
+    Polyline,
+    Trajectory,
+)
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.word import Number, Word, number_value
+
+SAMPLE_LENGTH = 0.5
+MOST_SAMPLES = 2000
+"""Distance between two samples of a clothoid, m, and their greatest number."""
+
+SPAN_SAMPLES = 24
+"""Samples of a NURBS between two knots."""
+
+
+def add_track(draft: Draft, trajectory: Trajectory) -> int:
+    """Append a trajectory; return its row."""
+    p, shape = draft.program, trajectory.shape
+    if isinstance(shape, Polyline):
+        kind = op.TRACK_POLYLINE
+        _add_polyline(draft, shape)
+    elif isinstance(shape, Nurbs):
+        kind = op.TRACK_NURBS
+        _add_nurbs(draft, shape)
+    else:
+        kind = op.TRACK_CLOTHOIDS
+        _add_clothoids(draft, shape)
+    p.track_kind.append(kind)
+    p.track_order.append(shape.order if isinstance(shape, Nurbs) else 0)
+    p.track_corner.append(len(p.corner_position))
+    p.track_vertex.append(len(p.vertex_heading))
+    p.track_sample.append(len(p.sample_corner))
+    p.vertex_count[0] = len(p.vertex_heading)
+    return len(p.track_kind) - 1
+
+
+def _add_corner(draft: Draft, position: Word | None, *numbers: Slot, samples: int = 1) -> None:
+    p = draft.program
+    p.corner_position.append(op.NONE if position is None else add_position(draft, position))
+    p.corner_const.append(draft.block(*numbers))
+    p.corner_samples.append(samples)
+
+
+def _time(time: Number | None) -> Slot:
+    return -1.0 if time is None else time
+
+
+def _add_polyline(draft: Draft, line: Polyline) -> None:
+    for vertex in line.vertices:
+        _add_corner(draft, vertex.position, _time(vertex.time))
+        draft.program.vertex_heading.append(1 if has_heading(vertex.position) else 0)
+
+
+def has_heading(position: Word) -> bool:
+    """Return whether the author gave a position a heading of its own."""
+    return getattr(position, "heading", None) is not None or getattr(position, "turn", 0.0) != 0.0
+
+
+def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline) -> None:
+    """Append clothoids, and the end of the last one as a piece without length."""
+    values = parameter_values(draft.plan.parameters)
+    if isinstance(shape, Clothoid):
+        rate, length = (number_value(one, values) for one in (shape.curvature_rate, shape.length))
+        end = number_value(shape.curvature, values) + rate * length
+        pieces: list[tuple[Word | None, tuple[Slot, ...]]] = [
+            (shape.position, (_time(shape.start_time), shape.curvature, end, shape.length, 0.0))
+        ]
+        last = shape.stop_time
+    else:
+        pieces = [
+            (
+                one.position,
+                (_time(one.time_start), one.curvature_start, one.curvature_end, one.length, one.turn_at_start),
+            )
+            for one in shape.segments
+        ]
+        last = shape.time_end
+    for position, numbers in pieces:
+        length = number_value(numbers[3], values)
+        samples = min(max(ceil(length / SAMPLE_LENGTH), 1), MOST_SAMPLES)
+        _add_corner(draft, position, *numbers, samples=samples)
+        draft.program.vertex_heading.extend([1] * samples)
+    _add_corner(draft, None, _time(last), 0.0, 0.0, 0.0, 0.0, samples=0)
+    draft.program.vertex_heading.append(1)
+
+
+def _add_nurbs(draft: Draft, curve: Nurbs) -> None:
+    values = parameter_values(draft.plan.parameters)
+    weights = [number_value(point.weight, values) for point in curve.points]
+    for point in curve.points:
+        _add_corner(draft, point.position, _time(point.time))
+    spans = [
+        (at, low, high)
+        for at, (low, high) in enumerate(zip(curve.knots, curve.knots[1:], strict=False))
+        if high > low and curve.order - 1 <= at < len(curve.points)
+    ]
+    for number, (at, low, high) in enumerate(spans):
+        final = number == len(spans) - 1
+        for q in range(SPAN_SAMPLES + (1 if final else 0)):
+            u = low + (high - low) * q / SPAN_SAMPLES
+            _add_sample(draft, curve, weights, at, u)
+
+
+def _add_sample(draft: Draft, curve: Nurbs, weights: list[float], span: int, u: float) -> None:
+    """Append a sample: the shares of the control points at a parameter, by the rule of Cox and de Boor."""
+    p = draft.program
+    first = span - curve.order + 1
+    shares = basis(curve.knots, curve.order, span, u)
+    weighted = [share * weights[first + q] for q, share in enumerate(shares)]
+    total = sum(weighted) or 1.0
+    p.sample_corner.append(first)
+    p.sample_const.append(draft.block(*(one / total for one in weighted)))
+    p.vertex_heading.append(0)
+
+
+def basis(knots: tuple[float, ...], order: int, span: int, u: float) -> list[float]:
+    """Return the values of the B-splines that are not 0 in a span of knots (Piegl and Tiller 1997, algorithm A2.2)."""
+    values = [1.0]
+    for degree in range(1, order):
+        saved = 0.0
+        following = []
+        for r in range(degree):
+            right = knots[span + r + 1] - u
+            left = u - knots[span + 1 - degree + r]
+            share = values[r] / (right + left) if right + left else 0.0
+            following.append(saved + right * share)
+            saved = left * share
+        values = [*following, saved]
+    return values
