@@ -64,7 +64,8 @@ def after_init(binder: Binder, storyboard: Storyboard, starts: Standings) -> dic
 def stands_at(binder: Binder, position: Position | BoundPosition, standings: Standings) -> Standing | None:
     """Return where a bound position lies; None for one drawn when a run begins, or relative to what stands nowhere."""
     if isinstance(position, FreePosition):
-        x, y, heading = (binder.value(n, position) for n in (position.x, position.y, position.heading))
+        facing = 0.0 if position.heading is None else position.heading
+        x, y, heading = (binder.value(n, position) for n in (position.x, position.y, facing))
         z = None if position.z is None else binder.value(position.z, position)
         return _at_point(binder, x, y, z, heading)
     if isinstance(position, RelativeObjectPosition | RelativeWorldPosition):

@@ -89,7 +89,8 @@ def _any_of(draft: Draft, word: AnyOfPosition, kind: str) -> PositionRow:
 def _free(draft: Draft, word: FreePosition, kind: str) -> PositionRow:
     del draft, kind
     z, flags = (0.0, 0) if word.z is None else (word.z, op.POSITION_WITH_HEIGHT)
-    return PositionRow(op.POSITION_FREE, (word.x, word.y, word.heading, z), flags=flags)
+    heading = 0.0 if word.heading is None else word.heading
+    return PositionRow(op.POSITION_FREE, (word.x, word.y, heading, z), flags=flags)
 
 
 def _lanes_away(draft: Draft, word: LanesAwayPosition, kind: str) -> PositionRow:

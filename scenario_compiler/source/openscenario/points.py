@@ -84,7 +84,7 @@ class Orientation:
 
     def write(self, word: Any, element: etree._Element, output: Output) -> None:
         """Add the element where the word faces another way than the position itself says."""
-        if word.heading is not None and (not self.heading_only or word.heading != 0.0):
+        if word.heading is not None:
             element.append(made("Orientation", type="absolute", h=output.text(word.heading, word)))
         elif not self.heading_only and word.turn != 0.0:
             element.append(made("Orientation", type="relative", h=output.text(word.turn, word)))
@@ -140,7 +140,10 @@ class _Geographic:
 def _read_world(node: Node) -> FreePosition:
     check_tilt(node)
     return FreePosition(
-        x=node.number("x"), y=node.number("y"), z=node.optional_number("z"), heading=node.number("h", 0.0)
+        x=node.number("x"),
+        y=node.number("y"),
+        z=node.optional_number("z"),
+        heading=node.optional_number("h"),
     ).written_at(node.origin)
 
 
@@ -148,7 +151,8 @@ def _write_world(word: FreePosition, output: Output) -> etree._Element:
     element = made("WorldPosition", x=output.text(word.x, word), y=output.text(word.y, word))
     if word.z is not None:
         element.set("z", output.text(word.z, word))
-    element.set("h", output.text(word.heading, word))
+    if word.heading is not None:
+        element.set("h", output.text(word.heading, word))
     return element
 
 

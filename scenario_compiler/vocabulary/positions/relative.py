@@ -22,7 +22,11 @@ class FreePosition(Word):
     x: Number = attribute("x, m.", quantity="length")
     y: Number = attribute("y, m.", quantity="length")
     z: Number | None = attribute("z, m; the road's surface when left out.", default=None, quantity="length")
-    heading: Number = attribute("Heading, degrees counter-clockwise from the x axis.", default=0.0, quantity="angle")
+    heading: Number | None = attribute(
+        "Heading, degrees counter-clockwise from the x axis; 0 when left out, on a trajectory the trajectory's own.",
+        default=None,
+        quantity="angle",
+    )
 
 
 class GeoPosition(Word):
@@ -32,7 +36,11 @@ class GeoPosition(Word):
 
     latitude: float = attribute("Latitude (WGS 84), degrees.", minimum=-90, maximum=90)
     longitude: float = attribute("Longitude (WGS 84), degrees.", minimum=-180, maximum=180)
-    heading: Number = attribute("Heading in the map's axes, degrees.", default=0.0, quantity="angle")
+    heading: Number | None = attribute(
+        "Heading in the map's axes, degrees; 0 when left out, on a trajectory the trajectory's own.",
+        default=None,
+        quantity="angle",
+    )
 
 
 class LanesAwayPosition(Word):
