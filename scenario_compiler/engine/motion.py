@@ -34,6 +34,7 @@ from scenario_compiler.engine.slots import (
     E_WHEELBASE,
 )
 from scenario_compiler.engine.state import State
+from scenario_compiler.engine.surroundings import grip
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_pose, road_reference
@@ -136,8 +137,8 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     base = p.entity_const[i]
     st.throttle[i] = clip(st.command_throttle[0], 0.0, 1.0)
     st.brake[i] = clip(st.command_brake[0], 0.0, 1.0)
-    gain = st.throttle[i] * p.const[base + E_MAX_ACCELERATION]
-    loss = st.brake[i] * p.const[base + E_MAX_DECELERATION]
+    gain = st.throttle[i] * grip(st, p.const[base + E_MAX_ACCELERATION])
+    loss = st.brake[i] * grip(st, p.const[base + E_MAX_DECELERATION])
     speed = clip(st.v[i] + (gain - loss) * dt, 0.0, p.const[base + E_MAX_SPEED])
     wanted = clip(st.command_steer[0], -1.0, 1.0) * p.const[base + E_MAX_STEER]
     st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -STEER_RATE * dt, STEER_RATE * dt)

@@ -41,7 +41,7 @@ from scenario_compiler.engine.storyboard import displace, run_triggers, trigger_
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.traffic import move_traffic
 from scenario_compiler.engine.trailers import draw_trailers
-from scenario_compiler.engine.watching import watch_entities
+from scenario_compiler.engine.watching import begin_watches, watch_entities
 from scenario_compiler.engine.weather import update_weather
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
@@ -103,6 +103,7 @@ def reset(n: RoadTables, p: Program, st: State) -> None:
         displace(p, st, p.init_action[c], 0)
         start_action(n, p, st, p.init_action[c], -1)
     update_boxes(p, st)
+    begin_watches(p, st)
     update_signals(p, st)
     play_story(n, p, st, 0.0)
     draw_trailers(n, p, st)
