@@ -11,9 +11,11 @@ from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.build import Compiled, Interpreted
 from scenario_compiler.engine.opcodes import EVENT_STORYBOARD_START, FAULT_NONE, STOP_NONE
-from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.program import Program, build_program
 from scenario_compiler.engine.state import make_draws, new_state
 from scenario_compiler.engine.step import reset, step
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.runtime.loop import named_events
 
@@ -23,7 +25,7 @@ SCENARIOS = ("gaps", "motions", "values", "drivers")
 
 
 @cache
-def prepared(name: str):  # type: ignore[no-untyped-def]
+def prepared(name: str) -> tuple[Plan, Network, Program]:
     """Return a scenario of world.xml as plan, map and program."""
     sink = Diagnostics()
     done = compile_target(HERE / f"world.xml#{name}", {}, sink, overrides=Overrides(perception="ideal"))
