@@ -12,13 +12,17 @@ from scenario_compiler.cli import main
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.document import parse_document
+from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import write_plan
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.openscenario.export.files import export_files
+from scenario_compiler.source.openscenario.export.kept import SAID
 from scenario_compiler.source.openscenario.output import VERSIONS, Version
 from scenario_compiler.source.openscenario.structure import check_structure
 from scenario_compiler.structure.schemas import find_schema
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.scenario import Scenario
 from tests.asam import schemas_of_wheel
 
 LIBRARY = Path(__file__).resolve().parents[3] / "library" / "conflicts"
@@ -182,6 +186,14 @@ def test_a_plan_is_exported_alike(tmp_path: Path, capsys: pytest.CaptureFixture[
         assert exit_info.value.code == 0
     assert (tmp_path / "a" / "out.xosc").read_bytes() == (tmp_path / "b" / "out.xosc").read_bytes()
     assert "out.xosc" in capsys.readouterr().out
+
+
+def test_every_part_of_a_plan_is_written_or_kept() -> None:
+    """A part that is added to scenarios and plans under one name is kept by itself; any other has to be seen to."""
+    kept = {rule.field for rule in grammar_of(Scenario).children} & set(Plan.model_fields) - set(SAID)
+    elsewhere = {"summary", "step", "control_every", "duration", "entities", "camera", "controller", "destination"}
+    not_kept = {"format", "name", "map", "perception", "route", "derived", "origins", "digest"}
+    assert set(Plan.model_fields) == kept | set(SAID) | elsewhere | not_kept
 
 
 def test_files_that_differ_are_not_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,13 +9,17 @@ from scenario_compiler.source.openscenario.export.places import goal_of
 from scenario_compiler.source.openscenario.spelling import made
 from scenario_compiler.source.writing import write_word
 from scenario_compiler.vocabulary.entities import Controller, Dynamic, Ego, Static, Vehicle
+from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.positions import FreePosition
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.word import Word
 
 _NOWHERE = FreePosition(x=0.0, y=0.0)
-_SAID = ("id", "model", "speed")
+_ATTRIBUTES_SAID = ("id", "model", "speed")
 """Attributes of entities that the standard has words for, as it has for their starts."""
+
+SAID = ("parameters", "variables", "signal_controllers", "storyboard")
+"""Parts of a plan that the standard has words for."""
 
 
 def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
@@ -34,7 +38,7 @@ def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
             controller=plan.controller or Controller(),
         )
     element = write_word(word)
-    for attribute in _SAID:
+    for attribute in _ATTRIBUTES_SAID:
         if attribute in element.attrib:
             del element.attrib[attribute]
     for child in element.findall("start") + element.findall("at"):
@@ -48,11 +52,13 @@ def scenario_kept(plan: Plan, scenario: Scenario | None, groups: int) -> list[et
     element.set("stop_groups", str(groups))
     if plan.summary:
         element.set("summary", plan.summary)
-    words: list[Word] = [plan.weather]
-    words += [] if plan.classification is None else [plan.classification]
+    words: list[Word] = []
     if scenario is not None and scenario.traffic:
         words += [*scenario.traffic, *_vehicles_of_traffic(plan, scenario)]
-    words += [*plan.markings, *plan.secondary_markings, plan.takeover, *plan.criteria]
+    for rule in grammar_of(Scenario).children:
+        if rule.field in Plan.model_fields and rule.field not in SAID:
+            value = getattr(plan, rule.field)
+            words += value if isinstance(value, tuple) else () if value is None else (value,)
     element.extend([write_word(word) for word in words])
     return [element]
 
