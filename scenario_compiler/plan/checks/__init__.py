@@ -7,6 +7,7 @@ from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
 from scenario_compiler.plan.checks.controllers import check_controllers
 from scenario_compiler.plan.checks.moves import check_moves
+from scenario_compiler.plan.checks.nowhere import check_nowhere
 from scenario_compiler.plan.checks.overlap import check_overlap
 from scenario_compiler.plan.checks.paths import check_paths
 from scenario_compiler.plan.checks.reach import check_budget, check_reach
@@ -18,6 +19,7 @@ from scenario_compiler.roads import Network
 
 CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_start,
+    check_nowhere,
     check_overlap,
     check_camera,
     check_causes,

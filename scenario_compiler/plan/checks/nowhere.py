@@ -1,0 +1,66 @@
+"""Every entity has a place: a start, or an action that puts it somewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import (
+    AddEntityAction,
+    ConnectTrailerAction,
+    FollowTrajectoryAction,
+    TeleportAction,
+)
+from scenario_compiler.vocabulary.word import Word
+
+NOWHERE = Code(
+    "SC252",
+    "nowhere",
+    "An entity has no start, and no action puts it anywhere: it stands at the world's origin, off every road, for the "
+    "whole run. Give it a <start>, or an action that places it."
+    '\n\n    <dynamic id="other" speed="5"/>     <start><lane road="1" lane="-1" s="60"/></start> is missing inside',
+    Severity.WARNING,
+)
+
+PLACING = (TeleportAction, FollowTrajectoryAction)
+"""Actions that put whoever does them somewhere."""
+
+
+def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Warn of entities that are nowhere from the first to the last moment, where an automated vehicle is to meet them.
+
+    Files of OpenSCENARIO without one rely on the origin.
+    """
+    del network
+    if plan.controller is None:
+        return
+    homeless = [entity.id for entity in plan.entities if entity.start is None and entity.path is None]
+    if not homeless:
+        return
+    placed = set(_placed(plan))
+    for name in homeless:
+        if name not in placed:
+            message = f"'{name}' has no start, and no action puts it anywhere"
+            sink.add(NOWHERE, message, place_of(plan, f"entities/{name}"))
+
+
+def _placed(plan: Plan) -> Iterator[str]:
+    """Yield the ids of the entities that actions put somewhere."""
+    for initial in plan.storyboard.init:
+        yield from _placed_by(initial.action, (initial.entity,))
+    groups = [group for story in plan.storyboard.stories for act in story.acts for group in act.groups]
+    for group in groups:
+        for event in (event for maneuver in group.maneuvers for event in maneuver.events):
+            for named in event.actions:
+                yield from _placed_by(named.action, group.actors)
+
+
+def _placed_by(action: Word, actors: tuple[str, ...]) -> tuple[str, ...]:
+    if isinstance(action, AddEntityAction):
+        return (action.entity,)
+    if isinstance(action, ConnectTrailerAction):
+        return (action.trailer,)
+    return actors if isinstance(action, PLACING) else ()
