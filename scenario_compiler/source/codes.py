@@ -8,7 +8,8 @@ UNKNOWN_ROOT = Code(
     "The file's first element tells what kind of file it is, and this one is none that is known:\n\n"
     '    <scenarios version="1">   conflicts and templates, in the conflict language\n'
     '    <catalog version="1">     vehicles and drivers that scenarios name\n'
-    "    <config>                  the AISA toolkit's scenarios\n\n"
+    "    <config>                  the AISA toolkit's scenarios\n"
+    "    <OpenSCENARIO>            ASAM OpenSCENARIO: a scenario, a catalog, values of parameters\n\n"
     "Check that the path names the file you meant, and the spelling of the first element.",
 )
 UNKNOWN_ELEMENT = Code(
