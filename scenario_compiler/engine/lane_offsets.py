@@ -120,7 +120,7 @@ def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float)
     if progress >= span - TOLERANCE:
         st.turn[i] = 0.0
         left = st.action_from[k] + st.action_change[k]
-        if continuous == 1:
+        if continuous == 1 and p.action_other[k] != i:
             left = st.facing[i] * offset_aimed_at(n, p, st, k)
         st.kept_off[i] = st.facing[i] * left
         place_scripted(n, p, st, i)

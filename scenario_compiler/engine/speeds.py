@@ -53,21 +53,25 @@ def greatest_rate(p: Program, i: int, change: float) -> float:
 
 
 @compiled
-def related_speed(st: State, other: int, mode: int, value: float) -> float:
-    """Return another entity's speed plus a value, or times it."""
+def related_speed(speed: float, mode: int, value: float) -> float:
+    """Return a speed plus a value, or times it."""
     if mode == MODE_FACTOR:
-        return st.v[other] * value
-    return st.v[other] + value
+        return speed * value
+    return speed + value
 
 
 @compiled
 def wanted_speed(p: Program, st: State, k: int) -> float:
-    """Return the target of a change of speed as it is now, no faster than the entity can be."""
+    """Return the target of a change of speed as it is now, no faster than the entity can be.
+
+    One relative to the entity itself is relative to the speed that it had at the begin.
+    """
+    i = p.action_entity[k]
     value = p.const[p.action_const[k] + A_TARGET]
     other = p.action_other[k]
     if p.action_op[k] == ACTION_RELATIVE_SPEED and other >= 0:
-        value = related_speed(st, other, p.action_mode[k], value)
-    most = p.const[p.entity_const[p.action_entity[k]] + E_MAX_SPEED]
+        value = related_speed(st.action_from[k] if other == i else st.v[other], p.action_mode[k], value)
+    most = p.const[p.entity_const[i] + E_MAX_SPEED]
     return clip(value, -most, most)
 
 
@@ -88,8 +92,9 @@ def time_over_distance(begin: float, target: float, distance: float) -> float:
 def start_speed(p: Program, st: State, k: int) -> None:
     """Prepare a change of speed; one whose peak is above the entity's limits takes longer, but a step does not."""
     i = p.action_entity[k]
-    target = wanted_speed(p, st, k)
     begin = speed_before(p, st, i)
+    st.action_from[k] = begin
+    target = wanted_speed(p, st, k)
     change = target - begin
     span = transition_span(p.action_shape[k], p.action_dimension[k], p.const[p.action_const[k] + A_DYNAMICS], change)
     if p.action_dimension[k] == DIMENSION_DISTANCE and span > 0.0:
@@ -99,7 +104,6 @@ def start_speed(p: Program, st: State, k: int) -> None:
         span = max(span, shape_peak(p.action_shape[k]) * ratio(abs(change), limit, 0.0))
     else:
         set_speed(p, st, i, target)
-    st.action_from[k] = begin
     st.action_change[k] = change
     st.action_span[k] = span
     st.longitudinal[i] = k

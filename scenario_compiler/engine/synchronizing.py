@@ -58,7 +58,8 @@ def final_speed(p: Program, st: State, k: int) -> float:
     value = p.const[p.action_const[k] + A_TARGET]
     if p.action_mode[k] == FINAL_ABSOLUTE:
         return value
-    return related_speed(st, p.action_lanes[k], MODE_DELTA if p.action_mode[k] == FINAL_DELTA else MODE_FACTOR, value)
+    mode = MODE_DELTA if p.action_mode[k] == FINAL_DELTA else MODE_FACTOR
+    return related_speed(st.v[p.action_lanes[k]], mode, value)
 
 
 @compiled
