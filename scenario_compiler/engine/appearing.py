@@ -1,7 +1,8 @@
 """Entities that are put somewhere: teleports, entities that appear and disappear, and what sees them.
 
-A teleport leaves the speed as it is. On a lane the entity is led by that lane from then on, with the offset and the
-heading that it has there; off every road it goes straight on. Its trailers stand in line behind it.
+A teleport leaves the speed as it is, and is all that moves its entity in that step (esmini 3.6). On a lane the entity
+is led by that lane from then on, with the offset and the heading that it has there; off every road it goes straight on.
+Its trailers stand in line behind it.
 """
 
 from __future__ import annotations
@@ -171,6 +172,7 @@ def act_on_place(n: RoadTables, p: Program, st: State, k: int) -> None:
     other = p.action_other[k]
     if op == ACTION_TELEPORT:
         put_at(n, p, st, i, p.action_position[k])
+        st.moved[i] = 1
     elif op == ACTION_ADD_ENTITY:
         add_entity(n, p, st, other, p.action_position[k])
     elif op == ACTION_DELETE_ENTITY:

@@ -65,17 +65,17 @@ def test_teleports_count_from_where_others_are_then() -> None:
     assert (st.x[free], st.y[free], st.road[free]) == pytest.approx((400.0, 900.0, -1))
     st = run.until(1.05)
     base = 200.0 + 10.0 * 1.0
-    assert run.place("lanes") == pytest.approx((base + 20.0 + 0.5, -1.5 * width + 0.5, -2))
-    assert run.place("road") == pytest.approx((base + 30.0 - 0.5, -0.5 * width - 2.0, -2))
+    assert run.place("lanes") == pytest.approx((base + 20.0, -1.5 * width + 0.5, -2))
+    assert run.place("road") == pytest.approx((base + 30.0, -0.5 * width - 2.0, -2))
     assert cos(st.h[run.numbers["road"]] - st.h[run.numbers["base"]]) == pytest.approx(-1.0)
     thing, other = run.numbers["object"], run.numbers["base"]
     assert st.road[thing] == -1
     assert cos(st.h[thing] - st.h[other] - 0.5 * pi) == pytest.approx(1.0)
     assert run.place("lanes")[2] == -2
     st = run.until(2.05)
-    assert run.place("lanes")[0] == pytest.approx(base + 20.0 + 10.0 - 40.0 + 0.5)
+    assert run.place("lanes")[0] == pytest.approx(base + 20.0 + 9.5 - 40.0)
     assert cos(st.h[run.numbers["lanes"]]) == pytest.approx(1.0)
-    assert (st.x[thing] - st.x[other], st.y[thing] - st.y[other]) == pytest.approx((70.0, -2.0), abs=0.05)
+    assert (st.x[thing] - st.x[other], st.y[thing] - st.y[other]) == pytest.approx((69.5, -2.0), abs=0.05)
 
 
 def test_off_every_road_an_entity_goes_straight_on() -> None:

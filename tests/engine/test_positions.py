@@ -230,8 +230,8 @@ def test_a_teleport_keeps_the_speed_and_is_no_distance_covered() -> None:
     for _ in range(10):
         step(network.tables, program, state)
     assert state.v[0] == 10.0
-    assert (state.x[0], state.y[0]) == pytest.approx((500.0 + 0.3 * 10.0, -5.25), abs=1e-6)
-    assert state.odometer[0] == pytest.approx(5.0, abs=1e-6)
+    assert (state.x[0], state.y[0]) == pytest.approx((500.0 + 5 * 0.05 * 10.0, -5.25), abs=1e-6)
+    assert state.odometer[0] == pytest.approx(4.5, abs=1e-6)
 
 
 def test_entities_appear_and_disappear() -> None:
