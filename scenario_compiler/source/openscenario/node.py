@@ -140,13 +140,18 @@ class Node:
         """Return a number as `number` does, None when the attribute is not there."""
         return self.number(attribute) if self.has(attribute) else None
 
-    def float(self, attribute: str, default: Real | None = None) -> Real:
-        """Return a number's present value; the parameters that it depends on decide structure."""
+    def float(self, attribute: str, default: Real | None = None, *, severity: Severity | None = None) -> Real:
+        """Return a number's present value; the parameters that it depends on decide structure.
+
+        What is no number is an error, if nothing else is given.
+        """
         found = self._present(attribute, required=default is None)
         if found is None:
             return default or 0.0
         number = literal_number(found)
-        return self._wrong(attribute, found, "a number", default or 0.0) if number is None else number
+        if number is None:
+            return self._wrong(attribute, found, "a number", default or 0.0, severity=severity)
+        return number
 
     def integer(self, attribute: str, default: int | None = None) -> int:
         """Return a whole number; the parameters that it depends on decide structure."""
@@ -228,8 +233,17 @@ class Node:
             self.report(codes.MISSING_ATTRIBUTE, f"<{self.tag}> has no {attribute}")
         return default or 0.0
 
-    def _wrong(self, attribute: str, text: str, expected: str, default: _Value, hint: str = "") -> _Value:
-        self.report(codes.WRONG_VALUE, f"'{text}' is not {expected} ({self.tag}/{attribute})", attribute, hint)
+    def _wrong(
+        self,
+        attribute: str,
+        text: str,
+        expected: str,
+        default: _Value,
+        hint: str = "",
+        severity: Severity | None = None,
+    ) -> _Value:
+        message = f"'{text}' is not {expected} ({self.tag}/{attribute})"
+        self.report(codes.WRONG_VALUE, message, attribute, hint, severity)
         return default
 
 

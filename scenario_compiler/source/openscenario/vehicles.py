@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.diagnostics import Severity, did_you_mean
 from scenario_compiler.source import codes as form
 from scenario_compiler.source.openscenario.codes import NO_VEHICLE_SIZE
 from scenario_compiler.source.openscenario.node import Node
@@ -158,10 +158,15 @@ def _performance(node: Node) -> tuple[float, float, float]:
     for attribute in ("mass", "maxAccelerationRate", "maxDecelerationRate"):
         performance.has(attribute)
     return (
-        max(0.0, performance.float("maxAcceleration", ACCELERATION)),
-        max(0.0, performance.float("maxDeceleration", ACCELERATION)),
-        max(0.0, performance.float("maxSpeed", SPEED)),
+        _limit(performance, "maxAcceleration", ACCELERATION),
+        _limit(performance, "maxDeceleration", ACCELERATION),
+        _limit(performance, "maxSpeed", SPEED),
     )
+
+
+def _limit(performance: Node, attribute: str, usual: float) -> float:
+    """Return what an entity is able to do; where the file says no number, which is reported, the usual one."""
+    return max(0.0, performance.float(attribute, usual, severity=Severity.WARNING))
 
 
 def _distance(node: Node, tag: str) -> float | None:
