@@ -30,7 +30,13 @@ LOST = Code(
 
 _SAID = re.compile(r"[ A-Za-z0-9_+\-*/%$().,]*\Z")
 _FUNCTION = re.compile(r"([a-z0-9]+)\(")
-_KNOWN_FUNCTIONS = frozenset({"abs", "ceil", "floor", "max", "min", "pow", "round", "sign", "sqrt", "not"})
+_FUNCTIONS = frozenset({"ceil", "floor", "pow", "round", "sqrt", "not"})
+_NEW_FUNCTIONS = frozenset({"max", "min", "sign"})
+"""Functions of the standard's expressions, since 1.1 and since 1.3."""
+
+_LONGEST = 1000
+"""Most characters of an expression that is written."""
+
 _PER_DEGREE = "0.017453292519943295"
 
 
@@ -74,8 +80,8 @@ class Output:
         text = value.text
         if re.fullmatch(r"\$\w+", text):
             return text
-        text = text.replace("radians(", f"({_PER_DEGREE} * ")
-        if self.version > (1, 0) and _SAID.match(text) and _KNOWN_FUNCTIONS.issuperset(_FUNCTION.findall(text)):
+        text = _without_abs(text.replace("radians(", f"({_PER_DEGREE} * "))
+        if self._is_said(text):
             return f"${{{text}}}"
         try:
             present = value.number(self.values)
@@ -83,3 +89,21 @@ class Output:
             present = 0.0
         self.tell_lost(word, f"the expression {value.text} is written as its present value, {present:g}")
         return format_value(present)
+
+    def _is_said(self, text: str) -> bool:
+        """Return whether the version knows all that an expression uses; the first schema of 1.1 lets no comma stand."""
+        known = _FUNCTIONS | _NEW_FUNCTIONS if self.version >= (1, 3) else _FUNCTIONS
+        plain = self.version > (1, 0) and _SAID.match(text) is not None and len(text) <= _LONGEST
+        return plain and known.issuperset(_FUNCTION.findall(text)) and (self.version > (1, 1) or "," not in text)
+
+
+def _without_abs(text: str) -> str:
+    """Return an expression with sqrt(x * x), which is the same to the last bit, in place of abs(x)."""
+    while (match := re.search(r"\babs\(", text)) is not None:
+        depth, close = 1, match.end()
+        while depth:
+            depth += {"(": 1, ")": -1}.get(text[close], 0)
+            close += 1
+        inner = text[match.end() : close - 1]
+        text = f"{text[: match.start()]}sqrt(({inner} * {inner})){text[close:]}"
+    return text

@@ -2,7 +2,8 @@
 
 Words of the conflict language are kept as the attributes of their elements, each a property whose name is the way to
 it: `takeover/@budget` or `ego/camera/failure[2]/@kind`. An element without attributes and children is a property with
-an empty value. Values are written as in the conflict language, in its units.
+an empty value. Values are written as in the conflict language, in its units; one that holds a `$`, which other
+programs would take for a parameter of theirs, begins with a `=` and has `%24` in its place.
 """
 
 from __future__ import annotations
@@ -46,10 +47,18 @@ def flattened(parent: etree._Element, above: str = "") -> Iterator[tuple[str, st
         met[tag] = met.get(tag, 0) + 1
         path = above + tag + (f"[{met[tag]}]" if tags.count(tag) > 1 else "")
         for name in map(str, one.attrib):
-            yield f"{path}/@{name}", str(one.get(name))
+            yield f"{path}/@{name}", _veiled(str(one.get(name)))
         if not len(one.attrib) and not len(one):
             yield path, ""
         yield from flattened(one, f"{path}/")
+
+
+def _veiled(value: str) -> str:
+    return "=" + value.replace("%", "%25").replace("$", "%24") if "$" in value or value.startswith("=") else value
+
+
+def _unveiled(value: str) -> str:
+    return value[1:].replace("%24", "$").replace("%25", "%") if value.startswith("=") else value
 
 
 def gathered(properties: Iterable[ControllerProperty], sink: Diagnostics) -> etree._Element:
@@ -65,7 +74,7 @@ def gathered(properties: Iterable[ControllerProperty], sink: Diagnostics) -> etr
             continue
         element = _at(way, known, one.origin.line)
         if attribute:
-            element.set(last[1:], one.value)
+            element.set(last[1:], _unveiled(one.value))
     return root
 
 

@@ -125,6 +125,8 @@ def test_exported_file_runs_as_the_plan_does(target: str, tmp_path: Path) -> Non
 
 def test_parameters_stay_open(tmp_path: Path) -> None:
     path = exported(compiled(LIBRARY / "obstacle_ahead.xml#obstacle_ahead"), tmp_path, (1, 3))
+    properties = etree.parse(str(path)).getroot().iter("Property")
+    assert not any("$" in str(one.get("value")) for one in properties), "other programs would look for a parameter"
     sink = Diagnostics()
     moved = compile_target(path, {"distance": "150"}, sink, overrides=Overrides(perception="ideal"))
     meant = compile_target(

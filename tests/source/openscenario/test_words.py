@@ -11,6 +11,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine import visibility
+from scenario_compiler.expressions import parse_expression
 from scenario_compiler.source.openscenario.actions import ACTIONS, read_actions, write_action
 from scenario_compiler.source.openscenario.actions import UNSAID as UNSAID_ACTIONS
 from scenario_compiler.source.openscenario.actions.environment import FOG_AT_ONE
@@ -35,6 +36,7 @@ from scenario_compiler.vocabulary.conditions import (
     TimeToCollisionCondition,
 )
 from scenario_compiler.vocabulary.positions import (
+    FreePosition,
     GeoPosition,
     Nurbs,
     Position,
@@ -139,6 +141,29 @@ def test_every_word_has_a_form_or_a_reason() -> None:
     positions = {word.tag() for word in get_args(Position)}
     assert positions == {word.tag() for word in POSITIONS.by_word} | set(UNSAID_POSITIONS)
     assert set(get_args(Condition)) == {*BY_ENTITY.by_word, *BY_VALUE.by_word, *OWN}
+
+
+@pytest.mark.parametrize(
+    ("text", "version", "written"),
+    [
+        ("$gap", (1, 0), "$gap"),
+        ("$gap + 1", (1, 0), "13.5"),
+        ("$gap + 1", (1, 1), "${($gap + 1)}"),
+        ("radians($gap)", (1, 1), "${(0.017453292519943295 * $gap)}"),
+        ("abs(2 - $gap)", (1, 1), "${sqrt(((2 - $gap) * (2 - $gap)))}"),
+        ("pow($gap, 2)", (1, 1), "156.25"),
+        ("pow($gap, 2)", (1, 2), "${pow($gap, 2)}"),
+        ("max($gap, 20)", (1, 2), "20"),
+        ("max($gap, 20)", (1, 3), "${max($gap, 20)}"),
+        ("$gap ^ 2", (1, 3), "156.25"),
+        ("if($gap > 3, 1, 2)", (1, 3), "1"),
+    ],
+)
+def test_expressions_are_written_where_the_version_has_them(text: str, version: Version, written: str) -> None:
+    sink = Diagnostics()
+    output = Output(version, sink, OPEN)
+    assert output.text(parse_expression(text), FreePosition(x=0.0, y=0.0)) == written
+    assert len(list(sink)) == (0 if "$" in written else 1)
 
 
 def test_fog_is_as_thick_as_the_cameras_see_it() -> None:

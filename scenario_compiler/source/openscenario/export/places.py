@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from scenario_compiler.diagnostics import FilePlace
-from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.step import reset
 from scenario_compiler.expressions import Expression, parse_expression
 from scenario_compiler.plan.binding import travel_direction
 from scenario_compiler.plan.model import Entity, Plan
@@ -69,6 +66,10 @@ def _times(number: Number, sign: int) -> Number:
 
 
 def _drawn(plan: Plan, network: Network, entity: str) -> FreePosition:
+    from scenario_compiler.engine.program import build_program
+    from scenario_compiler.engine.state import make_draws, new_state
+    from scenario_compiler.engine.step import reset
+
     try:
         program = build_program(plan, network)
     except ValueError:
