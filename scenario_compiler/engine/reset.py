@@ -75,6 +75,7 @@ def reset_story(p: Program, st: State) -> None:
     for e in range(p.element_count[0]):
         st.element_state[e] = STANDBY
         st.element_runs[e] = 0
+        st.element_busy[e] = 0
         st.element_started[e] = -1
         st.element_ended[e] = -1
         st.element_stopped[e] = -1
@@ -94,6 +95,10 @@ def reset_story(p: Program, st: State) -> None:
         st.track_h[v] = 0.0
         st.track_s[v] = 0.0
         st.track_time[v] = 0.0
+        st.track_v[v] = 0.0
+        st.track_a[v] = 0.0
+        st.track_bend[v] = 0.0
+        st.track_bend_rate[v] = 0.0
     for k in range(p.action_count[0]):
         st.action_state[k] = STANDBY
         st.action_element[k] = NONE

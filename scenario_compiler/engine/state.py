@@ -146,6 +146,8 @@ class State:
     element_state: list[int]
     element_runs: list[int]
     """Executions so far."""
+    element_busy: list[int]
+    """Of a maneuver, how many of its events run."""
     element_started: list[int]
     """Frame from which the last start transition is seen; -1 before."""
     element_ended: list[int]
@@ -174,6 +176,12 @@ class State:
     track_h: list[float]
     track_s: list[float]
     track_time: list[float]
+    track_v: list[float]
+    """Speed behind a vertex, and `track_a` the acceleration, of polylines that are followed by their times."""
+    track_a: list[float]
+    track_bend: list[float]
+    """Curvature of a clothoid at a vertex, and its change with length."""
+    track_bend_rate: list[float]
     guide: list[int]
     """Guide that the entity takes its turns by, RANDOM_GUIDE for turns at random, or NONE."""
     turn_from: list[int]
@@ -423,7 +431,15 @@ _TRAFFIC = (
     "bucket_next",
 )
 _POSITION = ["position_x", "position_y", "position_at_road", "position_at_lane", "position_at_s"]
-_ELEMENT = ["element_state", "element_runs", "element_started", "element_ended", "element_stopped", "element_skipped"]
+_ELEMENT = [
+    "element_state",
+    "element_runs",
+    "element_busy",
+    "element_started",
+    "element_ended",
+    "element_stopped",
+    "element_skipped",
+]
 _CONDITION = ("condition_known", "condition_before")
 _RING_ROWS = ("ring_time", "ring_value")
 _RING = ("ring_first", "ring_size")
@@ -439,7 +455,17 @@ _ACTION = [
     "action_x",
     "action_y",
 ]
-_TRACK = ("track_x", "track_y", "track_h", "track_s", "track_time")
+_TRACK = [
+    "track_x",
+    "track_y",
+    "track_h",
+    "track_s",
+    "track_time",
+    "track_v",
+    "track_a",
+    "track_bend",
+    "track_bend_rate",
+]
 _WAY = ["way_road", "way_lane", "way_s", "way_sign", "way_from"]
 _LOG = ("log_time", "log_kind", "log_value")
 

@@ -70,6 +70,8 @@ def stop_below(p: Program, st: State, e: int, mark: int) -> None:
     for k in range(e, p.element_end[e]):
         if st.element_state[k] == RUNNING:
             st.element_stopped[k] = mark
+            if p.element_kind[k] == ELEMENT_EVENT:
+                st.element_busy[p.element_parent[k]] -= 1
             if p.element_kind[k] == ELEMENT_ACTION and p.element_action[k] >= 0:
                 end_action(p, st, p.element_action[k])
         st.element_state[k] = COMPLETE
@@ -117,6 +119,7 @@ def complete_element(p: Program, st: State, e: int, mark: int) -> None:
         st.element_ended[at] = mark
         kind = p.element_kind[at]
         if kind == ELEMENT_EVENT:
+            st.element_busy[p.element_parent[at]] -= 1
             log_event(st, EVENT_STORYBOARD_END, 1.0 * at)
         again = kind in (ELEMENT_EVENT, ELEMENT_GROUP)
         if again and st.element_runs[at] < p.element_limit[at]:
@@ -155,6 +158,7 @@ def displace(p: Program, st: State, k: int, mark: int) -> None:
 def start_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
     """Start an event and its actions, in order; each ends the action that holds its entity's domain."""
     start_element(p, st, e, mark)
+    st.element_busy[p.element_parent[e]] += 1
     log_event(st, EVENT_STORYBOARD_START, 1.0 * e)
     for c in range(e + 1, p.element_end[e]):
         start_element(p, st, c, mark)
@@ -165,24 +169,30 @@ def start_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None
 
 
 @compiled
-def sibling_runs(p: Program, st: State, e: int) -> int:
-    """Return 1 where another event of the same maneuver runs."""
-    parent = p.element_parent[e]
-    k = parent + 1
-    while k < p.element_end[parent]:
-        if k != e and st.element_state[k] == RUNNING:
-            return 1
-        k = p.element_end[k]
-    return 0
+def child_at(p: Program, parent: int, e: int) -> int:
+    """Return the child of an element that holds element e."""
+    at = e
+    while p.element_parent[at] != parent:
+        at = p.element_parent[at]
+    return at
 
 
 @compiled
 def stop_siblings(p: Program, st: State, e: int, mark: int) -> None:
-    """Stop the other running events of the same maneuver; executions that they have left are lost."""
+    """Stop the other running events of the same maneuver; executions that they have left are lost.
+
+    They are looked for backwards from the event, then forwards: the one that runs is mostly the one before.
+    """
     parent = p.element_parent[e]
-    k = parent + 1
-    while k < p.element_end[parent]:
-        if k != e and st.element_state[k] == RUNNING:
+    k = e - 1
+    while k > parent and st.element_busy[parent] > 0:
+        k = child_at(p, parent, k)
+        if st.element_state[k] == RUNNING:
+            stop_below(p, st, k, mark)
+        k = k - 1
+    k = p.element_end[e]
+    while k < p.element_end[parent] and st.element_busy[parent] > 0:
+        if st.element_state[k] == RUNNING:
             stop_below(p, st, k, mark)
         k = p.element_end[k]
 
@@ -194,7 +204,7 @@ def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
     if trigger >= 0 and trigger_fires(n, p, st, trigger) == 0:
         return
     priority = p.element_priority[e]
-    if priority == PRIORITY_SKIP and sibling_runs(p, st, e) == 1:
+    if priority == PRIORITY_SKIP and st.element_busy[p.element_parent[e]] > 0:
         st.element_skipped[e] = mark
         return
     if priority == PRIORITY_OVERRIDE:

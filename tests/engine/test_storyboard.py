@@ -161,3 +161,105 @@ def test_an_overflowing_delay_is_a_fault_not_a_wrong_result() -> None:
         run.st.v[0] = 20.0 + k % 2
         run.go(run.st.clock[0] + DT)
     assert run.st.flag[0] == op.FAULT_DELAY_OVERFLOW
+
+
+def watching(draft: Draft, element: int, transition: int, owner: int) -> int:
+    """Return a trigger on a transition of an element, for an event in the place of `owner`."""
+    draft.condition(op.CONDITION_TRANSITION, 0.0, other=element, mode=transition, owner=owner)
+    return draft.trigger()
+
+
+def started_at(run: Run, event: int) -> float:
+    """Return when an event was started last, s."""
+    return run.st.element_started[event] // 2 * DT
+
+
+def test_a_start_is_seen_at_once_behind_it_and_in_the_next_frame_before_it() -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver()
+    watched = maneuver + 3
+    trigger = watching(draft, watched, op.TRANSITION_START, maneuver + 1)
+    before = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car))
+    assert draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 2.0)) == watched
+    trigger = watching(draft, watched, op.TRANSITION_START, watched + 2)
+    behind = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car), limit=5)
+    run = draft.start().go(8.0)
+    times = [started_at(run, event) for event in (before, watched, behind)]
+    assert times == pytest.approx([times[1] + DT, times[1], times[1]])
+    assert run.st.element_runs[behind] == 1
+
+
+def test_an_end_is_seen_in_the_next_frame_wherever_it_is_watched() -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver()
+    watched = maneuver + 3
+    trigger = watching(draft, watched, op.TRANSITION_END, maneuver + 1)
+    before = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car))
+    draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 2.0))
+    trigger = watching(draft, watched, op.TRANSITION_END, watched + 2)
+    behind = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car))
+    draft.program.stop_trigger[0] = watching(draft, watched, op.TRANSITION_END, op.NONE)
+    run = draft.start().go()
+    assert run.st.stop[0] == op.STOP_TRIGGER
+    assert run.st.clock[0] == pytest.approx(3.0)
+    assert (run.st.element_runs[before], run.st.element_runs[behind]) == (0, 0)
+
+
+def test_a_skipped_event_is_seen_and_starts_when_its_sibling_is_done() -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver()
+    first = draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 2.0))
+    skipped = draft.event(maneuver, draft.at_time(2.0), draft.action(op.ACTION_COMMAND, car), priority=op.PRIORITY_SKIP)
+    other = draft.maneuver()
+    trigger = watching(draft, skipped, op.TRANSITION_SKIP, other + 1)
+    seen = draft.event(other, trigger, draft.action(op.ACTION_COMMAND, car))
+    run = draft.start().go(8.0)
+    assert [started_at(run, event) for event in (first, skipped, seen)] == pytest.approx([1.05, 3.05, 2.05], abs=DT)
+    assert run.st.element_runs[seen] == 1
+
+
+def test_an_overridden_event_loses_its_executions() -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver()
+    long = draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 6.0), limit=3)
+    draft.event(maneuver, draft.at_time(2.0), draft.action(op.ACTION_COMMAND, car), priority=op.PRIORITY_OVERRIDE)
+    run = draft.start().go(8.0)
+    assert (run.st.element_state[long], run.st.element_runs[long]) == (op.COMPLETE, 1)
+    assert run.st.element_stopped[long] > 0
+    assert run.st.element_ended[long] < 0
+    assert run.st.element_state[0] == op.COMPLETE
+
+
+def test_an_act_that_is_stopped_completes_its_story() -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver(stop=draft.at_time(2.0))
+    draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 6.0))
+    run = draft.start().go(3.0)
+    assert run.st.element_state[:6] == [op.COMPLETE] * 6
+    assert run.st.element_ended[0] > 0
+
+
+def test_ten_thousand_events_that_override_each_other_are_soon_done() -> None:
+    draft, car = with_car()
+    draft.program.const[slots.K_DURATION] = 1.0
+    maneuver = draft.maneuver()
+    trigger = draft.at_time(0.0)
+    for _ in range(10_000):
+        action = draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP)
+        draft.event(maneuver, trigger, action, priority=op.PRIORITY_OVERRIDE)
+    run = draft.start().go()
+    assert (run.st.stop[0], run.st.flag[0]) == (op.STOP_DURATION, op.FAULT_NONE)
+    assert run.st.log_count[0] > op.LOG_SIZE
+    assert run.st.element_state[0] == op.COMPLETE
+
+
+def test_events_that_start_each_other_go_on_once_a_frame() -> None:
+    draft, car = with_car()
+    maneuver = draft.maneuver()
+    draft.condition(op.CONDITION_ELEMENT_STATE, 1.0 * op.STANDBY, rule=op.RULE_EQUAL, other=maneuver + 3)
+    one = draft.event(maneuver, draft.trigger(), draft.action(op.ACTION_COMMAND, car), limit=1_000_000)
+    draft.condition(op.CONDITION_ELEMENT_STATE, 1.0 * op.STANDBY, rule=op.RULE_EQUAL, other=one)
+    other = draft.event(maneuver, draft.trigger(), draft.action(op.ACTION_COMMAND, car), limit=1_000_000)
+    run = draft.start().go()
+    assert (run.st.stop[0], run.st.flag[0]) == (op.STOP_DURATION, op.FAULT_NONE)
+    assert max(run.st.element_runs[one], run.st.element_runs[other]) <= run.st.frame[0] + 1

@@ -23,8 +23,16 @@ PROGRAMS = 40
 VARIANTS = 3
 STEPS = 400
 
-OF_PATHS = {op.ACTION_LANE_OFFSET, op.ACTION_FOLLOW_PATH}
-"""Actions that `test_places` holds."""
+WORLD_ACTIONS = range(op.ACTION_SET_VARIABLE, op.ACTION_STOP_TRAFFIC + 1)
+ACTIONS = {
+    *(op.ACTION_SPEED, op.ACTION_LANE_CHANGE, op.ACTION_SENSOR_NOISE),
+    *range(op.ACTION_FAILURE, op.ACTION_STOP + 1),
+    *WORLD_ACTIONS,
+}
+"""Actions of these programs; the files of words in this folder hold the others."""
+
+NEW_CONDITIONS = (op.CONDITION_RELATIVE_SPEED, *range(op.CONDITION_SENSOR_HEALTH + 1, op.CONDITION_KINDS))
+"""Conditions of `add_world_story`."""
 
 
 class Dice:
@@ -97,6 +105,7 @@ def random_draft(number: int) -> Draft:
         p.const[slots.K_DESTINATION_S] = dice.between(60.0, 400.0)
     add_story(draft, dice)
     add_camera_story(draft, Dice(number + PROGRAMS))
+    add_world_story(draft, Dice(number + 2 * PROGRAMS))
     return draft
 
 
@@ -177,6 +186,69 @@ def add_camera_story(draft: Draft, dice: Dice) -> None:
         draft.condition(kind, 0.6, rule=rule, entities=(0,), other=other)
         draft.condition(op.CONDITION_ELEMENT_STATE, dice.pick(1, 2), other=before)
         draft.event(maneuver, draft.trigger(), action)
+
+
+def add_world_story(draft: Draft, dice: Dice) -> None:
+    """Append variables, signals and events over the conditions and actions that concern more than one entity's way."""
+    p = draft.program
+    p.watches[0] = dice.pick(0, 1, 2, 3)
+    p.variable_const = [draft.block(dice.between(-2.0, 2.0)) for _ in range(2)]
+    p.variable_count, p.signal_count, p.controller_count = [2], [2], [2]
+    p.controller_reference, p.controller_const = [op.NONE, 0], [draft.block(0.0), draft.block(dice.between(0.0, 3.0))]
+    p.phase_first, p.phase_name = [0, 2, 3], [0, 1, 0]
+    p.phase_const = [draft.block(dice.pick(0, 1) * dice.between(0.0, 4.0)) for _ in range(3)]
+    p.light_first, p.light_signal, p.light_state = [0, 1, 2, 3], [0, 0, 1], [0, 1, 1]
+    others = [dice.pick(0, 1) for _ in range(dice.pick(0, 1))]
+    p.set_member, p.set_first = [*others, -1, 1], [0, len(others), len(others) + 2]
+    maneuver = draft.maneuver()
+    before = maneuver
+    for k in range(6):
+        add_world_condition(draft, dice, NEW_CONDITIONS[(6 * dice.number + k) % len(NEW_CONDITIONS)], before)
+        kind = WORLD_ACTIONS[(6 * dice.number + k) % len(WORLD_ACTIONS)]
+        before = draft.event(maneuver, draft.trigger(), add_world_action(draft, dice, kind), limit=dice.pick(1, 2))
+
+
+def add_world_condition(draft: Draft, dice: Dice, kind: int, before: int) -> None:
+    """Append a condition of a kind; one on elements watches `before`."""
+    modes = {
+        **dict.fromkeys((op.CONDITION_POSITION_DISTANCE,), 4 * dice.pick(0, 2, 4) + dice.pick(0, 1, 2)),
+        **dict.fromkeys((op.CONDITION_RELATIVE_SPEED, op.CONDITION_ACCELERATION), dice.pick(0, 1, 2, 3)),
+        op.CONDITION_COLLISION: dice.pick(op.KIND_ANY, op.KIND_VEHICLE),
+        op.CONDITION_ANGLE: 4 * dice.pick(0, 1, 2, 4) + dice.pick(0, 1, 2),
+        op.CONDITION_RELATIVE_ANGLE: dice.pick(0, 1, 2),
+        op.CONDITION_TRANSITION: dice.pick(0, 1, 2, 3),
+    }
+    others = {
+        op.CONDITION_COLLISION: dice.pick(op.NONE, 1),
+        op.CONDITION_CLEARANCE: 0,
+        op.CONDITION_TRANSITION: before,
+    }
+    draft.condition(
+        kind,
+        dice.between(-1.0, 3.0),
+        rule=dice.pick(*range(op.RULE_LESS, op.RULE_NOT_EQUAL + 1)),
+        entities=(0,) if dice.unit() < 0.5 else (0, 1),
+        other=others.get(kind, dice.pick(0, 1)),
+        mode=modes.get(kind, dice.pick(0, 1)),
+        flags=0 if kind == op.CONDITION_TRANSITION else dice.pick(0, 1, 2, 3),
+        position=draft.position(0, -1, dice.between(40.0, 110.0))
+        if kind == op.CONDITION_POSITION_DISTANCE
+        else op.NONE,
+        more=(dice.between(0.0, 30.0), dice.between(0.0, 30.0)),
+        owner=draft.program.element_count[0],
+        every=dice.unit() < 0.5,
+    )
+
+
+def add_world_action(draft: Draft, dice: Dice, kind: int) -> int:
+    """Append an action of a kind; what it holds of the ego it lets go again or holds lightly."""
+    k = draft.action(kind, dice.pick(0, 1), target=dice.between(0.0, 0.2), value=dice.between(0.5, 2.0))
+    p = draft.program
+    p.action_other[k] = 0 if kind == op.ACTION_STOP_TRAFFIC else dice.pick(0, 1)
+    p.action_lanes[k] = p.entity_count[0] if kind == op.ACTION_STOP_TRAFFIC else 0
+    p.action_mode[k] = dice.pick(*range(op.HELD_INPUTS)) if kind == op.ACTION_OVERRIDE_CONTROLLER else dice.pick(0, 1)
+    p.action_flags[k] = dice.pick(*range(8))
+    return k
 
 
 def add_condition(draft: Draft, dice: Dice, before: list[int]) -> None:
@@ -265,8 +337,8 @@ def test_both_forms_leave_the_same_bytes(number: int) -> None:
 def test_the_programs_reach_every_code() -> None:
     drafts = [random_draft(number) for number in range(PROGRAMS)]
     programs = [draft.program for draft in drafts]
-    assert {kind for p in programs for kind in p.condition_op} == set(range(op.CONDITION_SENSOR_HEALTH + 1))
-    assert {kind for p in programs for kind in p.action_op} == set(range(op.ACTION_STOP + 1)) - OF_PATHS
+    assert {kind for p in programs for kind in p.condition_op} == set(range(op.CONDITION_KINDS))
+    assert {kind for p in programs for kind in p.action_op} == ACTIONS
     assert {kind for p in programs for kind in p.failure_kind} == set(range(op.FAILURES))
     assert {kind for p in programs for kind in p.entity_motion} == set(range(op.MOTION_POSED + 1))
     assert {kind for p in programs for kind in p.action_shape} == set(range(op.SHAPE_STEP + 1))
