@@ -2,8 +2,8 @@
 
 Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
 dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
-there, its speed is kept for the step that no longer moves it and is then 0. The bicycle is the usual kinematic one
-about the rear axle, without side slip.
+there, its speed is kept for the step that no longer moves it and is then 0. Where only its lane ends it goes on in the
+middle of the nearest lane that does. The bicycle is the usual kinematic one about the rear axle, without side slip.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from scenario_compiler.engine.surroundings import grip
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_pose, road_reference
+from scenario_compiler.roads.lane_end import lane_after_end
 from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_pose
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
@@ -66,7 +67,15 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
     if stretch < 0.1:
         stretch = 0.1
     sense = st.facing[i] * lane_direction(n, road, lane)
-    to_road, to_lane, to_s, rest = advance(n, road, lane, s, sense * distance / stretch, next_turn(n, p, st, i, road))
+    ahead = sense * distance / stretch
+    to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
+    if rest > TOLERANCE:
+        forward = 1 if ahead > 0.0 else -1
+        beside, from_s = lane_after_end(n, to_road, to_lane, to_s, st.kept_off[i], forward)
+        if beside != 0:
+            turn = next_turn(n, p, st, i, to_road)
+            to_road, to_lane, to_s, rest = advance(n, to_road, beside, from_s, forward * rest, turn)
+            st.kept_off[i] = 0.0
     if rest > TOLERANCE and to_road == road and abs(to_s - s) <= TOLERANCE:
         st.ended[i] = 1
     if to_road != road or to_lane != lane:

@@ -51,6 +51,7 @@ from scenario_compiler.vocabulary.storyboard import (
 )
 from scenario_compiler.vocabulary.weather import Weather
 from tests.engine.make import highway, lane, network_of, road
+from tests.roads.test_lane_end import SECTIONS
 
 CAR = Vehicle(
     name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4, hitch=-1.0, coupler=3.0, max_speed=80.0
@@ -287,3 +288,14 @@ def test_a_trailer_that_is_connected_later_swings_to_its_hitch() -> None:
     hitch_x, hitch_y = -cos(0.5), 50.0 - sin(0.5)
     assert state.h[1] == pytest.approx(atan2(hitch_y - 49.0, hitch_x + 6.0))
     assert hypot(state.x[1] - hitch_x, state.y[1] - hitch_y) == pytest.approx(3.0)
+
+
+def test_where_a_lane_ends_the_nearest_one_goes_on() -> None:
+    network = network_of(SECTIONS)
+    plan, _ = planned(network, {"b": LanePosition(road="1", lane=-2, s=95.0)}, Storyboard(), speed=20.0)
+    program = build_program(plan, network)
+    state, _ = begun(network, plan)
+    for _ in range(8):
+        step(network.tables, program, state)
+    assert (state.x[0], state.y[0]) == pytest.approx((103.0, -1.75), abs=1e-5)
+    assert (state.lane[0], state.ended[0]) == (-1, 0)

@@ -1,0 +1,70 @@
+"""Where a lane ends although its road goes on: the lane beside it that does."""
+
+from __future__ import annotations
+
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_centre, lane_direction, row_centre, row_width, section_at
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import lane_next
+
+STEP_BEYOND = 1.0e-6
+"""How far beyond a lane's end the next lane section is looked up, m."""
+
+LEAST_WIDTH = 0.01
+"""Width from which a lane is there, m."""
+
+FAR_AWAY = 1.0e9
+
+
+@compiled
+def lane_going_on(n: RoadTables, road: int, lane: int, s: float, t: float, along: int) -> int:
+    """Return the lane that goes on beyond s where `lane` ends, 0 where none does: the one nearest to t.
+
+    Only lanes with the same direction of travel count. At the end of the road they must have a successor.
+
+    Args:
+        n: The tables.
+        road: The road.
+        lane: The lane that ends.
+        s: Where it ends, m.
+        t: Where across the road the search is, m.
+        along: 1 when moving along s, -1 against it.
+    """
+    beyond = s + along * STEP_BEYOND
+    at_end = 0
+    if beyond < 0.0 or beyond > n.road_length[road]:
+        at_end = 1
+        beyond = s - along * STEP_BEYOND
+    section = section_at(n, road, beyond)
+    if section < 0:
+        return 0
+    direction = lane_direction(n, road, lane)
+    best = 0
+    nearest = FAR_AWAY
+    for row in range(n.section_lane[section], n.section_lane[section + 1]):
+        beside = n.lane_id[row]
+        fits = beside not in (0, lane) and lane_direction(n, road, beside) == direction
+        if fits and row_width(n, row, beyond) >= LEAST_WIDTH:
+            centre, _ = row_centre(n, road, row, beyond)
+            follows = 0
+            if at_end == 1:
+                follows, _ = lane_next(n, road, beside, along * direction, -1)
+            if follows >= 0 and abs(centre - t) < nearest:
+                nearest = abs(centre - t)
+                best = beside
+    return best
+
+
+@compiled
+def lane_after_end(n: RoadTables, road: int, lane: int, s: float, offset: float, forward: int) -> tuple[int, float]:
+    """Return (lane, s) from which one goes on who comes to the end of a lane at s, lane 0 where the road ends too.
+
+    `offset` is from the ending lane's centre; `forward` is 1 in the direction of travel, -1 against it.
+    """
+    along = lane_direction(n, road, lane) * forward
+    centre, _ = lane_centre(n, road, lane, s - along * STEP_BEYOND)
+    beside = lane_going_on(n, road, lane, s, centre + offset, along)
+    beyond = s + along * STEP_BEYOND
+    if beyond < 0.0 or beyond > n.road_length[road]:
+        beyond = s
+    return beside, beyond
