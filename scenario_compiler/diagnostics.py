@@ -148,10 +148,15 @@ class CompileError(Exception):
         super().__init__("\n".join(as_text(d) for d in diagnostics if d.severity is Severity.ERROR))
 
 
+MOST_COMPARED = 200
+"""Most names that a word is compared with; among more, those that begin alike."""
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return a hint naming the nearest of `known`, or listing them when none is near and they are few."""
     names = sorted(set(known))
-    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    alike = names if len(names) <= MOST_COMPARED else [name for name in names if name[:1] == word[:1]][:MOST_COMPARED]
+    near = difflib.get_close_matches(word, alike, n=1, cutoff=0.6)
     if near:
         return f"did you mean '{near[0]}'?"
     if 0 < len(names) <= 12:

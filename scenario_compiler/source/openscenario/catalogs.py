@@ -10,7 +10,14 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, Severity, did_you_mean
 from scenario_compiler.document import Document
 from scenario_compiler.source.openscenario.codes import NO_CATALOG_FOLDER, UNKNOWN_CATALOG_ENTRY
-from scenario_compiler.source.openscenario.files import beside, is_file, is_folder, read_forgiving, read_version
+from scenario_compiler.source.openscenario.files import (
+    VERSIONS,
+    beside,
+    is_file,
+    is_folder,
+    read_forgiving,
+    read_version,
+)
 from scenario_compiler.source.openscenario.node import Node, local_name
 from scenario_compiler.source.openscenario.parameters import assigned_parameters, with_parameters
 from scenario_compiler.source.openscenario.reading import Reading
@@ -63,8 +70,10 @@ def _catalog_file(path: Path, sink: Diagnostics) -> CatalogFile | None:
     if document is None or catalog is None:
         return None
     header = _child(document.root, "FileHeader")
-    major, minor = ("", "") if header is None else (str(header.get("revMajor")), str(header.get("revMinor")))
-    version = read_version(major, minor, document.origin(document.root if header is None else header), sink)
+    version = VERSIONS[-1]
+    if header is not None:
+        place = document.origin(header, "revMinor")
+        version = read_version(header.get("revMajor", ""), header.get("revMinor", ""), place, sink)
     entries: dict[str, etree._Element] = {}
     for entry in catalog.iterchildren(etree.Element):
         entries.setdefault(str(entry.get("name", "")), entry)

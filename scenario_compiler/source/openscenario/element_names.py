@@ -22,6 +22,9 @@ BETWEEN = "::"
 KINDS = ("story", "act", "maneuverGroup", "maneuver", "event", "action")
 """The kinds of storyboard elements, outermost first."""
 
+MOST_GUESSES = 100
+"""Most unknown names for which the nearest known one is looked for."""
+
 Path = tuple[str, ...]
 
 
@@ -30,15 +33,17 @@ class Siblings:
     """Names taken by elements of one kind side by side."""
 
     taken: set[str] = field(default_factory=set)
+    counts: dict[str, int] = field(default_factory=dict)
 
     def name(self, node: Node) -> str:
         """Return an element's name, with a number behind it, reported, where another has it already."""
         written = node.text("name", "") or node.tag
-        name, number = written, 1
+        name, number = written, self.counts.get(written, 1)
         while name in self.taken:
             number += 1
             name = f"{written}#{number}"
-        if number > 1:
+        self.counts[written] = number
+        if name != written:
             node.report(DUPLICATE_ELEMENT, f"<{node.tag}> '{written}' stands beside another of that name", "name")
         self.taken.add(name)
         return name
@@ -60,9 +65,10 @@ def _resolved(story: Story, names: ElementNames, path: Path, sink: Diagnostics) 
 
 @dataclass
 class ElementNames:
-    """The paths of all elements by kind, in document order."""
+    """The paths of all elements by kind and own name, in document order."""
 
-    paths: dict[str, dict[Path, None]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
+    paths: dict[str, dict[str, list[Path]]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
+    unknown: int = 0
 
     def add_story(self, story: Story) -> None:
         """Take note of a story and everything in it."""
@@ -80,14 +86,18 @@ class ElementNames:
                             self._add((*path, event.name, action.name))
 
     def _add(self, path: Path) -> None:
-        self.paths[KINDS[len(path) - 1]][path] = None
+        self.paths[KINDS[len(path) - 1]].setdefault(path[-1], []).append(path)
+
+    def _fitting(self, kind: str, wanted: Path) -> list[Path]:
+        named = self.paths[kind].get(wanted[-1], []) if wanted else []
+        return [path for path in named if _fits(path, wanted)]
 
     def meant(self, word: Word, around: Path, sink: Diagnostics) -> Word:
         """Return a condition on an element's state with the element's full path; any other word as it is."""
         if not isinstance(word, ElementStateCondition):
             return word
         wanted = tuple(part for part in word.element.split(BETWEEN) if part)
-        fitting = [path for path in self.paths[word.kind] if _fits(path, wanted)]
+        fitting = self._fitting(word.kind, wanted)
         if not fitting:
             self._report_unknown(word, wanted, sink)
             return word
@@ -98,9 +108,11 @@ class ElementNames:
         return word.model_copy(update={"element": BETWEEN.join(nearest)}).written_at(word.origin)
 
     def _report_unknown(self, word: ElementStateCondition, wanted: Path, sink: Diagnostics) -> None:
-        others = [kind for kind in KINDS if any(_fits(path, wanted) for path in self.paths[kind])]
-        known = {path[-1] for path in self.paths[word.kind]}
-        hint = f"there is {_article(others[0])} of that name" if others else did_you_mean(word.element, known)
+        others = [kind for kind in KINDS if self._fitting(kind, wanted)]
+        known = self.paths[word.kind]
+        self.unknown += 1
+        guess = did_you_mean(word.element, known) if self.unknown <= MOST_GUESSES else ""
+        hint = f"there is {_article(others[0])} of that name" if others else guess
         message = f"there is no {word.kind} '{word.element}'"
         sink.add(UNKNOWN_STORYBOARD_ELEMENT, message, word.place_of("storyboardElementRef"), hint=hint)
 
@@ -110,9 +122,7 @@ def _article(kind: str) -> str:
 
 
 def _fits(path: Path, wanted: Path) -> bool:
-    """Return whether names, of an element and some of those around it in order, lead to a path."""
-    if not wanted or path[-1] != wanted[-1]:
-        return False
+    """Return whether names, of an element and some of those around it in order, lead to a path of that last name."""
     rest = iter(path[:-1])
     return all(any(name == one for one in rest) for name in wanted[:-1])
 
