@@ -12,7 +12,7 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_hash
-from scenario_compiler.roads.lanes import lane_row_in
+from scenario_compiler.roads.lanes import lane_direction, lane_row_in
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 
 
@@ -36,6 +36,27 @@ def random_turn(n: RoadTables, p: Program, st: State, i: int, road: int, sense: 
 
 
 @compiled
+def against_traffic(n: RoadTables, p: Program, st: State, i: int, ahead: int, at_end: int) -> int:
+    """Return the road that goes where the guide's next one goes, for an entity that drives against its lane's travel.
+
+    No lane of the guide's road follows its own: the road of the other direction does.
+    """
+    road = st.road[i]
+    section = n.road_section[road + at_end] - at_end
+    row = lane_row_in(n, section, st.kept_lane[i])
+    beyond = 2 * (st.guide[i] * p.road_count[0] + ahead)
+    onward = max(p.guide_next[beyond], p.guide_next[beyond + 1])
+    if row < 0 or onward < 0:
+        return ahead
+    end = AT_END if at_end == 1 else AT_START
+    for link in range(n.lane_link[2 * row + end], n.lane_link[2 * row + end + 1]):
+        other = n.section_road[n.lane_section[n.link_lane[link]]]
+        if n.road_start_road[other] == onward or n.road_end_road[other] == onward:
+            return other
+    return ahead
+
+
+@compiled
 def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
     """Return the road that an entity takes at the junction after `road`, -1 for straight on."""
     if p.entity_motion[i] == MOTION_TRAFFIC:
@@ -52,6 +73,8 @@ def next_turn(n: RoadTables, p: Program, st: State, i: int, road: int) -> int:
     ahead = p.guide_next[at + 1] if sense > 0 else p.guide_next[at]
     if ahead == NONE and road != st.road[i]:
         ahead = p.guide_next[at] if sense > 0 else p.guide_next[at + 1]
+    if ahead >= 0 and road == st.road[i] and sense * lane_direction(n, road, st.kept_lane[i]) < 0:
+        return against_traffic(n, p, st, i, ahead, 1 if sense > 0 else 0)
     return ahead
 
 
