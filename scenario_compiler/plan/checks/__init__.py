@@ -10,6 +10,7 @@ from scenario_compiler.plan.checks.moves import check_moves
 from scenario_compiler.plan.checks.nowhere import check_nowhere
 from scenario_compiler.plan.checks.overlap import check_overlap
 from scenario_compiler.plan.checks.paths import check_paths
+from scenario_compiler.plan.checks.presence import check_presence
 from scenario_compiler.plan.checks.reach import check_budget, check_reach
 from scenario_compiler.plan.checks.start import check_start
 from scenario_compiler.plan.checks.triggers import check_triggers
@@ -20,6 +21,7 @@ from scenario_compiler.roads import Network
 CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_start,
     check_nowhere,
+    check_presence,
     check_overlap,
     check_camera,
     check_causes,

@@ -48,7 +48,7 @@ OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", Synchro
 def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report actions on speeds, lanes and distances that cannot be meant."""
     lanes = set(network.tables.lane_id)
-    for actor, action in _actions(plan):
+    for actor, action in each_action(plan):
         named = OTHERS.get(type(action))
         if named is not None and getattr(action, named) == actor:
             sink.add(TO_ITSELF, f"<{action.tag()}> of '{actor}' refers to '{actor}' itself", action.place_of(named))
@@ -63,7 +63,7 @@ def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
             sink.add(NO_SUCH_LANE, f"no road of the map has a lane {action.lane}", action.place_of("lane"))
 
 
-def _actions(plan: Plan) -> Iterator[tuple[str, Word]]:
+def each_action(plan: Plan) -> Iterator[tuple[str, Word]]:
     """Yield every action of the storyboard with each entity that does it."""
     for initial in plan.storyboard.init:
         yield initial.entity, initial.action

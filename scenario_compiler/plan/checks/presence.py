@@ -1,0 +1,41 @@
+"""Who cannot go, come or be towed: the automated vehicle, and a trailer of its own."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.plan.checks.moves import each_action
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.actions import AddEntityAction, ConnectTrailerAction, DeleteEntityAction
+
+EGO_STAYS = Code(
+    "SC386",
+    "automated-vehicle-stays",
+    "The automated vehicle is to appear, to disappear or to be towed. It is what a run is about: it is there from the "
+    "first to the last moment and moves by its own controls."
+    '\n\n    <do><delete_entity entity="ego"/></do>     another entity, or <stop/> to end the run',
+)
+OWN_TRAILER = Code(
+    "SC387",
+    "trailer-of-itself",
+    "An entity is to tow itself. Name the entity that is its trailer."
+    '\n\n    <dynamic id="truck"> ... <do><connect_trailer trailer="semitrailer"/></do>',
+)
+
+
+def check_presence(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report an automated vehicle that is to come, go or be towed, and entities that are to tow themselves."""
+    del network
+    ego = "" if plan.controller is None else plan.ego.id
+    for actor, action in each_action(plan):
+        named = ""
+        if isinstance(action, AddEntityAction | DeleteEntityAction):
+            named = "entity"
+        elif isinstance(action, ConnectTrailerAction):
+            named = "trailer"
+            if action.trailer == actor:
+                sink.add(OWN_TRAILER, f"'{actor}' is to tow itself", action.place_of(named))
+                continue
+        if named and ego and getattr(action, named) == ego:
+            message = f"<{action.tag()}> names '{ego}', the automated vehicle"
+            sink.add(EGO_STAYS, message, action.place_of(named))
