@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
@@ -13,6 +13,7 @@ from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.conditions import (
     Condition,
     DistanceCondition,
+    ElementStateCondition,
     EventCondition,
     LaneConfidenceCondition,
     ReachPositionCondition,
@@ -51,6 +52,10 @@ AFTER_THE_END = Code(
 )
 
 
+AFTER_A_START = frozenset({"runningState", "completeState", "startTransition", "endTransition"})
+"""States and transitions that an event comes to by its start."""
+
+
 @dataclass(frozen=True)
 class Never:
     """Why a condition is never true: the code and the words, and the attribute that says so."""
@@ -63,22 +68,22 @@ class Never:
 def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report events, failures and a stop that never come about."""
     values = parameter_values(plan.parameters)
-    events = list(events_of(plan))
+    events = events_of(plan)
     faults = {
         (id(event), at): fault
-        for event in events
+        for event in events.values()
         for at, condition in enumerate(conditions_of(event.start))
         if (fault := never(condition, plan, network, values))
     }
-    possible: set[str] = {event.name for event in events}
+    possible = _named(events)
     while True:
-        still = {event.name for event in events if _can_fire(event, possible, faults)}
+        still = _named(path for path, event in events.items() if _can_fire(path, event, possible, faults))
         if still == possible:
             break
         possible = still
-    for event in events:
-        if event.name not in possible:
-            _report(event, possible, faults, sink)
+    for path, event in events.items():
+        if path not in possible:
+            _report(path, event, possible, faults, sink)
     for failure in plan.camera.failures:
         onset = number_value(failure.onset, values)
         if onset >= plan.duration:
@@ -86,13 +91,22 @@ def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
             sink.add(AFTER_THE_END, message, failure.place_of("onset"))
 
 
-def events_of(plan: Plan) -> Iterator[Event]:
-    """Yield the storyboard's events in document order."""
+def events_of(plan: Plan) -> dict[str, Event]:
+    """Return the storyboard's events in document order by their names in full; of two with one name the first."""
+    found: dict[str, Event] = {}
     for story in plan.storyboard.stories:
         for act in story.acts:
             for group in act.groups:
                 for maneuver in group.maneuvers:
-                    yield from maneuver.events
+                    for event in maneuver.events:
+                        names = (story.name, act.name, group.name, maneuver.name, event.name)
+                        found.setdefault("::".join(names), event)
+    return found
+
+
+def _named(paths: Iterable[str]) -> set[str]:
+    """Return names in full and their last parts, by which events are waited for."""
+    return {name for path in paths for name in (path, path.rpartition("::")[2])}
 
 
 def conditions_of(trigger: Trigger | None) -> list[TriggerCondition]:
@@ -100,7 +114,7 @@ def conditions_of(trigger: Trigger | None) -> list[TriggerCondition]:
     return [] if trigger is None else [one for group in trigger.groups for one in group.conditions]
 
 
-def _can_fire(event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never]) -> bool:
+def _can_fire(path: str, event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never]) -> bool:
     """Return whether a group of the event's trigger has no condition that is never true."""
     if event.start is None or not event.start.groups:
         return True
@@ -108,24 +122,31 @@ def _can_fire(event: Event, possible: set[str], faults: Mapping[tuple[int, int],
     for group in event.start.groups:
         numbered = list(enumerate(group.conditions, start=at))
         at += len(numbered)
-        if all((id(event), k) not in faults and _waits_well(one.condition, event, possible) for k, one in numbered):
+        if all((id(event), k) not in faults and _waits_well(one.condition, path, possible) for k, one in numbered):
             return True
     return False
 
 
-def _waits_well(condition: Condition, event: Event, possible: set[str]) -> bool:
+def _waits_well(condition: Condition, path: str, possible: set[str]) -> bool:
+    """Return whether a condition of an event waits for no event that never happens, nor for its own."""
+    if isinstance(condition, ElementStateCondition):
+        starts = condition.kind == "event" and condition.state in AFTER_A_START
+        return not starts or (condition.element in possible and condition.element != path)
     if not isinstance(condition, EventCondition):
         return True
-    return condition.name in possible and condition.name != event.name
+    return condition.name in possible and condition.name != path.rpartition("::")[2]
 
 
-def _report(event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never], sink: Diagnostics) -> None:
+def _report(
+    path: str, event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never], sink: Diagnostics
+) -> None:
     """Report each place that keeps an event from happening, once."""
     for at, one in enumerate(conditions_of(event.start)):
         fault = faults.get((id(event), at))
         condition = one.condition
-        if fault is None and not _waits_well(condition, event, possible):
-            fault = Never(NEVER_FIRES, "the event that it waits for never happens", "name")
+        if fault is None and not _waits_well(condition, path, possible):
+            attribute = "element" if isinstance(condition, ElementStateCondition) else "name"
+            fault = Never(NEVER_FIRES, "the event that it waits for never happens", attribute)
         if fault is not None:
             place: Place = condition.place_of(fault.attribute) if fault.attribute else condition.origin
             sink.add(fault.code, f"'{event.name}' never happens: {fault.reason}", place)
