@@ -132,6 +132,9 @@ def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
         follow_leader(n, p, st, i, dt)
     if st.moved[i] == 1 or abs(st.v[i]) <= TOLERANCE:
         return
+    if st.road[i] < 0:
+        st.v[i] = 0.0
+        return
     stood = st.ended[i]
     st.ended[i] = 0
     glide(n, p, st, i, st.v[i] * dt)

@@ -66,6 +66,7 @@ from scenario_compiler.engine.opcodes import (
     RANDOM_GUIDE,
     RULE_NOT_EQUAL,
     SHAPE_STEP,
+    TRACK_NURBS,
 )
 
 OF_THE_RUN = frozenset(
@@ -157,6 +158,8 @@ class Program:
     """1 where it follows the vehicle ahead."""
     track_kind: list[int] = field(default_factory=list)
     """TRACK_..., by trajectory."""
+    track_closed: list[int] = field(default_factory=list)
+    """1 where a trajectory goes on at its begin."""
     track_order: list[int] = field(default_factory=list)
     """Order of a NURBS."""
     track_corner: list[int] = field(default_factory=lambda: [0])
@@ -175,7 +178,7 @@ class Program:
     sample_corner: list[int] = field(default_factory=list)
     """First of the control points that a sample is made of."""
     sample_const: list[int] = field(default_factory=list)
-    """Their shares."""
+    """Their shares, and then its place between the control points, counted from 0, for its time."""
     entity_guide: list[int] = field(default_factory=list)
     """Guide to the entity's destination, or NONE."""
     guide_next: list[int] = field(default_factory=list)
@@ -333,6 +336,22 @@ class Program:
     """The causes that are switched on; where several ask at once, the first is named."""
 
 
+def _validate_tracks(p: Program) -> None:
+    """Check the columns of trajectories."""
+    _column("track_kind", p.track_kind, len(p.track_closed), 0, TRACK_NURBS + 1)
+    _rows("track_corner", p.track_corner, len(p.corner_position))
+    _rows("track_vertex", p.track_vertex, p.vertex_count[0])
+    _rows("track_sample", p.track_sample, len(p.sample_corner))
+    _column("track_closed", p.track_closed, len(p.track_kind), 0, 2)
+    _column("track_order", p.track_order, len(p.track_kind), 0, 1000)
+    _column("corner_position", p.corner_position, len(p.corner_const), NONE, p.position_count[0])
+    _column("corner_samples", p.corner_samples, len(p.corner_const), 0, p.vertex_count[0] + 1)
+    _inside("corner_const", p.corner_const, 0, len(p.const) + 1)
+    _column("sample_const", p.sample_const, len(p.sample_corner), 0, len(p.const) + 1)
+    _inside("sample_corner", p.sample_corner, 0, len(p.corner_const) + 1)
+    _column("vertex_heading", p.vertex_heading, p.vertex_count[0], 0, 2)
+
+
 def validate(program: Program, roads: int) -> None:
     """Check every code, index and row start against its column; `roads` is the number of roads of the map.
 
@@ -351,16 +370,7 @@ def validate(program: Program, roads: int) -> None:
     _column("entity_const", p.entity_const, entities, 0, len(p.const) + 1)
     _column("entity_position", p.entity_position, entities, NONE, positions)
     _column("entity_follows", p.entity_follows, entities, 0, 2)
-    _rows("track_corner", p.track_corner, len(p.corner_position))
-    _rows("track_vertex", p.track_vertex, p.vertex_count[0])
-    _rows("track_sample", p.track_sample, len(p.sample_corner))
-    _column("track_order", p.track_order, len(p.track_kind), 0, 1000)
-    _column("corner_position", p.corner_position, len(p.corner_const), NONE, positions)
-    _column("corner_samples", p.corner_samples, len(p.corner_const), 0, p.vertex_count[0] + 1)
-    _inside("corner_const", p.corner_const, 0, len(p.const) + 1)
-    _column("sample_const", p.sample_const, len(p.sample_corner), 0, len(p.const) + 1)
-    _inside("sample_corner", p.sample_corner, 0, len(p.corner_const) + 1)
-    _column("vertex_heading", p.vertex_heading, p.vertex_count[0], 0, 2)
+    _validate_tracks(p)
     _column("entity_guide", p.entity_guide, entities, NONE, len(p.guide_last))
     _column("guide_next", p.guide_next, 2 * roads * len(p.guide_last), NONE, roads)
     _inside("guide_last", p.guide_last, NONE, roads)

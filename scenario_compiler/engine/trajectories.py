@@ -1,58 +1,137 @@
-"""Following a trajectory: at the entity's own speed, or by the trajectory's times.
+"""Following a trajectory: at the entity's own speed, or by the trajectory's times. After esmini 3.6.
 
-Without timing the distance along it grows by speed times step, and what is left over at its end goes straight on. With
-timing the place is that of the time after the step, and the speed is what the entity has moved by, over the step. It
-ends at its end, or at its last time. After esmini 3.6.
+Without timing the distance along it grows by speed times step. An entity that drives backwards when it begins faces
+against the trajectory, so that it goes along it; where the vertices give headings these decide which way it goes. What
+is left over at the end goes straight on. With timing the place is that of the time after the step, and the speed is
+the way over the step. It ends at its end, or at its last time; a closed one without timing goes on at its begin.
 """
 
 from __future__ import annotations
 
-from scenario_compiler.engine.numbers import heading_in_circle
+from math import cos, pi
+
+from scenario_compiler.engine.laying import lay_track, pace_vertices
+from scenario_compiler.engine.numbers import heading_in_circle, ratio
 from scenario_compiler.engine.opcodes import (
     FOLLOW_SMOOTHLY,
     MOTION_SCRIPTED,
     TIMING_ABSOLUTE,
     TIMING_NONE,
     TOLERANCE,
+    TRACK_CLOTHOIDS,
+    TRACK_POLYLINE,
 )
 from scenario_compiler.engine.own_path import place_free
 from scenario_compiler.engine.slots import J_BEGIN, J_OFFSET, J_SCALE
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
-from scenario_compiler.engine.tracks import distance_at_time, fill_track, track_length, track_pose
+from scenario_compiler.engine.tracks import (
+    beside_track,
+    distance_at_time,
+    time_at_distance,
+    track_is_timed,
+    track_length,
+    track_pose,
+)
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 
 @compiled
-def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Lay the trajectory for its entity, which is on it from then on."""
-    i = p.action_entity[k]
-    if p.entity_motion[i] != MOTION_SCRIPTED:
-        return
-    fill_track(n, p, st, p.action_other[k], i)
-    st.lateral[i] = k
-    if p.action_mode[k] != TIMING_NONE:
-        st.longitudinal[i] = k
-    st.action_a[k] = p.const[p.action_const[k] + J_BEGIN]
-    st.action_b[k] = 0.0
-    st.ended[i] = 0
+def keeps_times(p: Program, st: State, k: int) -> int:
+    """Return 1 where an action follows its trajectory by times."""
+    return 1 if p.action_mode[k] != TIMING_NONE and track_is_timed(p, st, p.action_other[k]) == 1 else 0
 
 
 @compiled
-def timed_distance(p: Program, st: State, k: int, dt: float) -> tuple[float, int]:
-    """Return (distance along the trajectory, 1 where its last time has come) after dt."""
+def heads_itself(p: Program, track: int) -> int:
+    """Return 1 where a trajectory's vertices give headings."""
+    return 1 if p.track_kind[track] != TRACK_CLOTHOIDS and p.vertex_heading[p.track_vertex[track]] == 1 else 0
+
+
+@compiled
+def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond: float) -> int:
+    """Put an entity at a distance along its trajectory, and straight on beyond it.
+
+    Returns 1 where it faces the way the trajectory goes, else -1.
+    """
+    i = p.action_entity[k]
+    smooth = 1 if p.action_flags[k] & FOLLOW_SMOOTHLY != 0 else 0
+    x, y, h, along = track_pose(p, st, p.action_other[k], s, smooth)
+    h = h + st.action_from[k]
+    x, y = beside_track(x, y, along, beyond, 0.0)
+    st.action_a[k] = s
+    st.x[i] = x
+    st.y[i] = y
+    st.h[i] = heading_in_circle(h)
+    place_free(n, st, i)
+    return 1 if cos(h - along) >= 0.0 else -1
+
+
+@compiled
+def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Lay the trajectory for its entity, which is on it from then on; one at rest takes its first speed."""
+    i = p.action_entity[k]
+    if p.entity_motion[i] != MOTION_SCRIPTED:
+        return
+    track = p.action_other[k]
+    lay_track(n, p, st, track, i)
+    timed = keeps_times(p, st, k)
+    smooth = p.action_flags[k] & FOLLOW_SMOOTHLY != 0
+    if timed == 1:
+        pace_vertices(p, st, track, abs(st.v[i]), 1 if smooth else 0)
+    begin = p.const[p.action_const[k] + J_BEGIN]
+    st.action_from[k] = pi if timed == 0 and heads_itself(p, track) == 0 and st.v[i] < 0.0 else 0.0
+    st.action_b[k] = time_at_distance(p, st, track, begin)
+    st.lateral[i] = k
+    st.ended[i] = 0
+    sense = put_on_track(n, p, st, k, begin, 0.0)
+    if timed == 1 and st.v[i] == 0.0 and p.track_kind[track] == TRACK_POLYLINE:
+        st.v[i] = sense * st.track_v[p.track_vertex[track]]
+
+
+@compiled
+def step_by_time(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Move an entity to where its trajectory is at the time after dt; return 1 where the last time has come."""
+    i = p.action_entity[k]
     track = p.action_other[k]
     base = p.action_const[k]
-    st.action_b[k] += dt
+    scale = p.const[base + J_SCALE]
+    st.action_b[k] += ratio(dt, scale, dt)
     time = st.action_b[k]
     if p.action_mode[k] == TIMING_ABSOLUTE:
-        time = st.clock[0] + dt
-    scale = p.const[base + J_SCALE]
-    time = (time - p.const[base + J_OFFSET]) / scale if abs(scale) > TOLERANCE else time
-    last = p.track_vertex[track + 1] - 1
-    over = 1 if time >= st.track_time[last] - TOLERANCE else 0
-    return distance_at_time(p, st, track, time), over
+        time = ratio(st.clock[0] + dt, scale, st.clock[0] + dt)
+    time = time - ratio(p.const[base + J_OFFSET], scale, 0.0)
+    last = st.track_time[p.track_vertex[track + 1] - 1]
+    before = st.action_a[k]
+    s = distance_at_time(p, st, track, time)
+    beyond = max(time - last, 0.0) * abs(st.v[i])
+    sense = put_on_track(n, p, st, k, s, beyond)
+    if dt > 0.0 and time < last + TOLERANCE:
+        st.v[i] = sense * (s - before) / dt
+    return 1 if time >= last - TOLERANCE else 0
+
+
+@compiled
+def step_by_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Move an entity along its trajectory at its speed; return 1 where it has come to an end of it.
+
+    Where the vertices give headings what is left over goes ahead of where the entity faces, even when it reverses.
+    """
+    i = p.action_entity[k]
+    track = p.action_other[k]
+    length = track_length(p, st, track)
+    sense = put_on_track(n, p, st, k, st.action_a[k], 0.0)
+    ds = sense * st.v[i] * dt
+    s = st.action_a[k] + ds
+    if p.track_closed[track] == 1 and length > TOLERANCE:
+        put_on_track(n, p, st, k, s % length, 0.0)
+        return 0
+    beyond = max(s - length, 0.0)
+    if heads_itself(p, track) == 1:
+        beyond = sense * beyond
+    put_on_track(n, p, st, k, min(max(s, 0.0), length), beyond)
+    return 1 if (ds > 0.0 and s > length - TOLERANCE) or (ds < 0.0 and s < TOLERANCE) else 0
 
 
 @compiled
@@ -61,23 +140,7 @@ def step_trajectory(n: RoadTables, p: Program, st: State, k: int, dt: float) -> 
     i = p.action_entity[k]
     if p.entity_motion[i] != MOTION_SCRIPTED:
         return 1
-    track = p.action_other[k]
-    smooth = 1 if p.action_flags[k] & FOLLOW_SMOOTHLY != 0 else 0
-    before = st.action_a[k]
-    done = 0
-    if p.action_mode[k] == TIMING_NONE:
-        s = before + st.v[i] * dt
-        if s >= track_length(p, st, track) - TOLERANCE or s < -TOLERANCE:
-            done = 1
-    else:
-        s, done = timed_distance(p, st, k, dt)
-        if dt > 0.0:
-            st.v[i] = (s - before) / dt
-    st.action_a[k] = s
-    x, y, h = track_pose(p, st, track, s, smooth)
-    st.x[i] = x
-    st.y[i] = y
-    st.h[i] = heading_in_circle(h)
-    place_free(n, st, i)
     st.moved[i] = 1
-    return done
+    if keeps_times(p, st, k) == 1:
+        return step_by_time(n, p, st, k, dt)
+    return step_by_speed(n, p, st, k, dt)

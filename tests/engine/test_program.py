@@ -208,6 +208,7 @@ def test_an_index_outside_its_column_is_found(column: str, value: int) -> None:
     draft = Draft(highway())
     draft.ego()
     draft.event(draft.maneuver(), draft.at_time(1.0), draft.speed(0, 1.0, 1.0))
+    draft.program.road_count[0] = 1
     getattr(draft.program, column)[-1] = value
     with pytest.raises(ValueError, match=column):
         validate(draft.program, 1)
@@ -216,20 +217,14 @@ def test_an_index_outside_its_column_is_found(column: str, value: int) -> None:
 def test_an_int_among_the_numbers_is_found() -> None:
     draft = Draft(highway())
     draft.ego()
+    draft.program.road_count[0] = 1
     draft.program.const[0] = 1
     with pytest.raises(ValueError, match="const"):
         validate(draft.program, 1)
 
 
 WITHOUT_ROW: dict[str, set[str]] = {
-    "action": {
-        "AssignRouteAction",
-        "AcquirePositionAction",
-        "RandomRouteAction",
-        "FollowTrajectoryAction",
-    },
     "position": {
-        "RoutePosition",
         "TrajectoryPosition",
     },
 }

@@ -17,12 +17,13 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import Number, Word, number_value
 
-SAMPLE_LENGTH = 0.5
+SAMPLE_LENGTH = 4.0
 MOST_SAMPLES = 2000
 """Distance between two samples of a clothoid, m, and their greatest number."""
 
-SPAN_SAMPLES = 24
-"""Samples of a NURBS between two knots."""
+SPAN_SAMPLES = 64
+TIMED_SPAN_SAMPLES = 256
+"""Samples of a NURBS between two knots, without times and with them."""
 
 
 def add_track(draft: Draft, trajectory: Trajectory) -> int:
@@ -30,7 +31,7 @@ def add_track(draft: Draft, trajectory: Trajectory) -> int:
     p, shape = draft.program, trajectory.shape
     if isinstance(shape, Polyline):
         kind = op.TRACK_POLYLINE
-        _add_polyline(draft, shape)
+        _add_polyline(draft, shape, trajectory.closed)
     elif isinstance(shape, Nurbs):
         kind = op.TRACK_NURBS
         _add_nurbs(draft, shape)
@@ -38,6 +39,7 @@ def add_track(draft: Draft, trajectory: Trajectory) -> int:
         kind = op.TRACK_CLOTHOIDS
         _add_clothoids(draft, shape)
     p.track_kind.append(kind)
+    p.track_closed.append(1 if trajectory.closed else 0)
     p.track_order.append(shape.order if isinstance(shape, Nurbs) else 0)
     p.track_corner.append(len(p.corner_position))
     p.track_vertex.append(len(p.vertex_heading))
@@ -57,15 +59,19 @@ def _time(time: Number | None) -> Slot:
     return -1.0 if time is None else time
 
 
-def _add_polyline(draft: Draft, line: Polyline) -> None:
-    for vertex in line.vertices:
+def _add_polyline(draft: Draft, line: Polyline, closed: bool) -> None:
+    """Append a polyline; a closed one without times comes back to its first vertex."""
+    vertices = list(line.vertices)
+    if closed and vertices[0].time is None and vertices[0] != vertices[-1]:
+        vertices.append(vertices[0])
+    for vertex in vertices:
         _add_corner(draft, vertex.position, _time(vertex.time))
         draft.program.vertex_heading.append(1 if has_heading(vertex.position) else 0)
 
 
 def has_heading(position: Word) -> bool:
-    """Return whether the author gave a position a heading of its own."""
-    return getattr(position, "heading", None) is not None or getattr(position, "turn", 0.0) != 0.0
+    """Return whether the author gave a position a heading in the world; a relative one is left to the trajectory."""
+    return getattr(position, "heading", None) is not None
 
 
 def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline) -> None:
@@ -106,23 +112,42 @@ def _add_nurbs(draft: Draft, curve: Nurbs) -> None:
         for at, (low, high) in enumerate(zip(curve.knots, curve.knots[1:], strict=False))
         if high > low and curve.order - 1 <= at < len(curve.points)
     ]
-    for number, (at, low, high) in enumerate(spans):
-        final = number == len(spans) - 1
-        for q in range(SPAN_SAMPLES + (1 if final else 0)):
-            u = low + (high - low) * q / SPAN_SAMPLES
-            _add_sample(draft, curve, weights, at, u)
+    count = SPAN_SAMPLES if curve.points[0].time is None else TIMED_SPAN_SAMPLES
+    samples = [(at, low + (high - low) * q / count) for at, low, high in spans for q in range(count)]
+    samples += [(at, high) for at, _, high in spans[-1:]]
+    shares = [basis(curve.knots, curve.order, at, u) for at, u in samples]
+    given = all(has_heading(point.position) for point in curve.points)
+    places = _places_between(curve, samples, shares)
+    for (at, _), share, place in zip(samples, shares, places, strict=True):
+        first = at - curve.order + 1
+        weighted = [one * weights[first + q] for q, one in enumerate(share)]
+        total = sum(weighted) or 1.0
+        draft.program.sample_corner.append(first)
+        draft.program.sample_const.append(draft.block(*(one / total for one in weighted), place))
+        draft.program.vertex_heading.append(1 if given else 0)
 
 
-def _add_sample(draft: Draft, curve: Nurbs, weights: list[float], span: int, u: float) -> None:
-    """Append a sample: the shares of the control points at a parameter, by the rule of Cox and de Boor."""
-    p = draft.program
-    first = span - curve.order + 1
-    shares = basis(curve.knots, curve.order, span, u)
-    weighted = [share * weights[first + q] for q, share in enumerate(shares)]
-    total = sum(weighted) or 1.0
-    p.sample_corner.append(first)
-    p.sample_const.append(draft.block(*(one / total for one in weighted)))
-    p.vertex_heading.append(0)
+def _places_between(curve: Nurbs, samples: list[tuple[int, float]], shares: list[list[float]]) -> list[float]:
+    """Return where samples lie between the control points, counted from 0.
+
+    A control point belongs to the sample in which its share is greatest; between two of these places grow evenly with
+    the parameter (esmini 3.6).
+    """
+    most = [0.0] * len(curve.points)
+    peaks = [samples[0][1]] * len(curve.points)
+    for (at, u), share in zip(samples, shares, strict=True):
+        for q, one in enumerate(share):
+            if one > most[at - curve.order + 1 + q]:
+                most[at - curve.order + 1 + q] = one
+                peaks[at - curve.order + 1 + q] = u
+    places = []
+    c = 0
+    for _, u in samples:
+        while c < len(peaks) - 2 and u >= peaks[c + 1]:
+            c += 1
+        room = peaks[c + 1] - peaks[c]
+        places.append(c + (min(max((u - peaks[c]) / room, 0.0), 1.0) if room > 0.0 else 0.0))
+    return places
 
 
 def basis(knots: tuple[float, ...], order: int, span: int, u: float) -> list[float]:
