@@ -136,15 +136,13 @@ def bounded(what: str) -> Iterator[None]:
 
 
 def surroundings(original: Path, corpus: Path, folder: Path) -> Path:
-    """Return a path for a damaged copy from which the same maps and catalogs are found."""
+    """Return a path for a damaged copy, in folders of its own, from which the same maps and catalogs are found."""
     there, here = corpus, folder
     for part in (*original.parent.relative_to(corpus).parts, ""):
         here.mkdir(exist_ok=True)
         for entry in there.iterdir():
             if entry.name != part and entry != original and not (here / entry.name).exists():
                 (here / entry.name).symlink_to(entry)
-        if (here / part).is_symlink():
-            (here / part).unlink()
         there, here = there / part, here / part
     return here / original.name
 
@@ -191,7 +189,8 @@ def test_a_damaged_file_is_diagnosed_or_runs(corpus: Path, tmp_path: Path, cases
         draw = Draw(case)
         original = draw.one(paths)
         path = surroundings(original, corpus, tmp_path / str(case))
-        path.write_bytes(damaged(original, draw))
+        with path.open("xb") as file:
+            file.write(damaged(original, draw))
         with bounded(f"case {case}, {original.name}"):
             try:
                 read_and_run(path)
