@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -26,16 +25,12 @@ class Known:
     Attributes:
         entities: Type of each entity, in document order.
         selections: Members of each EntitySelection.
-        variables: Type of each variable, and of each parameter, that conditions and actions may name.
-        signal_controllers: Names of the phases of each traffic signal controller.
         catalogs: The catalogs in the folders that the scenario lists.
         entries: The entries of catalogs that references led to.
     """
 
     entities: dict[str, ObjectType] = field(default_factory=dict)
     selections: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    variables: dict[str, str] = field(default_factory=dict)
-    signal_controllers: dict[str, tuple[str, ...]] = field(default_factory=dict)
     catalogs: CatalogFolders | None = None
     entries: dict[etree._Element, Node] = field(default_factory=dict)
 
@@ -64,11 +59,6 @@ class Reading:
     def folder(self) -> Path:
         """Folder that relative paths in the file start from."""
         return self.document.folder
-
-    @property
-    def entities(self) -> Mapping[str, ObjectType]:
-        """Type of each entity that is known, in document order."""
-        return self.known.entities
 
     def origin(self, element: etree._Element, attribute: str | None = None) -> Origin:
         """Return the place of an element or attribute."""

@@ -7,7 +7,6 @@ from pathlib import PureWindowsPath
 from scenario_compiler.source import names
 from scenario_compiler.source.openscenario.codes import NO_ROAD
 from scenario_compiler.source.openscenario.node import Node
-from scenario_compiler.source.openscenario.reading import Known
 from scenario_compiler.vocabulary.signals import SignalController, SignalPhase, SignalState
 
 OPEN_GROUND = "open_ground"
@@ -33,7 +32,7 @@ def read_map(root: Node) -> str:
 
 
 def read_signal_controllers(root: Node) -> tuple[SignalController, ...]:
-    """Return the controllers of traffic signals; their names and phases become known."""
+    """Return the controllers of traffic signals."""
     network = root.child("RoadNetwork")
     signals = [] if network is None else network.children("TrafficSignals")
     found: dict[str, SignalController] = {}
@@ -43,8 +42,6 @@ def read_signal_controllers(root: Node) -> tuple[SignalController, ...]:
             message = f"a controller of traffic signals named '{controller.name}' is there already"
             node.report(names.DUPLICATE_NAME, message, "name")
         found.setdefault(controller.name, controller)
-    known: Known = root.reading.known
-    known.signal_controllers.update((name, tuple(p.name for p in one.phases)) for name, one in found.items())
     return tuple(found.values())
 
 
@@ -62,9 +59,6 @@ def _phase(node: Node) -> SignalPhase:
         SignalState(signal=one.text("trafficSignalId"), state=one.text("state")).written_at(one.origin)
         for one in node.children("TrafficSignalState")
     ]
-    grouped = node.child("TrafficSignalGroupState")
-    if grouped is not None:
-        states.append(SignalState(signal="", state=grouped.text("state")).written_at(grouped.origin))
     return SignalPhase(name=node.text("name"), duration=node.number("duration"), states=tuple(states)).written_at(
         node.origin
     )

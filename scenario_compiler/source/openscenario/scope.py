@@ -65,10 +65,6 @@ class Scope:
         """Return the scope in which more parameters are known; they hide others of the same names."""
         return Scope({**self.bound, **more}, self.values, self.structural) if more else self
 
-    def only(self, bound: Mapping[str, Bound]) -> Scope:
-        """Return the scope in which these parameters alone are known, as in an entry of a catalog."""
-        return Scope(bound, self.values, self.structural)
-
     def symbolic(self, text: str) -> Expression | str:
         """Return what a text stands for: itself, a parameter's text, or an expression over open parameters.
 
