@@ -109,11 +109,16 @@ def recorded(path: Path) -> list[dict[str, Row]]:
     return steps
 
 
-def simulated(scenario: Path) -> list[dict[str, Row]] | str:
+def map_folders(corpus: Path) -> list[Path]:
+    """Return the folders in which esmini looks for maps beside the scenario's own."""
+    return [corpus / "esmini" / "EnvironmentSimulator" / "Unittest" / "xodr", corpus / "esmini" / "resources" / "xodr"]
+
+
+def simulated(scenario: Path, maps: list[Path]) -> list[dict[str, Row]] | str:
     """Return the rows of our run by step and entity, or why there is none."""
     sink = Diagnostics()
     overrides = Overrides(perception="ideal", step=STEP, duration=LONGEST)
-    done = compile_target(scenario, {}, sink, overrides=overrides)
+    done = compile_target(scenario, {}, sink, maps=maps, overrides=overrides)
     if done is None:
         first = next(one for one in sink if one.severity.name == "ERROR")
         return f"{first.code.id} line {first.place.line}: {first.message}"
@@ -162,7 +167,7 @@ def comparisons(corpus: Path, parts: list[str]) -> Iterator[Comparison]:
     golden = corpus.parent / "golden" / "esmini"
     for scenario, file in runs_without_controllers(golden):
         if not parts or any(part in scenario for part in parts):
-            yield compare(scenario, simulated(corpus / scenario), recorded(golden / file))
+            yield compare(scenario, simulated(corpus / scenario, map_folders(corpus)), recorded(golden / file))
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ from tests.conformance.esmini import (
     Comparison,
     Row,
     compare,
+    map_folders,
     recorded,
     runs_without_controllers,
     simulated,
@@ -96,7 +97,7 @@ def main() -> None:
     comparisons: list[Comparison] = []
     apart: list[tuple[str, Difference]] = []
     for scenario, file in runs_without_controllers(golden):
-        ours, theirs = simulated(corpus / scenario), recorded(golden / file)
+        ours, theirs = simulated(corpus / scenario, map_folders(corpus)), recorded(golden / file)
         comparisons.append(compare(scenario, ours, theirs))
         if not isinstance(ours, str):
             apart.append((scenario.rpartition("/")[2].removesuffix(".xosc"), difference(ours, theirs)))
