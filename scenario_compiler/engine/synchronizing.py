@@ -1,9 +1,10 @@
 """Arriving at a position when another entity, the master, arrives at its own.
 
-The speed is solved for anew in each step from the distances that remain. With a speed on arrival the acceleration is
-that of the smoothest motion that ends at the position, at that speed, at that time (of least squared acceleration; a
-straight line of speed where one does); without one it is twice what the mean speed asks for. The entity waits rather
-than goes back, and waits while the master stands. A steady state keeps its last stretch for the final speed alone.
+The speed is solved for anew in each step from the ways that remain up to the tolerances. With a speed on arrival the
+acceleration is that of the smoothest motion that ends at the position, at that speed, at that time (of least squared
+acceleration; a straight line of speed where one does); without one it is twice what the mean speed asks for. The
+entity waits rather than goes back, and waits while the master stands. Where the last stretch is driven at the final
+speed, the speed before it goes in a straight line down or up to it, from the first step on (esmini 3.6).
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from __future__ import annotations
 from scenario_compiler.engine.distances import distance_to, place_now
 from scenario_compiler.engine.numbers import clip, length_of
 from scenario_compiler.engine.opcodes import (
+    ACTION_FOLLOW_PATH,
+    ACTION_FOLLOW_TRAJECTORY,
     FAR,
     FINAL_ABSOLUTE,
     FINAL_DELTA,
@@ -41,11 +44,21 @@ ALONG_ROAD = 4 * FRAME_ROAD + MEASURE_ALONG
 
 
 @compiled
+def on_own_path(p: Program, st: State, i: int) -> int:
+    """Return 1 where an entity moves along points of its own, not along the road."""
+    k = st.lateral[i]
+    if k < 0 or k >= p.action_count[0]:
+        return 0
+    return 1 if p.action_op[k] in (ACTION_FOLLOW_PATH, ACTION_FOLLOW_TRAJECTORY) else 0
+
+
+@compiled
 def way_to(n: RoadTables, p: Program, st: State, i: int, k: int) -> float:
-    """Return how far an entity is from a position, along the roads or else straight."""
-    along = distance_to(n, p, st, i, k, ALONG_ROAD, 0)
-    if abs(along) < FAR:
-        return abs(along)
+    """Return how far an entity is from a position: along the roads, or straight where it goes its own way."""
+    if on_own_path(p, st, i) == 0:
+        along = distance_to(n, p, st, i, k, ALONG_ROAD, 0)
+        if abs(along) < FAR:
+            return abs(along)
     found, x, y, _, _, _ = place_now(n, p, st, k, i)
     if found == 0:
         return FAR
@@ -87,6 +100,8 @@ def speed_to_meet(p: Program, st: State, k: int, way: float, time: float, dt: fl
         way = way - stretch
     if time <= dt or way <= 0.0:
         return last
+    if steady > 0.0 or stretch > 0.0:
+        return 2.0 * way / time - last
     return v + (6.0 * way / time - 4.0 * v - 2.0 * last) / time * dt
 
 
@@ -100,10 +115,10 @@ def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
     if dt <= 0.0:
         return 0
     base = p.action_const[k]
-    way = way_to(n, p, st, i, p.action_position[k])
-    masters = way_to(n, p, st, master, p.point_position[p.action_point[k]])
+    way = way_to(n, p, st, i, p.action_position[k]) - p.const[base + A_TOLERANCE]
+    masters = way_to(n, p, st, master, p.point_position[p.action_point[k]]) - p.const[base + A_MASTER_TOLERANCE]
     speed = abs(st.v[master])
-    there = way <= p.const[base + A_TOLERANCE] + TOLERANCE or masters <= p.const[base + A_MASTER_TOLERANCE] + TOLERANCE
+    there = way <= TOLERANCE or masters <= TOLERANCE
     passed = way > st.action_a[k] + TOLERANCE or masters > st.action_b[k] + TOLERANCE
     st.action_a[k] = way
     st.action_b[k] = masters
