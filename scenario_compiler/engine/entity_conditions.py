@@ -1,7 +1,7 @@
 """Conditions on an entity: what they measure of it, on the states before the step.
 
-Comparisons have the tolerance of esmini 3.6. What is not defined there (the gap to an entity behind, the time to a
-collision that does not come) fulfils no condition.
+As in esmini 3.6, what is not defined (the time gap to an entity behind, the time to a collision that does not come)
+fulfils no condition, and where no road leads to is far away.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from math import cos, pi, sin
 from scenario_compiler.engine.clearance import is_clear
 from scenario_compiler.engine.collision import overlap
 from scenario_compiler.engine.comparing import compare
-from scenario_compiler.engine.distances import distance_between, distance_to, place_now
+from scenario_compiler.engine.distances import distance_between, distance_to
 from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.numbers import angle_between, length_of, safe_sqrt
 from scenario_compiler.engine.opcodes import (
@@ -38,7 +38,6 @@ from scenario_compiler.engine.opcodes import (
     FRAME_ENTITY,
     FRAME_ROAD,
     FRAME_WORLD,
-    MEASURE_STRAIGHT,
     PART_ACROSS,
     PART_ALONG,
     PART_TOTAL,
@@ -55,69 +54,42 @@ from scenario_compiler.roads.tables import RoadTables
 
 @compiled
 def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the time gap to the other entity ahead, s; FAR where it is behind or i drives backwards.
-
-    Who stands has a gap beyond any other: a condition on a greater one holds, and is no rise when it sets off.
-    """
+    """Return the time gap to the other entity ahead, s; -1 where it is behind, or i stands or drives backwards."""
     gap = distance_between(n, p, st, i, p.condition_other[c], p.condition_mode[c], p.condition_flags[c] & 1)
-    if gap < 0.0 or gap >= FAR or st.v[i] < -TOLERANCE:
-        return FAR
-    if st.v[i] < TOLERANCE:
-        return 0.5 * FAR
-    return gap / st.v[i]
+    if gap < 0.0 or st.v[i] < TOLERANCE:
+        return -1.0
+    return min(gap / st.v[i], FAR)
 
 
 @compiled
-def closing_speed(st: State, i: int, dx: float, dy: float, vx: float, vy: float, measure: int) -> float:
-    """Return how fast entity i comes nearer to what lies at (dx, dy) from it and moves with (vx, vy), m/s.
+def closing_speed(st: State, i: int, j: int) -> float:
+    """Return how fast entity i comes up to j: the difference of speeds along the velocity of j (esmini 3.6), m/s.
 
-    The relative velocity is projected on the line of sight for a straight distance. Otherwise, as in esmini 3.6, it is
-    projected on the other's direction of motion, on i's own where the other stands.
+    Where j stands, or is none, it is the speed of i.
     """
-    own_x = st.v[i] * cos(st.h[i])
-    own_y = st.v[i] * sin(st.h[i])
-    axis_x = dx
-    axis_y = dy
-    if measure != MEASURE_STRAIGHT:
-        axis_x = vx
-        axis_y = vy
-        if length_of(vx, vy) < TOLERANCE:
-            axis_x = own_x
-            axis_y = own_y
-    size = length_of(axis_x, axis_y)
-    if size < TOLERANCE:
-        return 0.0
-    closing = ((own_x - vx) * axis_x + (own_y - vy) * axis_y) / size
-    if axis_x * dx + axis_y * dy < 0.0:
-        return -closing
-    return closing
+    if j < 0:
+        return st.v[i]
+    speed = length_of(st.velocity_x[j], st.velocity_y[j])
+    if speed < TOLERANCE:
+        return st.v[i]
+    along = (st.velocity_x[i] * st.velocity_x[j] + st.velocity_y[i] * st.velocity_y[j]) / speed
+    closing = along - abs(st.v[j]) if along >= 0.0 else abs(st.v[j]) - along
+    return closing if st.v[i] >= 0.0 else -closing
 
 
 @compiled
 def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return the distance to the other entity, or the position, over the closing speed, s; FAR where there is none."""
+    """Return the distance to the other entity, or the position, over the closing speed, s; -1 where there is none."""
     other = p.condition_other[c]
-    mode = p.condition_mode[c]
-    freespace = p.condition_flags[c] & 1
     if other >= 0:
-        gap = distance_between(n, p, st, i, other, mode, freespace)
-        x = st.x[other]
-        y = st.y[other]
-        vx = st.v[other] * cos(st.h[other])
-        vy = st.v[other] * sin(st.h[other])
+        gap = distance_between(n, p, st, i, other, p.condition_mode[c], p.condition_flags[c] & 1)
     else:
-        gap = distance_to(n, p, st, i, p.condition_position[c], mode, freespace)
-        _, x, y, _, _, _ = place_now(n, p, st, p.condition_position[c], i)
-        vx = 0.0
-        vy = 0.0
-    if gap >= FAR:
-        return FAR
-    if abs(gap) < TOLERANCE:
-        return 0.0
-    closing = closing_speed(st, i, x - st.x[i], y - st.y[i], vx, vy, mode % 4)
-    if closing <= TOLERANCE:
-        return FAR
-    return abs(gap) / closing
+        gap = distance_to(n, p, st, i, p.condition_position[c], p.condition_mode[c], p.condition_flags[c] & 1)
+    closing = closing_speed(st, i, other)
+    if abs(gap) < TOLERANCE or abs(closing) < TOLERANCE:
+        return -1.0
+    time = gap / closing
+    return min(time, FAR) if time >= 0.0 else -1.0
 
 
 @compiled
@@ -199,6 +171,9 @@ def angle_holds(p: Program, c: int, angle: float) -> int:
 def state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
     """Return 1 where a condition on an entity that compares no single number holds for entity i."""
     op = p.condition_op[c]
+    other = p.condition_other[c]
+    if op in (CONDITION_COLLISION, CONDITION_RELATIVE_ANGLE) and other >= 0 and st.present[other] == 0:
+        return 0
     if op == CONDITION_COLLISION:
         return touches(p, st, c, i)
     if op == CONDITION_CLEARANCE:
@@ -207,14 +182,17 @@ def state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
         return angle_holds(p, c, angle_of(n, st, i, p.condition_mode[c] % 4, p.condition_mode[c] // 4))
     if op == CONDITION_RELATIVE_ANGLE:
         kind = p.condition_mode[c]
-        return angle_holds(p, c, own_angle(st, p.condition_other[c], kind) - own_angle(st, i, kind))
+        return angle_holds(p, c, own_angle(st, other, kind) - own_angle(st, i, kind))
     fault(st, FAULT_UNKNOWN_CONDITION, c)
     return 0
 
 
 @compiled
 def measured_between(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
-    """Return what a condition measures between entity i and another or a position, FAR where it is not defined."""
+    """Return what a condition measures between entity i and another or a position; FAR where no road leads there.
+
+    Times are -1 where they are not defined.
+    """
     op = p.condition_op[c]
     mode = p.condition_mode[c]
     freespace = p.condition_flags[c] & 1
@@ -228,9 +206,6 @@ def measured_between(n: RoadTables, p: Program, st: State, c: int, i: int) -> fl
         return abs(distance_to(n, p, st, i, p.condition_position[c], mode, freespace))
     if op == CONDITION_RELATIVE_SPEED:
         return relative_speed(st, i, p.condition_other[c], mode)
-    if op != CONDITION_REACH_POSITION:
-        fault(st, FAULT_UNKNOWN_CONDITION, c)
-        return FAR
     found, x, y = point_at(n, p, st, p.condition_position[c], i)
     if found == 0:
         return FAR
@@ -239,36 +214,58 @@ def measured_between(n: RoadTables, p: Program, st: State, c: int, i: int) -> fl
 
 @compiled
 def measured_of(st: State, op: int, mode: int, i: int) -> float:
-    """Return what a condition measures of entity i alone, FAR for one that measures something else."""
-    value = FAR
+    """Return what a condition measures of entity i alone; times are -1 while what they count is not so."""
     if op == CONDITION_SPEED:
-        value = speed_of(st, i, mode)
-    elif op == CONDITION_TRAVELED_DISTANCE:
-        value = st.odometer[i]
-    elif op == CONDITION_ACCELERATION:
-        value = part_of(st, i, st.acceleration_x[i], st.acceleration_y[i], st.acceleration_z[i], mode)
-    elif op == CONDITION_STANDSTILL:
-        value = st.still[i]
-    elif op == CONDITION_END_OF_ROAD:
-        value = st.at_end[i]
-    elif op == CONDITION_OFF_ROAD:
-        value = st.off_road[i]
-    return value
+        return speed_of(st, i, mode)
+    if op == CONDITION_TRAVELED_DISTANCE:
+        return st.odometer[i]
+    if op == CONDITION_ACCELERATION:
+        return part_of(st, i, st.acceleration_x[i], st.acceleration_y[i], st.acceleration_z[i], mode)
+    if op == CONDITION_STANDSTILL:
+        return st.still[i]
+    if op == CONDITION_END_OF_ROAD:
+        return st.at_end[i]
+    return st.off_road[i]
+
+
+@compiled
+def is_time(op: int) -> int:
+    """Return 1 for a condition on a time that may be undefined, and is then -1."""
+    if op in (CONDITION_TIME_HEADWAY, CONDITION_TIME_TO_COLLISION, CONDITION_STANDSTILL):
+        return 1
+    return 1 if op in (CONDITION_END_OF_ROAD, CONDITION_OFF_ROAD) else 0
+
+
+@compiled
+def is_between(op: int) -> int:
+    """Return 1 for a condition that measures to another entity or a position."""
+    if op in (CONDITION_TIME_HEADWAY, CONDITION_TIME_TO_COLLISION, CONDITION_DISTANCE):
+        return 1
+    return 1 if op in (CONDITION_POSITION_DISTANCE, CONDITION_RELATIVE_SPEED, CONDITION_REACH_POSITION) else 0
+
+
+@compiled
+def is_of_one(op: int) -> int:
+    """Return 1 for a condition that measures something of one entity alone."""
+    if op in (CONDITION_SPEED, CONDITION_TRAVELED_DISTANCE, CONDITION_ACCELERATION):
+        return 1
+    return 1 if op in (CONDITION_STANDSTILL, CONDITION_END_OF_ROAD, CONDITION_OFF_ROAD) else 0
 
 
 @compiled
 def holds_for(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where a condition on an entity holds for entity i; of one that is not there, none does."""
+    """Return 1 where a condition on an entity holds for entity i; where it or the other is not there, none does."""
+    op = p.condition_op[c]
     if st.present[i] == 0:
         return 0
-    op = p.condition_op[c]
-    if op in (CONDITION_COLLISION, CONDITION_CLEARANCE, CONDITION_ANGLE, CONDITION_RELATIVE_ANGLE):
-        return state_holds(n, p, st, c, i)
-    value = measured_of(st, op, p.condition_mode[c], i)
-    if value < 0.0 and op in (CONDITION_STANDSTILL, CONDITION_END_OF_ROAD, CONDITION_OFF_ROAD):
-        return 0
-    if value >= FAR:
+    if is_of_one(op) == 1:
+        value = measured_of(st, op, p.condition_mode[c], i)
+    elif is_between(op) == 1:
+        if p.condition_other[c] >= 0 and st.present[p.condition_other[c]] == 0:
+            return 0
         value = measured_between(n, p, st, c, i)
-    if value >= FAR:
+    else:
+        return state_holds(n, p, st, c, i)
+    if value < 0.0 and is_time(op) == 1:
         return 0
     return compare(st, p.condition_rule[c], value, p.const[p.condition_const[c] + C_VALUE])

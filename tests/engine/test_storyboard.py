@@ -6,6 +6,7 @@ import pytest
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
+from scenario_compiler.engine.watching import WATCH_MOTION
 from tests.engine.make import Draft, Run, highway
 
 DT = 0.05
@@ -127,6 +128,7 @@ def test_a_delay_keeps_pulses() -> None:
 )
 def test_conditions_between_entities(kind: int, value: float, rule: int, expected: float) -> None:
     draft, car = with_car()
+    draft.program.watches[0] = WATCH_MOTION
     lead = draft.moving(-2, 150.05, 10.0)
     draft.condition(kind, value, rule=rule, entities=(car,), other=lead)
     event = draft.event(draft.maneuver(), draft.trigger(), draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))

@@ -86,6 +86,7 @@ def _position_distance(draft: Draft, word: PositionDistanceCondition) -> Conditi
 
 def _time_to_collision(draft: Draft, word: TimeToCollisionCondition) -> ConditionRow:
     """Raise ValueError where neither an entity nor a position is named."""
+    draft.program.watches[0] |= WATCH_MOTION
     if word.to:
         return _gap(word, op.CONDITION_TIME_TO_COLLISION, draft.entities[word.to], op.NONE)
     if word.position is None:
