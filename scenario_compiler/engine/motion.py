@@ -127,12 +127,15 @@ def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
-    """Move a scripted entity by its speed, unless an action has done so; at the end of its road it comes to a stand."""
+    """Move a scripted entity by its speed, unless an action has done so; at the end of its road it comes to a stand.
+
+    Off every road it goes straight on, but stands where a trajectory has ended (esmini 3.6).
+    """
     if st.follows[i] == 1 and st.longitudinal[i] < 0 and st.road[i] >= 0:
         follow_leader(n, p, st, i, dt)
     if st.moved[i] == 1 or abs(st.v[i]) <= TOLERANCE:
         return
-    if st.road[i] < 0:
+    if st.road[i] < 0 and st.ended[i] == 1:
         st.v[i] = 0.0
         return
     stood = st.ended[i]

@@ -136,11 +136,15 @@ def step_by_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> in
 
 @compiled
 def step_trajectory(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Move an entity along its trajectory; return 1 where it has come to the end."""
+    """Move an entity along its trajectory; return 1 where it has come to the end, off every road to stand there."""
     i = p.action_entity[k]
     if p.entity_motion[i] != MOTION_SCRIPTED:
         return 1
     st.moved[i] = 1
     if keeps_times(p, st, k) == 1:
-        return step_by_time(n, p, st, k, dt)
-    return step_by_speed(n, p, st, k, dt)
+        done = step_by_time(n, p, st, k, dt)
+    else:
+        done = step_by_speed(n, p, st, k, dt)
+    if done == 1 and st.road[i] < 0:
+        st.ended[i] = 1
+    return done

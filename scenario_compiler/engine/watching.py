@@ -80,7 +80,8 @@ def watch_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
         if st.present[i] == 0:
             continue
         st.still[i] = held_for(1 if abs(st.v[i]) < AT_REST else 0, st.still[i], dt)
-        st.at_end[i] = held_for(st.ended[i], max(st.at_end[i], 0.0), dt)
+        at_end = st.ended[i] if st.road[i] >= 0 else 0
+        st.at_end[i] = held_for(at_end, max(st.at_end[i], 0.0), dt)
         if p.watches[0] & WATCH_OFF_ROAD != 0:
             st.off_road[i] = held_for(is_off_road(n, st, i), st.off_road[i], dt)
         if p.watches[0] & WATCH_MOTION != 0:

@@ -7,6 +7,7 @@ from math import atan2, cos, hypot, pi, sin
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
+from scenario_compiler.engine.build import Compiled, Interpreted
 from scenario_compiler.engine.opcodes import FAULT_OFF_ROAD_START
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.state import State, make_draws, new_state
@@ -299,3 +300,22 @@ def test_where_a_lane_ends_the_nearest_one_goes_on() -> None:
         step(network.tables, program, state)
     assert (state.x[0], state.y[0]) == pytest.approx((103.0, -1.75), abs=1e-5)
     assert (state.lane[0], state.ended[0]) == (-1, 0)
+
+
+def test_both_forms_leave_the_same_bytes_at_a_lanes_end() -> None:
+    network = network_of(SECTIONS)
+    starts: dict[str, Position | None] = {
+        "right": LanePosition(road="1", lane=-2, s=95.0),
+        "left": LanePosition(road="1", lane=1, s=10.0),
+        "free": FreePosition(x=100.0, y=-1.0, z=0.5, heading=2.0),
+    }
+    late = at_time(0.5, 0, TeleportAction(position=RelativeRoadPosition(entity="left", ds=5.0, dt=-9.0, turn=1.0)))
+    plan, _ = planned(network, starts, board(late, actor="free"), speed=20.0)
+    program = build_program(plan, network)
+    traces = []
+    for form in (Interpreted, Compiled):
+        _, trace = form(network.tables, program, new_state(program)).sweep(
+            [list(program.const)], [make_draws(1, 0)], 60, 61
+        )
+        traces.append([float(value).hex() for value in trace[0]])
+    assert traces[0] == traces[1]
