@@ -1,0 +1,130 @@
+"""Whole scenarios run interpreted and compiled: every row of every entity and the summary have the same bytes."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine.build import Compiled, Interpreted
+from scenario_compiler.engine.program import Program, build_program
+from scenario_compiler.engine.state import make_draws, new_state
+from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.resources import library_folder
+from scenario_compiler.source.listing import list_library
+from tests.conformance.esmini import runs_without_controllers
+
+STEP = 0.05
+LONGEST = 20.0
+"""Length of a step and of the longest run, s."""
+
+BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
+"""Library scenarios that are run with broken numbers."""
+
+BROKEN_ROWS = 24
+"""Number of broken runs of each."""
+
+Results = tuple[list[list[float]], list[bytes]]
+"""Summaries, and the bytes of summary and trace, of each variant."""
+
+
+def library_targets() -> list[str]:
+    """Return FILE#name of every scenario of the library."""
+    return [one.target for one in list_library(library_folder(), Diagnostics()) if one.kind == "conflict"]
+
+
+def compiled_plan(target: str | Path, step: float = STEP) -> Compilation | None:
+    """Return a scenario's plan as a sweep runs it; None where it has none."""
+    overrides = Overrides(perception="ideal", step=step, duration=LONGEST)
+    return compile_target(target, {}, Diagnostics(), overrides=overrides)
+
+
+def run_both(done: Compilation, rows: Sequence[Sequence[float]] | None = None) -> tuple[Results, Results]:
+    """Return what both forms leave of a plan, or of rows of its numbers."""
+    program = build_program(done.plan, done.network)
+    numbers = [program.const] if rows is None else rows
+    draws = [make_draws(1, k) for k in range(len(numbers))]
+    limit = round(LONGEST / done.plan.step) + 1
+    return tuple(
+        _results(form(done.network.tables, program, new_state(program)), numbers, draws, limit)
+        for form in (Interpreted, Compiled)
+    )  # type: ignore[return-value]
+
+
+def _results(
+    engine: Interpreted | Compiled, rows: Sequence[Sequence[float]], draws: Sequence[Sequence[float]], limit: int
+) -> Results:
+    summaries, traces = engine.sweep(rows, draws, limit, limit + 1)
+    both = zip(summaries, traces, strict=True)
+    return [list(row) for row in summaries], [_bytes([*a, *b]) for a, b in both]
+
+
+def _bytes(numbers: Sequence[float]) -> bytes:
+    """Return the bytes of numbers; those that are none are all the same, whichever sign a processor gives them."""
+    return array("d", [math.nan if math.isnan(value) else value for value in numbers]).tobytes()
+
+
+def differing(targets: Sequence[str | Path]) -> tuple[list[str], int]:
+    """Return the scenarios whose two forms differ, and how many ran."""
+    found, ran = [], 0
+    for target in targets:
+        done = compiled_plan(target)
+        if done is not None:
+            (_, slow), (_, fast) = run_both(done)
+            ran += 1
+            if slow != fast:
+                found.append(str(target))
+    return found, ran
+
+
+@pytest.mark.parametrize("step", [0.05, 0.01])
+def test_the_probes_leave_the_same_bytes(golden: Path, step: float) -> None:
+    done = compiled_plan(golden / "esmini_probes" / "probes.xosc", step)
+    assert done is not None
+    (summaries, slow), (_, fast) = run_both(done)
+    assert summaries[0][SUMMARY.index("rows")] > 100
+    assert slow == fast
+
+
+def test_every_library_scenario_leaves_the_same_bytes() -> None:
+    targets = library_targets()
+    assert differing(targets) == ([], len(targets))
+
+
+def test_every_recorded_scenario_leaves_the_same_bytes(golden: Path) -> None:
+    scenarios = [golden.parent / "corpus" / name for name, _ in runs_without_controllers(golden / "esmini")]
+    different, ran = differing(scenarios)
+    assert different == []
+    assert ran >= 0.9 * len(scenarios)
+
+
+def broken_rows(program: Program) -> list[list[float]]:
+    """Return the program's numbers with one that is none or without end, one row for some of them."""
+    rows = []
+    for where in range(0, len(program.const), max(len(program.const) // BROKEN_ROWS, 1)):
+        row = list(program.const)
+        row[where] = (math.nan, math.inf, -1.0e300)[where % 3]
+        rows.append(row)
+    return rows
+
+
+def test_faulty_runs_end_with_the_same_code() -> None:
+    targets = [target for target in library_targets() if target.endswith(BROKEN)]
+    flag, at, stop = SUMMARY.index("flag"), SUMMARY.index("flag_at"), SUMMARY.index("stop")
+    faults = []
+    for target in targets:
+        done = compiled_plan(target)
+        assert done is not None
+        (slow, slow_bytes), (fast, fast_bytes) = run_both(done, broken_rows(build_program(done.plan, done.network)))
+        assert slow_bytes == fast_bytes
+        assert [(row[stop], row[flag], row[at]) for row in slow] == [(row[stop], row[flag], row[at]) for row in fast]
+        faults += [int(row[flag]) for row in slow if row[stop] == op.STOP_ERROR]
+    assert len(targets) == len(BROKEN)
+    assert len(set(faults)) >= 2
+    assert op.FAULT_NONE not in faults
