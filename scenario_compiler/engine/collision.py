@@ -7,7 +7,7 @@ from math import cos, sin
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.numbers import safe_sqrt
 from scenario_compiler.engine.opcodes import EVENT_COLLISION, NONE
-from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
+from scenario_compiler.engine.slots import E_CENTER, E_HEIGHT, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
@@ -62,8 +62,11 @@ def separated(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def overlap(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 where the boxes of two present entities overlap (separating axis theorem)."""
+    """Return 1 where the boxes of two present entities overlap (separating axis theorem), none above the other."""
     if st.present[i] == 0 or st.present[j] == 0:
+        return 0
+    above = st.z[j] - st.z[i]
+    if above > p.const[p.entity_const[i] + E_HEIGHT] or -above > p.const[p.entity_const[j] + E_HEIGHT]:
         return 0
     dx = st.middle_x[j] - st.middle_x[i]
     dy = st.middle_y[j] - st.middle_y[i]

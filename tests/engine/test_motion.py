@@ -8,6 +8,7 @@ import pytest
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
+from scenario_compiler.engine.collision import overlap
 from scenario_compiler.engine.step import begin_step, finish_step
 from tests.engine.make import CAR, Draft, bend, highway, lane, network_of, road
 
@@ -164,3 +165,15 @@ def test_a_crash_stops_the_ego_and_the_run() -> None:
     assert run.st.v[0] == 0.0
     assert run.st.collision_count[0] == 1
     assert run.st.min_ttc[0] == 0.0
+
+
+def test_a_box_on_a_bridge_does_not_overlap_the_one_below() -> None:
+    draft = Draft(highway())
+    draft.ego(s=50.0)
+    draft.parked(51.0)
+    run = draft.start()
+    assert overlap(run.p, run.st, 0, 1) == 1
+    run.st.z[1] = 1.4
+    assert overlap(run.p, run.st, 0, 1) == 1
+    run.st.z[1] = 5.0
+    assert (overlap(run.p, run.st, 0, 1), overlap(run.p, run.st, 1, 0)) == (0, 0)

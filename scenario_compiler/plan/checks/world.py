@@ -15,7 +15,10 @@ from scenario_compiler.vocabulary.actions import (
     TrafficSignalControllerAction,
 )
 from scenario_compiler.vocabulary.conditions import (
+    DistanceCondition,
     ElementStateCondition,
+    PositionDistanceCondition,
+    TimeHeadwayCondition,
     TimeOfDayCondition,
     TimeToCollisionCondition,
     TrafficSignalControllerCondition,
@@ -73,6 +76,15 @@ NO_TARGET = Code(
     "no-target",
     "A time to collision is to another entity or to a position, but names neither or both."
     '\n\n    <time_to_collision to="ego" below="3"/>',
+)
+
+ALONG_ROAD = Code(
+    "SC286",
+    "measured-along-road",
+    "A distance is to be measured along a trajectory. It is measured along the road instead: ahead along its reference "
+    "line, across from one t to the other. So are distances in a lane's system, which differ in bends alone."
+    '\n\n    <distance to="lead" below="20" coordinates="trajectory" distance="longitudinal"/>',
+    Severity.WARNING,
 )
 
 Paths = dict[str, set[str]]
@@ -151,8 +163,15 @@ def _check_given(plan: Plan, word: Any, sink: Diagnostics) -> None:
     sink.add(NEVER_GIVEN, f"no world gives the value '{word.name}', so this is never true", word.origin)
 
 
-def _check_target(plan: Plan, word: Any, sink: Diagnostics) -> None:
+def _check_frame(plan: Plan, word: Any, sink: Diagnostics) -> None:
     del plan
+    if word.distance != "euclidianDistance" and word.coordinates == "trajectory":
+        message = "a distance along a trajectory is measured along the road"
+        sink.add(ALONG_ROAD, message, word.place_of("coordinates"))
+
+
+def _check_target(plan: Plan, word: Any, sink: Diagnostics) -> None:
+    _check_frame(plan, word, sink)
     if bool(word.to) == (word.position is not None):
         found = "both an entity and a position" if word.to else "neither an entity nor a position"
         sink.add(NO_TARGET, f"the time to collision names {found}", word.origin)
@@ -168,6 +187,9 @@ CHECKS_OF: dict[type[Word], Callable[[Plan, Any, Diagnostics], None]] = {
     TimeOfDayCondition: _check_date,
     UserDefinedValueCondition: _check_given,
     TimeToCollisionCondition: _check_target,
+    TimeHeadwayCondition: _check_frame,
+    DistanceCondition: _check_frame,
+    PositionDistanceCondition: _check_frame,
 }
 
 
