@@ -30,6 +30,7 @@ from scenario_compiler.vocabulary import (
 )
 from scenario_compiler.vocabulary.actions.path import Path, PathPoint
 from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.positions import routes
 from scenario_compiler.vocabulary.schema import words_below
 from scenario_compiler.vocabulary.word import Word
 
@@ -135,6 +136,25 @@ EXECUTION: dict[type[Word], Execution] = {
     positions.RelativeRoadPosition: _engine("positions", "POSITION_RELATIVE_ROAD"),
     positions.RelativeObjectPosition: _engine("positions", "POSITION_RELATIVE_OBJECT"),
     positions.RelativeWorldPosition: _engine("positions", "POSITION_RELATIVE_WORLD"),
+    positions.RoutePosition: _engine("positions", "POSITION_LANE", "POSITION_LANES_AWAY"),
+    routes.Route: _engine("routes"),
+    routes.Waypoint: _engine("routes"),
+    routes.InRouteLane: _engine("positions", "POSITION_LANE"),
+    routes.InRouteRoad: _engine("positions", "POSITION_LANE"),
+    routes.InRouteEntity: _engine("positions", "POSITION_LANES_AWAY"),
+    routes.Trajectory: _engine("tracks"),
+    routes.Polyline: _engine("laying", "TRACK_POLYLINE"),
+    routes.Vertex: _engine("laying", "TRACK_POLYLINE"),
+    routes.Clothoid: _engine("laying", "TRACK_CLOTHOIDS"),
+    routes.ClothoidSpline: _engine("laying", "TRACK_CLOTHOIDS"),
+    routes.ClothoidSegment: _engine("laying", "TRACK_CLOTHOIDS"),
+    routes.Nurbs: _engine("laying", "TRACK_NURBS"),
+    routes.ControlPoint: _engine("laying", "TRACK_NURBS"),
+    actions.AssignRouteAction: _engine("routes", "ACTION_ASSIGN_ROUTE"),
+    actions.AcquirePositionAction: _engine("routes", "ACTION_ASSIGN_ROUTE"),
+    actions.RandomRouteAction: _engine("routes", "ACTION_RANDOM_ROUTE"),
+    actions.FollowTrajectoryAction: _engine("trajectories", "ACTION_FOLLOW_TRAJECTORY"),
+    actions.TrajectoryTiming: _engine("tracks"),
     storyboard.When: _STORYBOARD,
     storyboard.Do: _STORYBOARD,
     storyboard.All: Execution("expansion", "source.events"),
