@@ -38,7 +38,7 @@ from scenario_compiler.engine.slots import (
     E_MAX_DECELERATION,
     E_MAX_SPEED,
 )
-from scenario_compiler.engine.speeds import set_speed
+from scenario_compiler.engine.speeds import push_speed, set_speed
 from scenario_compiler.engine.spring import spring_acceleration
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -146,4 +146,4 @@ def drive_to_distance(p: Program, st: State, k: int, error: float, dt: float) ->
     acceleration = clip(acceleration, before - fall, before + rise)
     st.action_change[k] = acceleration
     fastest = limit_of_vehicle(p, k, A_MOST_SPEED, E_MAX_SPEED)
-    set_speed(p, st, i, clip(st.v[i] + acceleration * dt, -fastest, fastest))
+    push_speed(p, st, i, acceleration, fastest, dt)

@@ -28,6 +28,9 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 
+AUTOMATION_LEAD = 2.0
+"""How far ahead the speed is that the ego's automation is asked for to make it accelerate, s. Our choice."""
+
 
 @compiled
 def set_speed(p: Program, st: State, i: int, speed: float) -> None:
@@ -36,6 +39,16 @@ def set_speed(p: Program, st: State, i: int, speed: float) -> None:
         st.v[i] = speed
     elif i == p.ego[0]:
         st.target_speed[0] = max(speed, 0.0)
+
+
+@compiled
+def push_speed(p: Program, st: State, i: int, acceleration: float, most: float, dt: float) -> None:
+    """Let an entity accelerate for a step, within a speed; the ego's automation is asked for the speed it leads to."""
+    if p.entity_motion[i] == MOTION_SCRIPTED:
+        set_speed(p, st, i, clip(st.v[i] + acceleration * dt, -most, most))
+        return
+    limit = greatest_rate(p, i, acceleration)
+    set_speed(p, st, i, clip(st.v[i] + clip(acceleration, -limit, limit) * AUTOMATION_LEAD, -most, most))
 
 
 @compiled

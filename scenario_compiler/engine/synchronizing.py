@@ -10,7 +10,7 @@ speed, the speed before it goes in a straight line down or up to it, from the fi
 from __future__ import annotations
 
 from scenario_compiler.engine.distances import distance_to, place_now
-from scenario_compiler.engine.numbers import clip, length_of
+from scenario_compiler.engine.numbers import length_of
 from scenario_compiler.engine.opcodes import (
     ACTION_FOLLOW_PATH,
     ACTION_FOLLOW_TRAJECTORY,
@@ -33,7 +33,7 @@ from scenario_compiler.engine.slots import (
     A_TOLERANCE,
     E_MAX_SPEED,
 )
-from scenario_compiler.engine.speeds import related_speed, set_speed
+from scenario_compiler.engine.speeds import push_speed, related_speed, set_speed
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
@@ -84,11 +84,11 @@ def start_synchronize(p: Program, st: State, k: int) -> None:
 
 
 @compiled
-def speed_to_meet(p: Program, st: State, k: int, way: float, time: float, dt: float) -> float:
-    """Return the speed after dt with a way and a time left."""
+def acceleration_to_meet(p: Program, st: State, k: int, way: float, time: float, dt: float) -> float:
+    """Return the acceleration for a step with a way and a time left."""
     v = st.v[p.action_entity[k]]
     if p.action_mode[k] == FINAL_NONE:
-        return v + 2.0 * (way / time - v) / time * dt
+        return 2.0 * (way / time - v) / time
     last = final_speed(p, st, k)
     steady = p.const[p.action_const[k] + A_STEADY_TIME]
     stretch = p.const[p.action_const[k] + A_STEADY_DISTANCE]
@@ -99,10 +99,10 @@ def speed_to_meet(p: Program, st: State, k: int, way: float, time: float, dt: fl
         time = time - stretch / last
         way = way - stretch
     if time <= dt or way <= 0.0:
-        return last
+        return (last - v) / dt
     if steady > 0.0 or stretch > 0.0:
-        return 2.0 * way / time - last
-    return v + (6.0 * way / time - 4.0 * v - 2.0 * last) / time * dt
+        return (2.0 * way / time - last - v) / dt
+    return (6.0 * way / time - 4.0 * v - 2.0 * last) / time
 
 
 @compiled
@@ -130,5 +130,6 @@ def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
         set_speed(p, st, i, 0.0)
         return 0
     fastest = max(p.const[p.entity_const[i] + E_MAX_SPEED], 0.0)
-    set_speed(p, st, i, clip(speed_to_meet(p, st, k, way, masters / speed, dt), 0.0, fastest))
+    acceleration = acceleration_to_meet(p, st, k, way, masters / speed, dt)
+    push_speed(p, st, i, max(acceleration, -max(st.v[i], 0.0) / dt), fastest, dt)
     return 0

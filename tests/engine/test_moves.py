@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from array import array
 from functools import cache
 from itertools import pairwise
 from math import pi, sqrt
@@ -187,12 +189,36 @@ def test_both_arrive_at_once() -> None:
     assert run.at("plain", 14.9, "s") == pytest.approx(249.0, abs=1.5)
 
 
-@pytest.mark.parametrize("name", ["speeds", "lanes", "distances", "meeting"])
+def test_the_automation_of_the_ego_does_them_too() -> None:
+    run = run_of("automation")
+    right = run_of("lanes").at("lead", 0.0, "t")
+    assert run.at("ego", 8.0) == pytest.approx(12.0, abs=0.1)
+    assert run.at("ego", 9.0, "t") == pytest.approx(right, abs=0.4)
+    assert run.at("ego", 14.0, "t") == pytest.approx(right + 0.5, abs=0.2)
+    assert run.at("ego", 23.0, "t") - run.at("lead", 23.0, "t") == pytest.approx(-3.0, abs=0.2)
+    assert run.at("lead", 34.0, "s") - run.at("ego", 34.0, "s") == pytest.approx(60.0, abs=8.0)
+
+
+def rows_of(program: Program) -> list[list[float]]:
+    """Return the program's numbers, and the same with one that is none, huge or zero, over all blocks of actions."""
+    usual = list(program.const)
+    rows = [usual]
+    for k, slot in enumerate(program.action_const):
+        for offset in range(6):
+            row = list(usual)
+            row[min(slot + offset, len(row) - 1)] = (math.nan, math.inf, 0.0, -1.0e300, 1.0e300)[(k + offset) % 5]
+            rows.append(row)
+    return rows
+
+
+@pytest.mark.parametrize("name", ["speeds", "lanes", "distances", "meeting", "automation"])
 def test_both_forms_leave_the_same_bytes(name: str) -> None:
     _, network, program = compiled_plan(name)
-    rows, draws = [list(program.const)], [make_draws(1, 0)]
+    rows = rows_of(program)
+    draws = [make_draws(1, k) for k in range(len(rows))]
     interpreted = Interpreted(network.tables, program, new_state(program))
     compiled = Compiled(network.tables, program, new_state(program))
-    _, mine = interpreted.sweep(rows, draws, 700, 701)
-    _, theirs = compiled.sweep(rows, draws, 700, 701)
-    assert [value.hex() for value in mine[0]] == [float(value).hex() for value in theirs[0]]
+    _, mine = interpreted.sweep(rows, draws, 150, 151)
+    _, theirs = compiled.sweep(rows, draws, 150, 151)
+    same = [array("d", a).tobytes() == b.tobytes() for a, b in zip(mine, theirs, strict=True)]
+    assert same == [True] * len(rows)
