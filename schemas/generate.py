@@ -13,14 +13,16 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
-from scenario_compiler.coverage.table import as_markdown
-from scenario_compiler.coverage.uses import files_with
+from scenario_compiler.coverage.openscenario import openscenario_table
+from scenario_compiler.coverage.table import Table, as_markdown
+from scenario_compiler.coverage.uses import files_naming, files_with
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.source.form import conflict_xsd, language_reference
+from scenario_compiler.source.openscenario.structure.elements import elements
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -47,7 +49,8 @@ COVERAGE_HEAD = """# What is covered
 
 Made by `make generate`. `scenario-compiler coverage` prints the tables, with `--format json` for programs. A word is
 executed by the module that is named, in the engine as the code that is named; `files` counts those of the library and
-of the tests that use it.
+of the tests that use it, `tests` the files of tests in which an element stands. Besides, every action, condition and
+position of OpenSCENARIO is written and read back in tests.
 """
 
 
@@ -56,7 +59,15 @@ def coverage_page() -> str:
     files = sorted(file for folder in ("library", "tests") for file in (FOLDER.parent / folder).rglob("*.xml"))
     uses = files_with(files, (LibraryElement, CatalogElement))
     conflict = conflict_table().with_column("files", [str(uses[word]) for word in conflict_words()])
-    return "\n".join((COVERAGE_HEAD, as_markdown(conflict)))
+    return "\n".join((COVERAGE_HEAD, as_markdown(conflict), as_markdown(_openscenario_with_tests())))
+
+
+def _openscenario_with_tests() -> Table:
+    """Return OpenSCENARIO's table with the number of the tests' files that have each element."""
+    folder = FOLDER.parent / "tests"
+    naming = files_naming(file for ending in ("py", "xml", "xosc") for file in sorted(folder.rglob(f"*.{ending}")))
+    counts = [str(max(naming[tag] for tag in element.tags)) for element in elements().values()]
+    return openscenario_table().with_column("tests", counts)
 
 
 def main() -> int:

@@ -4,5 +4,8 @@ One module a language, each with a function that returns its `Table`; `TABLES` n
 rows of text come out; the command line and the generated page show them.
 """
 
-TABLES = {"conflict": "scenario_compiler.coverage.conflict:conflict_table"}
+TABLES = {
+    "conflict": "scenario_compiler.coverage.conflict:conflict_table",
+    "openscenario": "scenario_compiler.coverage.openscenario:openscenario_table",
+}
 """The languages, and the function that returns the table of each; imported when asked for."""

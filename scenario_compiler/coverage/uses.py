@@ -1,7 +1,8 @@
-"""Which files use a word: counted where the files are, in a checkout."""
+"""Which files use a word, or name an element: counted where the files are, in a checkout."""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -39,3 +40,11 @@ def words_in(element: etree._Element, word: type[Word]) -> Iterator[type[Word]]:
         for home in homes:
             for child in home.iterchildren(*rule.words):
                 yield from words_in(child, rule.words[str(child.tag)])
+
+
+def files_naming(files: Iterable[Path]) -> Counter[str]:
+    """Return how many of some text files have the start tag of an element, by tag."""
+    found: Counter[str] = Counter()
+    for file in files:
+        found.update(set(re.findall(r"<([A-Z]\w+)\b", file.read_text(encoding="utf-8", errors="replace"))))
+    return found

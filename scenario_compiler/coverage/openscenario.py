@@ -1,0 +1,271 @@
+"""What of OpenSCENARIO 1.0 to 1.3 is read, executed and exported: a row for every element that the standard has.
+
+Which elements there are, and since when, is taken from the declarations that files are checked by; what an action,
+condition or position becomes, from the forms that read and write it and from the engine's tables. What only holds
+other elements, or belongs to the file and not to the storyboard, says here who reads it and what becomes of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenario_compiler.coverage.conflict import EXECUTION, MOST_PARENTS, NOT_YET, Execution
+from scenario_compiler.coverage.table import Table
+from scenario_compiler.engine.program.actions import ACTIONS as ACTION_ROWS
+from scenario_compiler.engine.program.conditions import CONDITIONS as CONDITION_ROWS
+from scenario_compiler.engine.program.positions import POSITIONS as POSITION_ROWS
+from scenario_compiler.source.openscenario.actions import ACTIONS
+from scenario_compiler.source.openscenario.conditions import BY_ENTITY, BY_VALUE
+from scenario_compiler.source.openscenario.positions import POSITIONS
+from scenario_compiler.source.openscenario.structure.elements import Element, elements
+from scenario_compiler.source.openscenario.structure.grammar import FIRST_MINOR, LAST_MINOR
+from scenario_compiler.vocabulary.word import Word
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """Elements that one module reads, beside those that are words themselves.
+
+    Attributes:
+        reader: The module, below `source.openscenario`.
+        execution: What becomes of them; None for the parts of actions, conditions and positions, which those execute.
+        written: Names of those that an exported file has.
+        expanded: Names of those that an exported file does not have, because what they stand for is written out.
+        unwritten: Names of those that no exported file needs.
+    """
+
+    reader: str
+    execution: Execution | None
+    written: str = ""
+    expanded: str = ""
+    unwritten: str = ""
+
+    def names(self) -> list[str]:
+        """Return the names of all its elements."""
+        return f"{self.written} {self.expanded} {self.unwritten}".split()
+
+
+_STORYBOARD = Execution("engine", "engine.storyboard")
+_SAMPLED = Execution("sweep", "batch.sampling")
+
+HOMES = (
+    Home("expansion", Execution("compilation", "compiler"), "OpenSCENARIO FileHeader"),
+    Home("parameters", Execution("expansion", "source.openscenario.parameters"),
+         "ParameterDeclarations ParameterDeclaration",
+         "ValueConstraintGroup ValueConstraint ParameterAssignments ParameterAssignment"),
+    Home("variables", Execution("engine", "engine.variables"),
+         "VariableDeclarations VariableDeclaration", "MonitorDeclarations MonitorDeclaration"),
+    Home("catalogs", Execution("expansion", "source.openscenario.catalogs"),
+         "CatalogLocations", "CatalogLocation Directory Catalog CatalogReference"),
+    Home("road_network", Execution("compilation", "plan.maps"), "RoadNetwork File"),
+    Home("road_network", Execution("engine", "engine.signals"),
+         "TrafficSignals TrafficSignalController Phase TrafficSignalState"),
+    Home("entities", Execution("compilation", "plan.lower"),
+         "Entities ScenarioObject ObjectController Controller",
+         "ExternalObjectReference EntitySelection SelectedEntities ByType Trailer"),
+    Home("vehicles", Execution("compilation", "plan.lower"),
+         "Vehicle Pedestrian MiscObject BoundingBox Center Dimensions Performance Axles Axle TrailerHitch "
+         "TrailerCoupler"),
+    Home("actions.control", Execution("run", "controllers"), "Properties Property"),
+    Home("expansion", _STORYBOARD, "Storyboard"),
+    Home("storyboard", _STORYBOARD,
+         "Init InitActions Private Story Act ManeuverGroup Actors Maneuver Event Action"),
+    Home("triggers", _STORYBOARD, "Trigger ConditionGroup Condition ByEntityCondition TriggeringEntities "
+         "EntityCondition ByValueCondition EntityRef"),
+    Home("conditions", None, "ByObjectType TimeToCollisionConditionTarget RelativeLaneRange"),
+    Home("positions", None, "Position"),
+    Home("points", None, "Orientation"),
+    Home("motion", None,
+         "RouteRef Route Waypoint InRoutePosition PositionOfCurrentEntity PositionInRoadCoordinates "
+         "PositionInLaneCoordinates TrajectoryRef Trajectory Shape Polyline Vertex Clothoid ClothoidSpline "
+         "ClothoidSplineSegment Nurbs ControlPoint Knot"),
+    Home("actions", None,
+         "PrivateAction GlobalAction UserDefinedAction LongitudinalAction LateralAction RoutingAction AppearanceAction "
+         "ControllerAction TrailerAction InfrastructureAction TrafficSignalAction TrafficAction"),
+    Home("actions.longitudinal", None,
+         "TransitionDynamics SpeedActionTarget AbsoluteTargetSpeed RelativeTargetSpeed SpeedProfileEntry"),
+    Home("actions.dynamics", None, "DynamicConstraints"),
+    Home("actions.lateral", None,
+         "LaneChangeTarget AbsoluteTargetLane RelativeTargetLane LaneOffsetActionDynamics LaneOffsetTarget "
+         "AbsoluteTargetLaneOffset RelativeTargetLaneOffset"),
+    Home("actions.routing", None,
+         "FinalSpeed AbsoluteSpeed RelativeSpeedToMaster TargetDistanceSteadyState TargetTimeSteadyState TimeReference "
+         "None Timing TrajectoryFollowingMode"),
+    Home("actions.control", None,
+         "OverrideThrottleAction OverrideBrakeAction OverrideClutchAction OverrideParkingBrakeAction "
+         "OverrideSteeringWheelAction OverrideGearAction Brake ManualGear", unwritten="AutomaticGear"),
+    Home("actions.appearance", None,
+         "LightType VehicleLight UserDefinedLight LightState AnimationType AnimationState ComponentAnimation "
+         "VehicleComponent PedestrianAnimation UserDefinedAnimation", unwritten="UserDefinedComponent AnimationFile"),
+    Home("actions.world", None,
+         "AddEntityAction DeleteEntityAction ParameterSetAction ParameterModifyAction ModifyRule ParameterAddValueRule "
+         "ParameterMultiplyByValueRule VariableSetAction VariableModifyAction VariableModifyRule VariableAddValueRule "
+         "VariableMultiplyByValueRule"),
+    Home("actions.environment", None,
+         "Environment TimeOfDay Weather Sun Fog Precipitation Wind RoadCondition"),
+    Home("distributions", _SAMPLED,
+         "Deterministic DeterministicSingleParameterDistribution DistributionSet DistributionSetElement "
+         "DistributionRange Range Stochastic StochasticDistribution ProbabilityDistributionSet "
+         "ProbabilityDistributionSetElement NormalDistribution LogNormalDistribution UniformDistribution "
+         "PoissonDistribution Histogram HistogramBin",
+         unwritten="DeterministicMultiParameterDistribution ValueSetDistribution ParameterValueSet"),
+    Home("expansion", _SAMPLED, "ParameterValueDistribution"),
+)  # fmt: skip
+"""Who reads what is no action, condition or position."""
+
+_TRAFFIC = "no traffic appears or disappears by itself: diagnosed"
+_DESCRIPTION = "it describes the file and means nothing to a run"
+
+UNREAD: dict[str, str] = {
+    **dict.fromkeys(("License", "CustomContent"), _DESCRIPTION),
+    "UsedArea": "the whole road network is loaded",
+    "TrafficSignalGroupState": "a phase's signals are named one by one: told",
+    **dict.fromkeys(("SensorReferenceSet", "SensorReference"), "visibility is switched for all sensors at once: told"),
+    **dict.fromkeys(("Color", "ColorRgb", "ColorCmyk"), "a light is logged as on, off or flashing: told"),
+    "PedestrianGesture": "a pedestrian's motion is logged, gestures are not: told",
+    "DomeImage": "the sky is painted from the weather: told",
+    "UserDefinedDistribution": "only its author knows what it draws: diagnosed",
+    **dict.fromkeys(
+        (
+            *("TrafficSourceAction", "TrafficSinkAction", "TrafficSwarmAction", "CentralSwarmObject"),
+            *("DirectionOfTravelDistribution", "TrafficAreaAction", "TrafficArea", "Polygon", "RoadRange"),
+            *("RoadCursor", "Lane", "TrafficDefinition", "VehicleCategoryDistribution"),
+            *("VehicleCategoryDistributionEntry", "VehicleRoleDistribution", "VehicleRoleDistributionEntry"),
+            *("ControllerDistribution", "ControllerDistributionEntry", "TrafficDistribution"),
+            *("TrafficDistributionEntry", "EntityDistribution", "EntityDistributionEntry", "ScenarioObjectTemplate"),
+        ),
+        _TRAFFIC,
+    ),
+}
+"""Elements without effect, and why."""
+
+WITHOUT_EFFECT: dict[str, str] = {
+    "FileHeader": "author date description",
+    "Vehicle": "mass model3d role",
+    "Pedestrian": "mass model model3d role",
+    "MiscObject": "mass model3d",
+    "Center": "y z",
+    "Performance": "maxAccelerationRate maxDecelerationRate",
+    "Axle": "positionZ trackWidth wheelDiameter",
+    "TrailerHitch": "dz",
+    "TrailerCoupler": "dz",
+    "GeoPosition": "altitude height verticalRoadSelection",
+    "TimeHeadwayCondition": "routingAlgorithm",
+    "TimeToCollisionCondition": "routingAlgorithm",
+    "DistanceCondition": "routingAlgorithm",
+    "RelativeDistanceCondition": "routingAlgorithm",
+    "AssignControllerAction": "activateAnimation activateLighting",
+    "OverrideThrottleAction": "maxRate",
+    "Brake": "maxRate",
+    "OverrideClutchAction": "maxRate",
+    "OverrideSteeringWheelAction": "maxRate maxTorque",
+    "LightStateAction": "transitionTime",
+    "LightState": "flashingOffDuration flashingOnDuration luminousIntensity",
+    "AnimationAction": "loop",
+    "AnimationFile": "timeOffset",
+    "Weather": "atmosphericPressure temperature",
+    "Sun": "illuminance intensity",
+    "Wind": "direction",
+}
+"""Attributes without effect, of elements that have one."""
+
+FORMS = (*ACTIONS.forms, *BY_ENTITY.forms, *BY_VALUE.forms, *POSITIONS.forms)
+"""The elements that are words."""
+
+_WRITTEN = {form.tag for family in (ACTIONS, BY_ENTITY, BY_VALUE, POSITIONS) for form in family.by_word.values()}
+_HOME = {name: home for home in HOMES for name in home.names()}
+
+
+def openscenario_table() -> Table:
+    """Return the table of OpenSCENARIO's elements, in the order of the standard's declarations."""
+    columns = ("element", "in", "attributes of some versions", "read", "executed, kinematic", "executed, CARLA")
+    return Table(
+        "openscenario",
+        "OpenSCENARIO 1.0 to 1.3",
+        (*columns, "exported"),
+        tuple(_row(element) for element in elements().values()),
+    )
+
+
+def _row(element: Element) -> tuple[str, ...]:
+    named = " ".join(f"<{tag}>" for tag in element.tags)
+    if element.tags != (element.name,):
+        named += f" ({element.name})"
+    executed = _executed(element)
+    carla = "no" if executed == "no" else NOT_YET
+    return (named, span(element.since, element.until), _parts(element), _read(element), executed, carla, _sent(element))
+
+
+def span(since: int, until: int) -> str:
+    """Return the minor versions from one to another as a text."""
+    if since == until:
+        return f"1.{since}"
+    return f"1.{since} to 1.{until}" if until < LAST_MINOR else f"all since 1.{since}" if since else "all"
+
+
+def _parts(element: Element) -> str:
+    """Return the attributes that not all of the element's versions have."""
+    whole = (element.since, element.until)
+    return ", ".join(f"{name} {_from_to(*ends)}" for name, ends in element.attributes.items() if ends != whole) or "-"
+
+
+def _from_to(since: int, until: int) -> str:
+    if until == LAST_MINOR:
+        return f"since 1.{since}"
+    return f"until 1.{until}" if since == FIRST_MINOR else span(since, until)
+
+
+def words_of(element: Element) -> list[type[Word]]:
+    """Return the words that an element is read as; none for one that belongs to others."""
+    return list(dict.fromkeys(form.word for form in FORMS if form.tag in element.tags and element.name == form.tag))
+
+
+def _read(element: Element) -> str:
+    if element.name in UNREAD:
+        return f"no: {UNREAD[element.name]}"
+    words = ", ".join(f"<{word.tag()}>" for word in words_of(element))
+    read = f"as {words}" if words else f"source.openscenario.{_HOME[element.name].reader}"
+    without = WITHOUT_EFFECT.get(element.name, "").split()
+    return f"{read}, without {', '.join(without)}" if without else read
+
+
+def _executed(element: Element) -> str:
+    """Return what executes an element: its words that have rows in the engine's tables, or that a plan binds."""
+    words = words_of(element)
+    if words:
+        return "; ".join(dict.fromkeys(_executed_word(word) for word in words))
+    if element.name in UNREAD:
+        return "no"
+    execution = _HOME[element.name].execution
+    return execution.text() if execution is not None else f"with {_owners(element)}"
+
+
+def _executed_word(word: type[Word]) -> str:
+    rows = {**ACTION_ROWS, **CONDITION_ROWS, **POSITION_ROWS}
+    execution = EXECUTION.get(word)
+    has_row = word in rows or (execution is not None and execution.stage == "compilation")
+    return execution.text() if execution is not None and has_row else NOT_YET
+
+
+def _owners(element: Element) -> str:
+    """Return the elements that an element stands in, the first few by tag."""
+    tags = [f"<{one.tags[0]}>" for one in elements().values() if any(tag in one.children for tag in element.tags)]
+    named = list(dict.fromkeys(tags))
+    return ", ".join(named[:MOST_PARENTS]) + (", ..." if len(named) > MOST_PARENTS else "")
+
+
+def _sent(element: Element) -> str:
+    """Return whether exported files have an element, by the forms' table of what is written for each word."""
+    if words_of(element):
+        return "yes" if element.name in _WRITTEN else f"as <{_instead(element)}>"
+    home = _HOME.get(element.name)
+    if home is None or element.name in home.unwritten.split():
+        return "no"
+    return "what it becomes" if element.name in home.expanded.split() else "yes"
+
+
+def _instead(element: Element) -> str:
+    """Return the element that is written for the word of one that is only read."""
+    families = (ACTIONS, BY_ENTITY, BY_VALUE, POSITIONS)
+    word = words_of(element)[0]
+    return next(family.by_word[word].tag for family in families if word in family.by_word)
