@@ -28,9 +28,10 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_reference
-from scenario_compiler.roads.lanes import lane_centre, lane_direction
+from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_row_in
 from scenario_compiler.roads.locate import locate_lane
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
 
 ROAD_HORIZON = 1000.0
 """How far along the roads a distance is looked for, m."""
@@ -140,13 +141,61 @@ def plane_distance_to(
 
 
 @compiled
+def along_branches(
+    n: RoadTables, st: State, i: int, along: int, road: int, s: float, t: float, x: float, y: float
+) -> tuple[int, float, float]:
+    """Look for a place by each turn at the first junction of the way that was walked last: (row or -1, t, distance).
+
+    The way to the place is then the one walked last.
+    """
+    count = st.way_count[0]
+    w = 0
+    while w + 1 < count and n.road_junction[st.way_road[w + 1]] < 0:
+        w = w + 1
+    if w + 1 >= count:
+        return -1, 0.0, 0.0
+    before = st.way_road[w]
+    sign = st.way_sign[w]
+    rest = n.road_length[before] - st.way_s[w] if sign > 0 else st.way_s[w]
+    _, lane, _, _ = advance(n, before, st.way_lane[w], st.way_s[w], along * max(rest - TOLERANCE, 0.0), -1)
+    section = n.road_section[before + 1] - 1 if sign > 0 else n.road_section[before]
+    row = lane_row_in(n, section, lane)
+    if row < 0:
+        return -1, 0.0, 0.0
+    end = 2 * row + (1 if sign > 0 else 0)
+    for link in range(n.lane_link[end], n.lane_link[end + 1]):
+        turn = n.section_road[n.lane_section[n.link_lane[link]]]
+        walk(n, st, st.road[i], st.lane[i], st.s[i], along, ROAD_HORIZON, turn)
+        k, _, at_t, distance = point_on_way(n, st, road, s, t, x, y)
+        if k >= 0:
+            return k, at_t, distance
+    return -1, 0.0, 0.0
+
+
+@compiled
+def along_way(
+    n: RoadTables, st: State, i: int, along: int, road: int, s: float, t: float, x: float, y: float
+) -> tuple[float, float, int]:
+    """Return (distance, t, sign) of a place on i's way with (1) or against (-1) its lane's travel, FAR for none.
+
+    The way goes straight on; where it does not lead to the place, each turn at its first junction is tried.
+    """
+    walk(n, st, st.road[i], st.lane[i], st.s[i], along, ROAD_HORIZON, -1)
+    w, _, at_t, distance = point_on_way(n, st, road, s, t, x, y)
+    if w < 0:
+        w, at_t, distance = along_branches(n, st, i, along, road, s, t, x, y)
+    if w < 0:
+        return FAR, 0.0, 1
+    return distance, at_t, st.way_sign[w]
+
+
+@compiled
 def along_roads(
     n: RoadTables, st: State, i: int, road: int, s: float, t: float, x: float, y: float
 ) -> tuple[float, float, int]:
-    """Return (ahead, left, direction) of a place on a road as seen from entity i along the roads.
+    """Return (ahead, left, direction) of a place on a road as seen from entity i along the roads, FAR ahead for none.
 
-    `direction` is 1 where i's way goes along s there, else -1. FAR ahead where no way straight on leads there, first
-    forwards, then back.
+    `direction` is 1 where i's way goes along s there, else -1. It is looked for forwards, then back.
     """
     here = st.road[i]
     if here < 0 or road < 0:
@@ -154,14 +203,12 @@ def along_roads(
     if here == road:
         return st.facing[i] * (s - st.s[i]), st.facing[i] * (t - st.t[i]), st.facing[i]
     along = st.facing[i] * lane_direction(n, here, st.lane[i])
-    walk(n, st, here, st.lane[i], st.s[i], along, ROAD_HORIZON, -1)
-    w, _, at_t, distance = point_on_way(n, st, road, s, t, x, y)
-    if w >= 0:
-        return distance, st.way_sign[w] * at_t - st.facing[i] * st.t[i], st.way_sign[w]
-    walk(n, st, here, st.lane[i], st.s[i], -along, ROAD_HORIZON, -1)
-    w, _, at_t, distance = point_on_way(n, st, road, s, t, x, y)
-    if w >= 0:
-        return -distance, -st.way_sign[w] * at_t - st.facing[i] * st.t[i], -st.way_sign[w]
+    distance, at_t, sign = along_way(n, st, i, along, road, s, t, x, y)
+    if distance < FAR:
+        return distance, sign * at_t - st.facing[i] * st.t[i], sign
+    distance, at_t, sign = along_way(n, st, i, -along, road, s, t, x, y)
+    if distance < FAR:
+        return -distance, -sign * at_t - st.facing[i] * st.t[i], -sign
     return FAR, 0.0, 1
 
 

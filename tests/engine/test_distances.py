@@ -1,0 +1,134 @@
+"""Distances between entities: along roads and turns, between boxes, in each system."""
+
+from __future__ import annotations
+
+from math import hypot, pi, sqrt
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine.collision import update_boxes
+from scenario_compiler.engine.distances import (
+    box_distance,
+    distance_between,
+    distance_to,
+    distance_to_box,
+    road_distance_between,
+)
+from scenario_compiler.roads import LanePosition, Network, load_network
+from tests.engine.make import CAR, Draft, Run, bend, highway
+
+LENGTH, WIDTH, _, _, CENTER = CAR[:5]
+
+
+@pytest.fixture(scope="module")
+def town(repository: Path) -> Network:
+    """The map of a town with crossings."""
+    return load_network(repository / "maps" / "town_grid" / "town_grid.xodr")
+
+
+def two(dx: float, dy: float, turn: float, network: Network | None = None) -> Run:
+    """Return a run with a car whose box is at the origin, along x, and another's box at (dx, dy), turned."""
+    draft = Draft(network or highway())
+    draft.moving(-2, 100.0, 0.0)
+    draft.moving(-2, 200.0, 0.0)
+    run = draft.start()
+    run.st.x[:], run.st.y[:], run.st.h[:] = [-CENTER, dx], [0.0, dy], [0.0, turn]
+    run.p.const[run.p.entity_const[1] + 4] = 0.0
+    update_boxes(run.p, run.st)
+    return run
+
+
+def mode(frame: int, measure: int) -> int:
+    """Return the mode of a condition."""
+    return 4 * frame + measure
+
+
+@pytest.mark.parametrize(("road", "lane"), [("3", -1), ("6", 1), ("7", -1), ("12", -1), ("13", -1)])
+def test_along_the_roads_a_turn_is_taken_where_straight_on_does_not_lead_there(
+    town: Network, road: str, lane: int
+) -> None:
+    draft = Draft(town)
+    car = draft.entity(op.MOTION_SCRIPTED, draft.position(town.road_index("1"), -1, 400.0), 0.0)
+    other = draft.entity(op.MOTION_SCRIPTED, draft.position(town.road_index(road), lane, 20.0), 0.0)
+    run = draft.start()
+    route = town.route(LanePosition("1", -1, 400.0, 0.0), LanePosition(road, lane, 20.0, 0.0))
+    assert route is not None
+    way = sum(abs(leg.s_to - leg.s_from) for leg in route.legs)
+    assert road_distance_between(run.n, run.p, run.st, car, other, op.MEASURE_ALONG, 0) == pytest.approx(way)
+
+
+def test_what_no_road_leads_to_is_far() -> None:
+    draft = Draft(highway())
+    car = draft.moving(-2, 100.0, 0.0)
+    lost = draft.entity(op.MOTION_SCRIPTED, op.NONE, 0.0)
+    run = draft.start()
+    assert distance_between(run.n, run.p, run.st, car, lost, mode(op.FRAME_ROAD, op.MEASURE_ALONG), 1) == op.FAR
+
+
+@pytest.mark.parametrize(
+    ("dx", "dy", "turn", "expected"),
+    [
+        (10.0, 0.0, 0.0, 10.0 - LENGTH),
+        (10.0, 0.0, pi / 2, 10.0 - LENGTH / 2 - WIDTH / 2),
+        (0.0, 5.0, 0.0, 5.0 - WIDTH),
+        (10.0, 5.0, 0.0, hypot(10.0 - LENGTH, 5.0 - WIDTH)),
+        (10.0, 0.5, pi / 4, 10.0 - LENGTH / 2 - (LENGTH + WIDTH) / 2 / sqrt(2.0)),
+        (3.0, 0.5, 0.3, 0.0),
+    ],
+)
+def test_between_boxes_the_nearest_points_count(dx: float, dy: float, turn: float, expected: float) -> None:
+    run = two(dx, dy, turn)
+    assert box_distance(run.p, run.st, 0, 1) == pytest.approx(expected)
+    assert box_distance(run.p, run.st, 1, 0) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("frame", "measure", "freespace", "expected"),
+    [
+        (op.FRAME_ENTITY, op.MEASURE_STRAIGHT, 0, hypot(10.0 + CENTER, 6.0)),
+        (op.FRAME_ENTITY, op.MEASURE_ALONG, 0, 10.0 + CENTER),
+        (op.FRAME_ENTITY, op.MEASURE_ALONG, 1, 10.0 - LENGTH / 2 - WIDTH / 2),
+        (op.FRAME_ENTITY, op.MEASURE_ACROSS, 0, -6.0),
+        (op.FRAME_ENTITY, op.MEASURE_ACROSS, 1, -6.0 + WIDTH / 2 + LENGTH / 2),
+        (op.FRAME_WORLD, op.MEASURE_ACROSS, 1, -6.0 + WIDTH / 2 + LENGTH / 2),
+    ],
+)
+def test_each_system_has_its_axes(frame: int, measure: int, freespace: int, expected: float) -> None:
+    run = two(10.0, -6.0, pi / 2)
+    found = distance_between(run.n, run.p, run.st, 0, 1, mode(frame, measure), freespace)
+    assert found == pytest.approx(expected)
+
+
+def test_behind_counts_negative() -> None:
+    run = two(-20.0, 0.0, 0.0)
+    for measure in (op.MEASURE_STRAIGHT, op.MEASURE_ALONG):
+        found = distance_between(run.n, run.p, run.st, 0, 1, mode(op.FRAME_ENTITY, measure), 0)
+        assert found == pytest.approx(-20.0 + CENTER)
+
+
+def test_in_a_bend_the_road_is_measured_not_the_chord() -> None:
+    draft = Draft(bend(50.0))
+    car, other = draft.moving(-1, 10.0, 0.0), draft.moving(-1, 60.0, 0.0)
+    run = draft.start()
+    along = mode(op.FRAME_ROAD, op.MEASURE_ALONG)
+    assert distance_between(run.n, run.p, run.st, car, other, along, 0) == pytest.approx(50.0)
+    assert distance_between(run.n, run.p, run.st, car, other, along, 1) == pytest.approx(50.0 - LENGTH)
+    assert distance_between(run.n, run.p, run.st, car, other, mode(op.FRAME_ENTITY, op.MEASURE_STRAIGHT), 0) < 50.0
+    across = mode(op.FRAME_LANE, op.MEASURE_ACROSS)
+    assert distance_between(run.n, run.p, run.st, car, other, across, 0) == pytest.approx(0.0)
+
+
+def test_a_place_is_measured_like_an_entity() -> None:
+    draft = Draft(highway())
+    car = draft.moving(-2, 100.0, 0.0)
+    place = draft.position(0, -1, 150.0)
+    run = draft.start()
+    st = run.st
+    along = distance_to(run.n, run.p, st, car, place, mode(op.FRAME_ROAD, op.MEASURE_ALONG), 0)
+    free = distance_to(run.n, run.p, st, car, place, mode(op.FRAME_ROAD, op.MEASURE_ALONG), 1)
+    across = distance_to(run.n, run.p, st, car, place, mode(op.FRAME_ROAD, op.MEASURE_ACROSS), 0)
+    straight = distance_to(run.n, run.p, st, car, place, mode(op.FRAME_ENTITY, op.MEASURE_STRAIGHT), 1)
+    assert (along, free, across) == pytest.approx((50.0, 50.0 - CENTER - LENGTH / 2, 3.5))
+    assert straight == pytest.approx(distance_to_box(run.p, st, car, st.position_x[place], st.position_y[place]))
