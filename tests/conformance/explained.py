@@ -2,5 +2,23 @@
 
 from __future__ import annotations
 
-EXPLAINED: dict[str, str] = {}
+_ALKS = (
+    "From 3 s on the Ego is driven by esmini's own ALKS controller, which the file that this distribution varies assigns "
+    "to it. The other vehicles agree{}."
+)
+_LOGICAL = "OSC-ALKS-scenarios/logical_scenarios/alks_scenario_"
+_UNIT_TESTS = "esmini/EnvironmentSimulator/Unittest/xosc/"
+
+EXPLAINED: dict[str, str] = {
+    _UNIT_TESTS + "test_action_dynamics.xosc": (
+        "Every row agrees, the end does not. The run ends after a continuous LaneOffsetAction, which esmini ends at its "
+        "target. By the standard a continuous one does not end by itself."
+    ),
+    _LOGICAL + "4_1_2_swerving_lead_vehicle_variation.xosc": _ALKS.format(""),
+    _LOGICAL + "4_3_1_follow_lead_vehicle_comfortable_variation.xosc": _ALKS.format(
+        " until their speeds are set relative to the Ego's"
+    ),
+    _LOGICAL + "4_5_1_cut_out_fully_blocking_variation.xosc": _ALKS.format(""),
+    _LOGICAL + "4_5_2_cut_out_multiple_blocking_targets_variation.xosc": _ALKS.format(""),
+}
 """Path of a scenario in the corpus to the reason."""
