@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 _ALKS = (
-    "From 3 s on the Ego is driven by esmini's own ALKS controller, which the file that this distribution varies assigns "
-    "to it. The other vehicles agree{}."
+    "From 3 s on the Ego is driven by esmini's own ALKS controller, which the file that this distribution varies "
+    "assigns to it. The other vehicles agree{}."
 )
 _LOGICAL = "OSC-ALKS-scenarios/logical_scenarios/alks_scenario_"
 _UNIT_TESTS = "esmini/EnvironmentSimulator/Unittest/xosc/"
 
 EXPLAINED: dict[str, str] = {
     _UNIT_TESTS + "test_action_dynamics.xosc": (
-        "Every row agrees, the end does not. The run ends after a continuous LaneOffsetAction, which esmini ends at its "
-        "target. By the standard a continuous one does not end by itself."
+        "Every row agrees, the end does not. The run ends after a continuous LaneOffsetAction, which esmini ends at "
+        "its target. By the standard a continuous one does not end by itself."
     ),
     _LOGICAL + "4_1_2_swerving_lead_vehicle_variation.xosc": _ALKS.format(""),
     _LOGICAL + "4_3_1_follow_lead_vehicle_comfortable_variation.xosc": _ALKS.format(
