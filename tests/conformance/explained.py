@@ -16,8 +16,8 @@ EXPLAINED: dict[str, str] = {
     ),
     _UNIT_TESTS + "direction_dimension_trig.xosc": (
         "Everything agrees until the Ego's event, which waits for a relative speed along a direction. The standard has "
-        "it along the triggering entity's axes, esmini along the other entity's; there it rises over -8 m/s at 2.7 s, in "
-        "the standard's axes it is above that from the start, and an edge needs a rise."
+        "it along the triggering entity's axes, esmini along the other's; there it rises over -8 m/s at 2.7 s, in the "
+        "standard's axes it is above that from the start, and an edge needs a rise."
     ),
     _LOGICAL + "4_1_2_swerving_lead_vehicle_variation.xosc": _ALKS.format(""),
     _LOGICAL + "4_3_1_follow_lead_vehicle_comfortable_variation.xosc": _ALKS.format(
