@@ -44,18 +44,27 @@ class GeoPosition(Word):
 
 
 class LanesAwayPosition(Word):
-    """A point in a lane counted from an entity's lane, in lane ids: ASAM's RelativeLanePosition."""
+    """A point in a lane counted from an entity's lane: ASAM's RelativeLanePosition.
+
+    Along the road, what is ahead and left is so as seen along s; along the lane, as seen in its direction of travel.
+    """
 
     word: Literal["relative_lane"] = "relative_lane"
 
     entity: str = attribute(_ENTITY, names="entity")
-    lanes: int = attribute("Lanes away, positive towards greater lane ids (the centre lane is not counted).", default=0)
-    distance: Number = attribute("Distance ahead, m.", quantity="length")
+    lanes: int = attribute("Lanes away, positive to the left (the centre lane is not counted).", default=0)
+    distance: Number = attribute("Distance ahead, on the road's reference line, m.", quantity="length")
     along: Literal["road", "lane"] = attribute(
-        "Whether the distance is measured on the road's reference line or in the lane.", default="road"
+        "Whether ahead and left are those of the road's s or of the lane's travel.", default="road"
     )
-    offset: Number = attribute("Distance from the lane's centre, m.", default=0.0, quantity="length")
-    turn: Number = attribute("Heading relative to the lane's, degrees.", default=0.0, quantity="angle")
+    offset: Number = attribute(
+        "Distance from the lane's centre, m, positive to the left.", default=0.0, quantity="length"
+    )
+    turn: Number = attribute(
+        "Heading relative to the direction of s or of travel, degrees, positive counter-clockwise.",
+        default=0.0,
+        quantity="angle",
+    )
     heading: Number | None = attribute(_HEADING, default=None, quantity="angle")
 
 
