@@ -20,9 +20,9 @@ EXPLAINED: dict[str, str] = {
         "standard's axes it is above that from the start, and an edge needs a rise."
     ),
     "esmini/resources/xosc/parking_demo.xosc": (
-        "13 of 15 entities agree. Over the last 3 m of its clothoid spline (16.6 s to 17.6 s) esmini moves Target4 by half "
-        "as much again as the speed that it reports, and ends the spline earlier. The Camera's NURBS, whose control "
-        "points have times, is up to 0.25 m apart: esmini places the times on a coarse polyline."
+        "13 of 15 entities agree. Over the last 3 m of its clothoid spline (16.6 s to 17.6 s) esmini moves Target4 by "
+        "half as much again as the speed that it reports, and ends the spline earlier. The Camera's NURBS, whose "
+        "control points have times, is up to 0.25 m apart: esmini places the times on a coarse polyline."
     ),
     _LOGICAL + "4_1_2_swerving_lead_vehicle_variation.xosc": _ALKS.format(""),
     _LOGICAL + "4_3_1_follow_lead_vehicle_comfortable_variation.xosc": _ALKS.format(
