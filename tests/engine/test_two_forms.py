@@ -31,7 +31,7 @@ ACTIONS = {
 }
 """Actions of these programs; the files of words in this folder hold the others."""
 
-NEW_CONDITIONS = (op.CONDITION_RELATIVE_SPEED, *range(op.CONDITION_SENSOR_HEALTH + 1, op.CONDITION_KINDS))
+NEW_CONDITIONS = tuple(range(op.CONDITION_RELATIVE_SPEED, op.CONDITION_SIGNAL_PHASE + 1))
 """Conditions of `add_world_story`."""
 
 
