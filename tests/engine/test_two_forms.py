@@ -31,7 +31,19 @@ ACTIONS = {
 }
 """Actions of these programs; the files of words in this folder hold the others."""
 
-NEW_CONDITIONS = tuple(range(op.CONDITION_RELATIVE_SPEED, op.CONDITION_SIGNAL_PHASE + 1))
+STORY_CONDITIONS = (
+    *(op.CONDITION_TIME, op.CONDITION_TIME_HEADWAY, op.CONDITION_DISTANCE, op.CONDITION_TIME_TO_COLLISION),
+    *(op.CONDITION_SPEED, op.CONDITION_REACH_POSITION, op.CONDITION_TRAVELED_DISTANCE, op.CONDITION_LANE_CONFIDENCE),
+    *(op.CONDITION_TAKEOVER_STATE, op.CONDITION_RELATIVE_SPEED, op.CONDITION_ELEMENT_STATE),
+)
+"""Conditions of `add_story`; the last watches an event."""
+
+WORLD_CONDITIONS = (
+    *(op.CONDITION_RELATIVE_SPEED, op.CONDITION_POSITION_DISTANCE, op.CONDITION_SIGNAL_PHASE),
+    *(op.CONDITION_ACCELERATION, op.CONDITION_COLLISION, op.CONDITION_OFF_ROAD, op.CONDITION_END_OF_ROAD),
+    *(op.CONDITION_CLEARANCE, op.CONDITION_ANGLE, op.CONDITION_RELATIVE_ANGLE, op.CONDITION_TRANSITION),
+    *(op.CONDITION_TIME_OF_DAY, op.CONDITION_VARIABLE, op.CONDITION_USER_VALUE, op.CONDITION_SIGNAL),
+)
 """Conditions of `add_world_story`."""
 
 
@@ -203,7 +215,7 @@ def add_world_story(draft: Draft, dice: Dice) -> None:
     maneuver = draft.maneuver()
     before = maneuver
     for k in range(6):
-        add_world_condition(draft, dice, NEW_CONDITIONS[(6 * dice.number + k) % len(NEW_CONDITIONS)], before)
+        add_world_condition(draft, dice, WORLD_CONDITIONS[(6 * dice.number + k) % len(WORLD_CONDITIONS)], before)
         kind = WORLD_ACTIONS[(6 * dice.number + k) % len(WORLD_ACTIONS)]
         before = draft.event(maneuver, draft.trigger(), add_world_action(draft, dice, kind), limit=dice.pick(1, 2))
 
@@ -253,8 +265,7 @@ def add_world_action(draft: Draft, dice: Dice, kind: int) -> int:
 
 def add_condition(draft: Draft, dice: Dice, before: list[int]) -> None:
     """Append a condition of a random kind; edges and delays too."""
-    kinds = range(op.CONDITION_TIME, op.CONDITION_ELEMENT_STATE + (1 if before else 0))
-    kind = dice.pick(*kinds)
+    kind = dice.pick(*(STORY_CONDITIONS if before else STORY_CONDITIONS[:-1]))
     values = {
         op.CONDITION_TIME: dice.between(0.0, 8.0),
         op.CONDITION_LANE_CONFIDENCE: 0.6,
