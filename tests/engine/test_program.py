@@ -148,7 +148,13 @@ def test_every_number_of_a_plan_has_its_slot() -> None:
     assert p.const[slots.K_BLOCKED_MARGIN] == 0.7
     assert p.const[slots.K_DRIVER_MU] == 0.876
     assert p.cause_order == [op.CAUSE_PATH_BLOCKED]
-    assert sorted(p.condition_op) == list(range(op.CONDITION_TAKEOVER_STATE + 1))
+    assert sorted(p.condition_op) == sorted(
+        (
+            *(op.CONDITION_TIME, op.CONDITION_TIME_HEADWAY, op.CONDITION_DISTANCE, op.CONDITION_TIME_TO_COLLISION),
+            *(op.CONDITION_SPEED, op.CONDITION_REACH_POSITION, op.CONDITION_TRAVELED_DISTANCE),
+            *(op.CONDITION_LANE_CONFIDENCE, op.CONDITION_TAKEOVER_STATE),
+        )
+    )
     assert p.action_op == [op.ACTION_SPEED, op.ACTION_LANE_CHANGE, op.ACTION_SENSOR_NOISE]
     assert p.action_entity == [1, 1, 0]
     assert p.entity_order == [0, 2, 1]
