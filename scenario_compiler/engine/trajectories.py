@@ -86,6 +86,7 @@ def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
     st.lateral[i] = k
     st.ended[i] = 0
     sense = put_on_track(n, p, st, k, begin, 0.0)
+    st.action_change[k] = 1.0 * sense
     if timed == 1 and st.v[i] == 0.0 and p.track_kind[track] == TRACK_POLYLINE:
         st.v[i] = sense * st.track_v[p.track_vertex[track]]
 
@@ -121,7 +122,7 @@ def step_by_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> in
     i = p.action_entity[k]
     track = p.action_other[k]
     length = track_length(p, st, track)
-    sense = put_on_track(n, p, st, k, st.action_a[k], 0.0)
+    sense = st.action_change[k]
     ds = sense * st.v[i] * dt
     s = st.action_a[k] + ds
     if p.track_closed[track] == 1 and length > TOLERANCE:

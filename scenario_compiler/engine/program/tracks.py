@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil
 
 from scenario_compiler.engine import opcodes as op
@@ -64,14 +65,19 @@ def _add_polyline(draft: Draft, line: Polyline, closed: bool) -> None:
     vertices = list(line.vertices)
     if closed and vertices[0].time is None and vertices[0] != vertices[-1]:
         vertices.append(vertices[0])
-    for vertex in vertices:
+    given = headed([vertex.position for vertex in vertices])
+    for vertex, heading in zip(vertices, given, strict=True):
         _add_corner(draft, vertex.position, _time(vertex.time))
-        draft.program.vertex_heading.append(1 if has_heading(vertex.position) else 0)
+        draft.program.vertex_heading.append(1 if heading else 0)
 
 
-def has_heading(position: Word) -> bool:
-    """Return whether the author gave a position a heading in the world; a relative one is left to the trajectory."""
-    return getattr(position, "heading", None) is not None
+def headed(positions: Sequence[Word]) -> list[bool]:
+    """Return of each position whether its author gave it a heading: in the world, or relative to what it gives.
+
+    Where none of them is turned all of the latter are left to the trajectory.
+    """
+    turned = any(getattr(one, "turn", 0.0) != 0.0 for one in positions)
+    return [getattr(one, "heading", None) is not None or (turned and hasattr(one, "turn")) for one in positions]
 
 
 def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline) -> None:
@@ -116,7 +122,7 @@ def _add_nurbs(draft: Draft, curve: Nurbs) -> None:
     samples = [(at, low + (high - low) * q / count) for at, low, high in spans for q in range(count)]
     samples += [(at, high) for at, _, high in spans[-1:]]
     shares = [basis(curve.knots, curve.order, at, u) for at, u in samples]
-    given = all(has_heading(point.position) for point in curve.points)
+    given = all(headed([point.position for point in curve.points]))
     places = _places_between(curve, samples, shares)
     for (at, _), share, place in zip(samples, shares, places, strict=True):
         first = at - curve.order + 1
