@@ -9,7 +9,8 @@ from scenario_compiler.engine.slots import C_BACKWARD, C_FORWARD
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_direction, lane_type
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
@@ -94,7 +95,7 @@ def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> 
 
 @compiled
 def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where one of the lanes that a clearance condition asks for is there beside i, and counts."""
+    """Return 1 where one of the lanes that a clearance condition asks for is there for driving, and counts."""
     row = p.condition_other[c] + 1
     road = st.road[i]
     if road < 0 or p.set_first[row] == p.set_first[row + 1]:
@@ -102,8 +103,10 @@ def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
     for k in range(p.set_first[row], p.set_first[row + 1] - 1, 2):
         for by in range(max(p.set_member[k], -MOST_LANES), min(p.set_member[k + 1], MOST_LANES) + 1):
             lane = neighbour_lane(n, road, st.lane[i], st.s[i], by, st.facing[i])
+            if lane == 0 or is_drivable(lane_type(n, road, lane, st.s[i])) == 0:
+                continue
             same = lane_direction(n, road, lane) == lane_direction(n, road, st.lane[i])
-            if lane != 0 and (same or p.condition_flags[c] & CLEARANCE_OPPOSITE != 0):
+            if same or p.condition_flags[c] & CLEARANCE_OPPOSITE != 0:
                 return 1
     return 0
 
