@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from math import atan, atan2, pi
 
+from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
 from scenario_compiler.engine.motion import glide, place_scripted
-from scenario_compiler.engine.numbers import safe_sqrt
+from scenario_compiler.engine.numbers import is_number, safe_sqrt
 from scenario_compiler.engine.opcodes import (
     ACTION_LANE_CHANGE_TO,
     DIMENSION_DISTANCE,
+    FAULT_NOT_FINITE,
     MOTION_SCRIPTED,
     TOLERANCE,
 )
@@ -88,6 +90,9 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     if road < 0:
         return
     offset = p.const[p.action_const[k] + A_TARGET]
+    if is_number(offset) == 0:
+        fault(st, FAULT_NOT_FINITE, i)
+        return
     target = lane_aimed_at(n, p, st, k)
     if p.entity_motion[i] != MOTION_SCRIPTED:
         if i == p.ego[0] and target != 0:

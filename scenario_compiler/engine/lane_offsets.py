@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from math import atan, pi
 
+from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.lane_changes import OFFSET_ACCELERATION
 from scenario_compiler.engine.lane_keeping import plan_shift, shift_distance
 from scenario_compiler.engine.motion import place_scripted
-from scenario_compiler.engine.numbers import safe_sqrt
+from scenario_compiler.engine.numbers import is_number, safe_sqrt
 from scenario_compiler.engine.opcodes import (
+    FAULT_NOT_FINITE,
     FLAG_CONTINUOUS,
     MOTION_SCRIPTED,
     SHAPE_SINUSOIDAL,
@@ -94,6 +96,9 @@ def start_limited_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
     st.action_span[k] = 0.0
     st.lateral[i] = k
     if st.road[i] < 0:
+        return
+    if is_number(p.const[p.action_const[k] + A_TARGET]) == 0:
+        fault(st, FAULT_NOT_FINITE, i)
         return
     if p.entity_motion[i] != MOTION_SCRIPTED:
         if i == p.ego[0]:
