@@ -26,6 +26,7 @@ from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BoundPosition,
+    ControlPoint,
     GeoPosition,
     LanePosition,
     NumberedSpawnPoint,
@@ -34,6 +35,7 @@ from scenario_compiler.vocabulary.positions import (
     RandomSpawnPoint,
     RoadPosition,
     SpawnPoint,
+    Vertex,
     WorldPosition,
 )
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
@@ -276,10 +278,23 @@ POSITIONS = (
 """Positions that are not bound to the map before `bind_fixed`."""
 
 
+def bind_corner(draft: Draft, corner: Vertex | ControlPoint) -> Vertex | ControlPoint:
+    """Bind a corner of a trajectory; one whose author gave no heading gets none from its road or the world's axes."""
+    position = corner.position
+    aligned = isinstance(position, WorldPosition) and position.yaw == 0.0
+    along = isinstance(position, RoadPosition) and position.turn == 0.0 and position.heading is None
+    bound = bind_fixed(draft, position) if aligned or along else None
+    if not isinstance(bound, LanePosition):
+        return corner
+    return corner.model_copy(update={"position": bound.model_copy(update={"turn": 0.0})})
+
+
 def bind_storyboard(draft: Draft) -> None:
     """Bind the positions of conditions, actions and paths."""
 
     def bind(word: Word) -> Word:
+        if isinstance(word, Vertex | ControlPoint):
+            return bind_corner(draft, word)
         return bind_fixed(draft, word) or word if isinstance(word, POSITIONS) else word
 
     draft.storyboard = replaced(draft.scenario.storyboard, bind)

@@ -24,6 +24,10 @@ EXPLAINED: dict[str, str] = {
         "half as much again as the speed that it reports, and ends the spline earlier. The Camera's NURBS, whose "
         "control points have times, is up to 0.25 m apart: esmini places the times on a coarse polyline."
     ),
+    _UNIT_TESTS + "random_route_action.xosc": (
+        "The entity whose route is random takes another turn at the junction: the draws are those of esmini's own "
+        "generator. The other entity agrees."
+    ),
     _LOGICAL + "4_1_2_swerving_lead_vehicle_variation.xosc": _ALKS.format(""),
     _LOGICAL + "4_3_1_follow_lead_vehicle_comfortable_variation.xosc": _ALKS.format(
         " until their speeds are set relative to the Ego's"
