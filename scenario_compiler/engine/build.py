@@ -2,9 +2,9 @@
 
 The module's file is named by a hash of all that its text is made of and of the versions of numba, numpy and Python, so
 that a change anywhere gives a new file: numba's own cache beside it can then never be stale, and the text is made only
-for a file that is not there. Only here are numba and numpy
-imported. A container becomes a table of its columns' addresses: a column without an owner needs no counting of
-references, which would cost more than the step itself.
+for a file that is not there. numba compiles when that module is imported, as `linking` says. A container becomes a
+table of its columns' addresses: a column without an owner needs no counting of references, which would cost more than
+the step itself.
 """
 
 from __future__ import annotations
@@ -62,7 +62,12 @@ def int_column(context, address):
 '''
 
 ENTRY = """
-@njit(error_model="python", cache=True, nogil=True)
+@njit(
+    "void(int64, int64, int64, int64, float64[::1], float64[::1], int64, float64[::1], int64, int64, float64[::1])",
+    error_model="python",
+    cache=True,
+    nogil=True,
+)
 def entry(n, p, st, count, rows, draws, limit, trace, stride, every, out):
     sweep(int_column(n), int_column(p), int_column(st), count, rows, draws, limit, trace, stride, every, out)
 """
@@ -142,14 +147,21 @@ def _load_engine(checked: bool, say: Callable[[str], None] | None) -> ModuleType
         draft = path.with_suffix(f".{os.getpid()}.tmp")
         draft.write_text(engine_text(checked=checked), encoding="utf-8")
         draft.replace(path)
-    if say is not None and not list((path.parent / "__pycache__").glob(f"{name}.entry-*.nbi")):
+    compiled = bool(list((path.parent / "__pycache__").glob(f"{name}.entry-*.nbi")))
+    if say is not None and not compiled:
         say("compiling the engine, once for this version (about a minute) ...")
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot load {path}")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    if compiled:
+        spec.loader.exec_module(module)
+    else:
+        from scenario_compiler.engine.linking import linked_once
+
+        with linked_once():
+            spec.loader.exec_module(module)
     return module
 
 
