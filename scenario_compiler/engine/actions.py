@@ -72,12 +72,15 @@ def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None
 
 @compiled
 def run_actions(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Step all running actions: the init's, then the story's in document order."""
+    """Step all running actions: the init's, then the story's in document order, below running elements."""
     for c in range(p.init_count[0]):
         if st.action_state[p.init_action[c]] == RUNNING:
             step_action(n, p, st, p.init_action[c], dt)
-    for e in range(p.element_count[0]):
-        if p.element_kind[e] == ELEMENT_ACTION and st.element_state[e] == RUNNING:
-            k = p.element_action[e]
-            if k >= 0:
-                step_action(n, p, st, k, dt)
+    e = 0
+    while e < p.element_count[0]:
+        if st.element_state[e] != RUNNING:
+            e = p.element_end[e]
+            continue
+        if p.element_kind[e] == ELEMENT_ACTION and p.element_action[e] >= 0:
+            step_action(n, p, st, p.element_action[e], dt)
+        e = e + 1

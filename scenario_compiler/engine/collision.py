@@ -113,15 +113,14 @@ def check_collisions(p: Program, st: State) -> None:
 
 
 @compiled
-def ego_ttc(p: Program, st: State, ego: int, j: int) -> float:
+def ego_ttc(p: Program, st: State, ego: int, j: int, c: float, s: float) -> float:
     """Return the gap ahead of the ego over its closing speed where j lies in the ego's own corridor, else -1.
 
-    The corridor is as wide as the ego and straight on; speeds are taken along the ego's heading.
+    The corridor is as wide as the ego and straight on; speeds are taken along the ego's heading, whose cosine and sine
+    are c and s.
     """
     dx = st.middle_x[j] - st.middle_x[ego]
     dy = st.middle_y[j] - st.middle_y[ego]
-    c = cos(st.h[ego])
-    s = sin(st.h[ego])
     ahead = dx * c + dy * s
     if ahead <= 0.0 or ahead > TTC_RANGE:
         return -1.0
@@ -146,9 +145,13 @@ def ego_ttc(p: Program, st: State, ego: int, j: int) -> float:
 def watch_ttc(p: Program, st: State) -> None:
     """Keep the least time to collision of the vehicle that is reported so far."""
     ego = reported_entity(p)
+    if p.entity_count[0] < 2 or st.present[ego] == 0:
+        return
+    c = cos(st.h[ego])
+    s = sin(st.h[ego])
     for j in range(p.entity_count[0]):
-        if j != ego and st.present[j] == 1 and st.present[ego] == 1:
-            time = ego_ttc(p, st, ego, j)
+        if j != ego and st.present[j] == 1:
+            time = ego_ttc(p, st, ego, j, c, s)
             if time >= 0.0 and time < st.min_ttc[0]:
                 st.min_ttc[0] = time
 

@@ -21,12 +21,14 @@ from scenario_compiler.engine.opcodes import (
     CONDITION_TRANSITION,
     CONDITION_USER_VALUE,
     CONDITION_VARIABLE,
+    CONDITIONS_OF_RUN,
     DELAY_RECORDS,
     EDGE_BOTH,
     EDGE_FALLING,
     EDGE_NONE,
     EDGE_RISING,
     FAULT_DELAY_OVERFLOW,
+    FAULT_UNKNOWN_CONDITION,
     FAULT_UNKNOWN_EDGE,
     SIDE_EITHER,
     SIDE_LEFT,
@@ -110,7 +112,7 @@ def side_confidence(p: Program, st: State, c: int) -> float:
 
 @compiled
 def holds_of_run(p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition on the run as a whole holds, 0 where not, -1 where it is none of these."""
+    """Return 1 where a condition on the time or on the run as a whole holds."""
     op = p.condition_op[c]
     limit = p.const[p.condition_const[c] + C_VALUE]
     other = p.condition_other[c]
@@ -134,17 +136,17 @@ def holds_of_run(p: Program, st: State, c: int) -> int:
         return 1 if st.signal_state[other] == p.condition_mode[c] else 0
     if op == CONDITION_SIGNAL_PHASE:
         return phase_holds(p, st, other, p.condition_mode[c])
-    if op == CONDITION_USER_VALUE:
-        return 0
-    return -1
+    if op != CONDITION_USER_VALUE:
+        fault(st, FAULT_UNKNOWN_CONDITION, c)
+    return 0
 
 
 @compiled
 def holds_now(n: RoadTables, p: Program, st: State, c: int) -> int:
     """Return 1 where a condition holds on the states of now, before edge and delay."""
-    of_run = holds_of_run(p, st, c)
-    if of_run >= 0:
-        return of_run
+    op = p.condition_op[c]
+    if op >= CONDITIONS_OF_RUN or op == CONDITION_TIME:
+        return holds_of_run(p, st, c)
     every = p.condition_all[c]
     for k in range(p.condition_first[c], p.condition_first[c + 1]):
         held = holds_for(n, p, st, c, p.condition_entity[k])
@@ -212,7 +214,9 @@ def delayed(p: Program, st: State, c: int, now: int) -> int:
 @compiled
 def condition_fires(n: RoadTables, p: Program, st: State, c: int) -> int:
     """Return 1 where a condition's value, edge and delay say so in this frame."""
-    result = edge_of(p, st, c, holds_now(n, p, st, c))
+    result = holds_now(n, p, st, c)
+    if p.condition_edge[c] != EDGE_NONE:
+        result = edge_of(p, st, c, result)
     if p.condition_ring[c] >= 0:
         result = delayed(p, st, c, result)
     return result

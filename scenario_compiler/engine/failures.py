@@ -67,6 +67,9 @@ def severity_of(p: Program, st: State, f: int) -> float:
 @compiled
 def update_camera(p: Program, st: State) -> None:
     """Work out what is wrong with the camera now, and log what begins and ends."""
+    if p.failure_count[0] == 0:
+        st.sigma[0] = st.noise[0]
+        return
     for kind in range(FAILURES):
         st.failure_now[kind] = 0.0
     for f in range(p.failure_count[0]):

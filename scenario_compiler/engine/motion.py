@@ -37,9 +37,9 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.surroundings import grip
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_pose, road_reference
+from scenario_compiler.roads.geometry import road_curvature, road_pose
 from scenario_compiler.roads.lane_end import lane_after_end
-from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_pose
+from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_place
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
@@ -62,8 +62,7 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
         return
     lane = st.kept_lane[i]
     s = st.s[i]
-    _, _, _, curvature = road_reference(n, road, s)
-    stretch = 1.0 - curvature * st.t[i]
+    stretch = 1.0 - road_curvature(n, road, s) * st.t[i]
     if stretch < 0.1:
         stretch = 0.1
     sense = st.facing[i] * lane_direction(n, road, lane)
@@ -98,9 +97,7 @@ def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
     s = st.s[i]
     lane = st.kept_lane[i]
     off = st.kept_off[i]
-    centre, _ = lane_centre(n, road, lane, s)
-    t = centre + off
-    x, y, z, h, pitch, roll = lane_pose(n, road, lane, s, off)
+    x, y, z, h, pitch, roll, t = lane_place(n, road, lane, s, off)
     st.x[i] = x
     st.y[i] = y
     st.z[i] = z

@@ -84,8 +84,10 @@ def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
     take_stock(n, p, st, dt)
     watch_entities(n, p, st, dt)
     update_camera(p, st)
-    update_weather(p, st)
-    update_signals(p, st)
+    if st.weather_to[0] >= 0:
+        update_weather(p, st)
+    if p.controller_count[0] > 0:
+        update_signals(p, st)
     if st.flag[0] != FAULT_NONE:
         return
     update_boxes(p, st)
@@ -120,9 +122,9 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
         return 0
     st.frame[0] += 1
     play_story(n, p, st, p.const[K_STEP])
-    if drives_ego(p) == 1 and (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
-        control_ego(n, p, st, p.ego[0])
     if drives_ego(p) == 1:
+        if (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
+            control_ego(n, p, st, p.ego[0])
         hold_inputs(p, st, p.ego[0])
     if st.flag[0] != FAULT_NONE:
         return 0
@@ -172,7 +174,8 @@ def finish_step(n: RoadTables, p: Program, st: State) -> None:
     dt = p.const[K_STEP]
     st.clock[0] += dt
     move_entities(n, p, st, dt)
-    move_traffic(n, p, st, dt)
+    if p.traffic_count[0] > 0:
+        move_traffic(n, p, st, dt)
     draw_trailers(n, p, st)
     finish_frame(n, p, st, dt)
     if st.flag[0] != FAULT_NONE:

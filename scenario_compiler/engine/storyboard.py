@@ -243,8 +243,11 @@ def run_triggers(n: RoadTables, p: Program, st: State) -> None:
     e = 0
     mark = 2 * st.frame[0] + 1
     while e < p.element_count[0]:
-        run_element(n, p, st, e, mark)
-        if st.element_state[e] == RUNNING and p.element_kind[e] != ELEMENT_EVENT:
+        kind = p.element_kind[e]
+        state = st.element_state[e]
+        if state == STANDBY or (state == RUNNING and kind == ELEMENT_ACT):
+            run_element(n, p, st, e, mark)
+        if st.element_state[e] == RUNNING and kind != ELEMENT_EVENT:
             e = e + 1
         else:
             e = p.element_end[e]

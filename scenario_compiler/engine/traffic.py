@@ -42,7 +42,7 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_hash
-from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.geometry import road_curvature
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import (
     lane_centre,
@@ -135,8 +135,7 @@ def wished_speed(n: RoadTables, p: Program, st: State, i: int) -> float:
         room = n.road_length[road] - st.way_s[w] if st.way_sign[w] > 0 else st.way_s[w]
         while ahead < st.way_from[w] + room and ahead < 0.5 * LOOK_AHEAD:
             s = clip(st.way_s[w] + st.way_sign[w] * (ahead - st.way_from[w]), 0.0, n.road_length[road])
-            _, _, _, curvature = road_reference(n, road, s)
-            bend = abs(curvature)
+            bend = abs(road_curvature(n, road, s))
             if bend > 1.0e-4:
                 allowed = safe_sqrt(LATERAL / bend + 2.0 * p.const[base + E_DECELERATION] * ahead)
                 wish = min(wish, allowed)
@@ -447,8 +446,6 @@ def move_walker(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None
 @compiled
 def move_traffic(n: RoadTables, p: Program, st: State, dt: float) -> None:
     """Move all background traffic, one after the other."""
-    if p.traffic_count[0] == 0:
-        return
     list_by_road(p, st)
     for i in range(p.entity_count[0]):
         if st.present[i] == 0:

@@ -131,6 +131,22 @@ def road_reference(n: RoadTables, road: int, s: float) -> tuple[float, float, fl
 
 
 @compiled
+def road_curvature(n: RoadTables, road: int, s: float) -> float:
+    """Return the curvature of the reference line, 1/m, positive to the left."""
+    piece = road_piece_at(n, road, s)
+    kind = n.piece_kind[piece]
+    if kind == LINE:
+        return 0.0
+    if kind == POLYNOMIAL:
+        _, _, _, curvature, _ = polynomial_point(n, piece, s - n.piece_s[piece])
+        return curvature
+    k = n.piece_k[piece]
+    if kind == ARC:
+        return k
+    return k + n.piece_dk[piece] * (s - n.piece_s[piece])
+
+
+@compiled
 def cubic_row(n: RoadTables, first: int, last: int, s: float) -> int:
     """Return the last cubic of a non-empty range that starts at or before s, the first one where none does."""
     low = first

@@ -101,6 +101,8 @@ def row_inner_border(n: RoadTables, road: int, row: int, s: float) -> float:
 @compiled
 def row_centre(n: RoadTables, road: int, row: int, s: float) -> tuple[float, float]:
     """Return (t, dt/ds) of the centre of a lane's row."""
+    if n.lane_steady[row] == 1:
+        return n.lane_middle[row], 0.0
     t = lane_offset(n, road, s)
     slope = cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
     section = n.lane_section[row]
@@ -247,21 +249,39 @@ def lane_pose(
 
     The heading is along increasing s and follows the lane's centre: atan of its slope is part of it.
     """
+    x, y, z, heading, pitch, roll, _ = lane_place(n, road, lane, s, offset)
+    return x, y, z, heading, pitch, roll
+
+
+@compiled
+def lane_place(
+    n: RoadTables, road: int, lane: int, s: float, offset: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return what `lane_pose` does, and t of the point."""
     x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)
     row = lane_row(n, road, lane, s)
     if row < 0:
-        t = lane_offset(n, road, s) + offset
+        centre = lane_offset(n, road, s)
         slope = cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
-        along, across, z, pitch, roll = road_frame(n, road, s, t)
     else:
-        t, slope = row_centre(n, road, row, s)
-        along, across, z, pitch, roll = lane_frame(n, road, row, s, t + offset)
+        centre, slope = row_centre(n, road, row, s)
+    t = centre + offset
+    along = 0.0
+    across = t
+    z = 0.0
+    pitch = 0.0
+    roll = 0.0
+    if n.road_flat[road] == 0:
+        if row < 0:
+            along, across, z, pitch, roll = road_frame(n, road, s, t)
+        else:
+            along, across, z, pitch, roll = lane_frame(n, road, row, s, t)
     heading = h
     if slope != 0.0:
         heading = h + atan(slope)
     c = cos(h)
     w = sin(h)
-    return x + along * c - across * w, y + along * w + across * c, z, wrap_heading(heading), pitch, roll
+    return x + along * c - across * w, y + along * w + across * c, z, wrap_heading(heading), pitch, roll, t
 
 
 @compiled

@@ -23,6 +23,7 @@ from scenario_compiler.roads.locate_build import build_index
 from scenario_compiler.roads.model import report_repeats
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
+from scenario_compiler.roads.steady import note_steady_lanes
 from scenario_compiler.roads.tables import NO_SPEED, RoadTables
 from scenario_compiler.roads.topology import build_links
 
@@ -102,6 +103,7 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
         return None
     _close(parsed.tables)
     build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links, attachments)
+    note_steady_lanes(parsed.tables)
     build_index(parsed.tables)
     report_repeats(reader, root)
     return parsed

@@ -67,6 +67,8 @@ class RoadTables:
         lane_id, lane_type, lane_section, lane_level: As in the file (type by `lane_types`).
         lane_direction: 0 by the side and the rule, 1 reversed, 2 both.
         lane_width_first, lane_width_last: Range of cubics over absolute s, m.
+        lane_steady: 1 where t of the lane's centre is the same all along its section.
+        lane_middle: That t, m; 0 elsewhere.
         lane_height: CSR into the height records.
         lane_speed: CSR into the lane's speed records.
         lane_mark: CSR into the marks on the lane's outer border.
@@ -150,6 +152,7 @@ class RoadTables:
             "lane_id",
         ),
         *("lane_type", "lane_section", "lane_level", "lane_direction", "lane_width_first", "lane_width_last"),
+        *("lane_steady", "lane_middle"),
         *("lane_height", "lane_speed", "lane_mark", "lane_link", "link_lane", "link_contact", "link_turn"),
         *("height_s", "height_inner", "height_outer", "type_s", "type_code", "type_speed", "speed_s"),
         *("speed_max", "mark_s", "mark_end", "mark_type", "mark_colour", "mark_change", "mark_width"),
@@ -237,6 +240,8 @@ class RoadTables:
     lane_direction: list[int]
     lane_width_first: list[int]
     lane_width_last: list[int]
+    lane_steady: list[int]
+    lane_middle: list[float]
     lane_height: list[int]
     lane_speed: list[int]
     lane_mark: list[int]
