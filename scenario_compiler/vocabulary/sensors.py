@@ -53,8 +53,8 @@ class Camera(Word):
     z: float = attribute("Height above the ground, m.", default=1.3, minimum=0.1)
     pitch: float = attribute("Pitch, degrees; negative looks down.", default=-5.0, minimum=-60, maximum=60)
     rate: float | None = attribute(
-        "Images per second: their period is a number of control steps. Between two images the detection in the last one "
-        "stays. One image at each control step when left out.",
+        "Images per second: their period is a number of control steps. Between two images the detection in the last "
+        "one stays. One image at each control step when left out.",
         default=None,
         minimum=0.01,
         maximum=1000,

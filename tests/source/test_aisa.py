@@ -48,6 +48,7 @@ def test_sensornoise(config: Source) -> None:
     assert found == []
     assert (scenario.map, scenario.weather.preset, scenario.duration) == ("Town04", "ClearNoon", 60.0)
     assert (scenario.step, scenario.control_every) == (1 / 30, 2)
+    assert scenario.ego is not None
     assert scenario.ego.start == WorldPosition(frame="carla", x=-12.905157, y=-87.532539, yaw=math.radians(89.775162))
     assert scenario.ego.destination is not None
     assert (scenario.ego.model, scenario.ego.speed, scenario.ego.desired_speed) == ("vehicle.audi.tt", 0.0, 5.0)

@@ -55,6 +55,7 @@ def test_a_whole_conflict() -> None:
     assert (scenario.name, scenario.map, scenario.weather.preset) == ("obstacle_ahead", "town_grid", "ClearNoon")
     assert scenario.classification is not None
     assert (scenario.classification.number, scenario.classification.criticality) == (9, "")
+    assert scenario.ego is not None
     assert scenario.ego.start == LanePosition(road="3", lane=-1, s=20.0)
     blocker, oncoming = scenario.actors
     assert isinstance(blocker, Static)
@@ -133,7 +134,9 @@ def test_a_parameter_that_fills_numbers_stays_open() -> None:
 def test_an_open_angle_is_turned_to_radians_when_it_is_evaluated() -> None:
     parameter = '<parameter name="bend" type="angle" default="10"/>'
     ego = '<ego><start><lane road="1" lane="-1" s="20" turn="$bend"/></start></ego>'
-    start = expanded(library_text(parameters=parameter, ego=ego)).ego.start
+    automated = expanded(library_text(parameters=parameter, ego=ego)).ego
+    assert automated is not None
+    start = automated.start
     assert isinstance(start, LanePosition)
     assert isinstance(start.turn, Expression)
     assert start.turn.number({"bend": 90.0}) == math.pi / 2
@@ -205,6 +208,7 @@ def test_expansion_goes_on_after_a_fault_so_that_later_stages_find_more() -> Non
     text = library_text(ego=EGO.replace('speed="10"', 'speed="fast"'), attributes='weather="Clear"')
     scenario = expand(parsed(text, sink), None, {}, sink)
     assert scenario is not None
+    assert scenario.ego is not None
     assert (scenario.ego.speed, sink.has_errors) == (0.0, True)
 
 
