@@ -23,6 +23,7 @@ EXPECTATION = re.compile(r"<!-- (error|warning|note): (SC\d{3}) (\d+):(\d+) -->"
 RUN = re.compile(r"<!-- run: #(\S+)((?: \S+=\S+)*) -->")
 
 WITHOUT_CASE = {
+    "SC288": "speaks of scenarios that a program builds: tests/plan/test_keeping.py",
     "SC101": "the file is not there: tests/test_document.py",
     "SC115": "the reader and the schema agree on every file known: tests/source/test_form.py makes them differ",
     "SC117": "speaks of faults of this program: tests/test_validate.py",

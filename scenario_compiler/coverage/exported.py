@@ -21,6 +21,8 @@ from scenario_compiler.vocabulary.actions import (
     MasterPosition,
     OverDistance,
     SpeedEntry,
+    SpeedRange,
+    TrafficKind,
     TrajectoryTiming,
 )
 from scenario_compiler.vocabulary.conditions import RelativeLaneRange
@@ -73,6 +75,8 @@ ELEMENTS: dict[type[Word], str] = {
     FinalSpeed: "<FinalSpeed>",
     MasterPosition: "<TargetPositionMaster>",
     ControllerProperty: "<Property>",
+    TrafficKind: "<VehicleCategoryDistributionEntry>",
+    SpeedRange: "<InitialSpeedRange>",
     variation.Constraint: "nothing, and it is told",
 }
 """Words whose elements are made within those of others, or by the exporter itself."""

@@ -101,6 +101,11 @@ HOMES = (
          "AddEntityAction DeleteEntityAction ParameterSetAction ParameterModifyAction ModifyRule ParameterAddValueRule "
          "ParameterMultiplyByValueRule VariableSetAction VariableModifyAction VariableModifyRule VariableAddValueRule "
          "VariableMultiplyByValueRule"),
+    Home("actions.traffic", None,
+         "CentralSwarmObject DirectionOfTravelDistribution TrafficDefinition VehicleCategoryDistribution "
+         "VehicleCategoryDistributionEntry",
+         unwritten="TrafficDistribution TrafficDistributionEntry EntityDistribution EntityDistributionEntry "
+         "ScenarioObjectTemplate"),
     Home("actions.environment", None,
          "Environment TimeOfDay Weather Sun Fog Precipitation Wind RoadCondition"),
     Home("distributions", _SAMPLED,
@@ -113,7 +118,7 @@ HOMES = (
 )  # fmt: skip
 """Who reads what is no action, condition or position."""
 
-_TRAFFIC = "no traffic appears or disappears by itself: diagnosed"
+_TRAFFIC = "vehicles of traffic drive by the same rules, and nobody appears in an area: told"
 _DESCRIPTION = "it describes the file and means nothing to a run"
 
 UNREAD: dict[str, str] = {
@@ -127,12 +132,9 @@ UNREAD: dict[str, str] = {
     "UserDefinedDistribution": "only its author knows what it draws: diagnosed",
     **dict.fromkeys(
         (
-            *("TrafficSourceAction", "TrafficSinkAction", "TrafficSwarmAction", "CentralSwarmObject"),
-            *("DirectionOfTravelDistribution", "TrafficAreaAction", "TrafficArea", "Polygon", "RoadRange"),
-            *("RoadCursor", "Lane", "TrafficDefinition", "VehicleCategoryDistribution"),
-            *("VehicleCategoryDistributionEntry", "VehicleRoleDistribution", "VehicleRoleDistributionEntry"),
-            *("ControllerDistribution", "ControllerDistributionEntry", "TrafficDistribution"),
-            *("TrafficDistributionEntry", "EntityDistribution", "EntityDistributionEntry", "ScenarioObjectTemplate"),
+            *("TrafficAreaAction", "TrafficArea", "Polygon", "RoadRange", "RoadCursor", "Lane"),
+            *("VehicleRoleDistribution", "VehicleRoleDistributionEntry"),
+            *("ControllerDistribution", "ControllerDistributionEntry"),
         ),
         _TRAFFIC,
     ),

@@ -13,6 +13,7 @@ from scenario_compiler.engine.lane_changes import step_lane_change
 from scenario_compiler.engine.lane_offsets import step_limited_offset
 from scenario_compiler.engine.opcodes import (
     ACTION_ANIMATION,
+    ACTION_ENDS,
     ACTION_FOLLOW_PATH,
     ACTION_FOLLOW_TRAJECTORY,
     ACTION_KEEP_DISTANCE,
@@ -25,20 +26,39 @@ from scenario_compiler.engine.opcodes import (
     ACTION_SPEED,
     ACTION_SPEED_PROFILE,
     ACTION_SYNCHRONIZE,
+    ACTION_TRAFFIC_SINK,
+    ACTION_TRAFFIC_SOURCE,
+    ACTION_TRAFFIC_SWARM,
     ELEMENT_ACTION,
     RUNNING,
 )
 from scenario_compiler.engine.own_path import step_follow_path
+from scenario_compiler.engine.sources import step_sink, step_source
 from scenario_compiler.engine.speed_profiles import step_profile
 from scenario_compiler.engine.speeds import step_speed
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.storyboard import action_done
+from scenario_compiler.engine.swarms import step_swarm
 from scenario_compiler.engine.synchronizing import step_synchronize
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.trajectories import step_trajectory
 from scenario_compiler.engine.world_actions import step_animation
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def step_traffic(n: RoadTables, p: Program, st: State, k: int) -> int:
+    """Step an action on traffic; return 1 when it has been stopped."""
+    if st.action_b[k] == ACTION_ENDS:
+        return 1
+    if p.action_op[k] == ACTION_TRAFFIC_SWARM:
+        step_swarm(n, p, st, k)
+    elif p.action_op[k] == ACTION_TRAFFIC_SOURCE:
+        step_source(n, p, st, k)
+    else:
+        step_sink(n, p, st, k)
+    return 0
 
 
 @compiled
@@ -66,6 +86,8 @@ def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None
         done = step_trajectory(n, p, st, k, dt)
     elif op == ACTION_FOLLOW_PATH:
         done = step_follow_path(n, p, st, k, dt)
+    elif op >= ACTION_TRAFFIC_SWARM and op <= ACTION_TRAFFIC_SINK:
+        done = step_traffic(n, p, st, k)
     if done == 1:
         action_done(p, st, k, 2 * (st.frame[0] + 1))
 

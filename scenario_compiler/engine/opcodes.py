@@ -195,8 +195,14 @@ ACTION_DISCONNECT_TRAILER = 34
 ACTION_ASSIGN_ROUTE = 35
 ACTION_RANDOM_ROUTE = 36
 ACTION_FOLLOW_TRAJECTORY = 37
-ACTION_KINDS = 38
+ACTION_TRAFFIC_SWARM = 38
+ACTION_TRAFFIC_SOURCE = 39
+ACTION_TRAFFIC_SINK = 40
+ACTION_KINDS = 41
 """Number of kinds of actions."""
+
+ACTION_ENDS = 1.0
+"""In `State.action_b` of an action on traffic: it has been stopped and ends with its next step."""
 
 # Switches of actions, as bits.
 FLAG_CONTINUOUS = 1
@@ -363,6 +369,7 @@ STREAM_STEERING = 1
 STREAM_PLACE = 2
 STREAM_TURN = 3
 STREAM_FAILURE = 4
+STREAM_TRAFFIC = 5
 
 # Sizes of scratch columns.
 BUCKETS = 128

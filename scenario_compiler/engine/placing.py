@@ -78,7 +78,8 @@ def nearest_placed(p: Program, st: State, order: int, x: float, y: float) -> flo
     nearest = FAR
     for q in range(order):
         j = p.entity_order[q]
-        nearest = min(nearest, length_of(st.x[j] - x, st.y[j] - y))
+        if st.present[j] == 1:
+            nearest = min(nearest, length_of(st.x[j] - x, st.y[j] - y))
     return nearest
 
 

@@ -110,6 +110,19 @@ F_DURATION = 1
 F_RAMP = 2
 F_AMOUNT = 3
 
+# A swarm of traffic: its inner radius, half its extents along and across the entity, how far ahead of it its middle is,
+# and the weights of those who drive with the entity and against it.
+W_INNER = 0
+W_MAJOR = 1
+W_MINOR = 2
+W_OFFSET = 3
+W_SAME = 4
+W_OPPOSITE = 5
+
+# A source or sink of traffic: its radius, and the vehicles in a second, not positive for no limit.
+U_RADIUS = 0
+U_RATE = 1
+
 # A stretch that random positions are drawn from.
 L_FROM = 0
 L_TO = 1

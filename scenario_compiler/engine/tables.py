@@ -28,6 +28,9 @@ from scenario_compiler.engine.opcodes import (
     ACTION_STOP,
     ACTION_STOP_TRAFFIC,
     ACTION_TELEPORT,
+    ACTION_TRAFFIC_SINK,
+    ACTION_TRAFFIC_SOURCE,
+    ACTION_TRAFFIC_SWARM,
     ACTION_WEATHER,
     ALL_MARKS,
     CAUSES,
@@ -84,6 +87,9 @@ OF_THE_RUN = frozenset(
         ACTION_ENVIRONMENT,
         ACTION_COMMAND,
         ACTION_STOP_TRAFFIC,
+        ACTION_TRAFFIC_SWARM,
+        ACTION_TRAFFIC_SOURCE,
+        ACTION_TRAFFIC_SINK,
         ACTION_ADD_ENTITY,
         ACTION_DELETE_ENTITY,
     }
@@ -93,7 +99,13 @@ OF_THE_RUN = frozenset(
 TO_AN_ENTITY = (ACTION_ADD_ENTITY, ACTION_DELETE_ENTITY, ACTION_CONNECT_TRAILER)
 """Actions that something happens to another entity by."""
 
-TO_A_POSITION = (ACTION_TELEPORT, ACTION_ADD_ENTITY)
+TO_A_POSITION = (
+    ACTION_TELEPORT,
+    ACTION_ADD_ENTITY,
+    ACTION_TRAFFIC_SWARM,
+    ACTION_TRAFFIC_SOURCE,
+    ACTION_TRAFFIC_SINK,
+)
 """Actions that need a position."""
 
 FROM_AN_ENTITY = (
@@ -314,7 +326,7 @@ class Program:
     action_mode: list[int] = field(default_factory=list)
     """A choice between ways to do it, by kind."""
     action_flags: list[int] = field(default_factory=list)
-    """Switches as bits, by kind."""
+    """Switches as bits, or the entity in the middle of a swarm, by kind."""
     action_position: list[int] = field(default_factory=list)
     """Position that it speaks of, or NONE."""
     action_const: list[int] = field(default_factory=list)
@@ -521,7 +533,9 @@ def _validate_world(p: Program) -> None:
     for k, kind in enumerate(p.action_op):
         if kind in sizes:
             _inside("action_other", p.action_other[k : k + 1], 0, sizes[kind])
-        if kind == ACTION_STOP_TRAFFIC:
+        if kind == ACTION_TRAFFIC_SWARM:
+            _inside("action_flags", p.action_flags[k : k + 1], 0, entities)
+        if kind in (ACTION_STOP_TRAFFIC, ACTION_TRAFFIC_SWARM, ACTION_TRAFFIC_SOURCE):
             _inside("action_lanes", [p.action_other[k] + p.action_lanes[k]], 0, entities + 1)
         if kind == ACTION_OVERRIDE_CONTROLLER:
             _inside("action_mode", p.action_mode[k : k + 1], 0, HELD_INPUTS)

@@ -1,5 +1,7 @@
 """Background traffic: vehicles that keep their lanes, follow, change lanes, turn and yield, and people who walk.
 
+Vehicles without a start belong to an action (`swarms`, `sources`), which lets them appear: off the map they disappear.
+
 Following is the intelligent driver model (see `following`), lane changing is MOBIL (Kesting, Treiber and Helbing 2007,
 Transportation Research Record 1999, 86-94). At a junction a vehicle claims its connecting road; it gets it when no
 crossing one is claimed or driven on, first come, first served, and else waits at the line. Turns are drawn by the
@@ -364,10 +366,8 @@ def come_back(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
-def prepare_driver(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Put a vehicle of traffic into the middle of its lane, without decisions so far."""
-    base = p.entity_const[i]
-    st.ended[i] = 0
+def forget_decisions(st: State, i: int) -> None:
+    """Let a vehicle of traffic hold no claim, and have no lane to change into, no turn and no wish."""
     st.kept_off[i] = 0.0
     st.turn[i] = 0.0
     st.lateral[i] = NONE
@@ -380,6 +380,23 @@ def prepare_driver(n: RoadTables, p: Program, st: State, i: int) -> None:
     st.asked[i] = NONE
     st.change_at[i] = -CHANGE_PAUSE
     st.change_from[i] = 0.0
+
+
+@compiled
+def vanish(st: State, i: int) -> None:
+    """Let a vehicle of traffic disappear."""
+    forget_decisions(st, i)
+    st.present[i] = 0
+    st.v[i] = 0.0
+    st.a[i] = 0.0
+
+
+@compiled
+def prepare_driver(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Put a vehicle of traffic into the middle of its lane, without decisions so far."""
+    base = p.entity_const[i]
+    st.ended[i] = 0
+    forget_decisions(st, i)
     legal = legal_speed(n, st.road[i], st.kept_lane[i], st.s[i])
     st.v[i] = min(p.const[base + E_SPEED], legal * p.const[base + E_SHARE])
 
@@ -402,6 +419,10 @@ def prepare_traffic(n: RoadTables, p: Program, st: State) -> None:
         st.claim[i] = NONE
         kind = p.entity_motion[i]
         if kind == MOTION_TRAFFIC:
+            forget_decisions(st, i)
+        if st.road[i] < 0:
+            continue
+        if kind == MOTION_TRAFFIC:
             prepare_driver(n, p, st, i)
         elif kind == MOTION_WALKER:
             prepare_walker(n, p, st, i)
@@ -416,7 +437,10 @@ def prepare_traffic(n: RoadTables, p: Program, st: State) -> None:
 def move_driver(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
     """Move a vehicle of traffic by one step."""
     if st.ended[i] == 1:
-        come_back(n, p, st, i)
+        if p.entity_position[i] < 0:
+            vanish(st, i)
+        else:
+            come_back(n, p, st, i)
         return
     drop_claim(n, p, st, i)
     if st.turn_from[i] != st.road[i]:

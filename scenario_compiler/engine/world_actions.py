@@ -9,6 +9,7 @@ from scenario_compiler.engine.opcodes import (
     ACTION_ANIMATION,
     ACTION_ASSIGN_CONTROLLER,
     ACTION_COMMAND,
+    ACTION_ENDS,
     ACTION_ENVIRONMENT,
     ACTION_LIGHT,
     ACTION_MODIFY_VARIABLE,
@@ -17,6 +18,8 @@ from scenario_compiler.engine.opcodes import (
     ACTION_SIGNAL_PHASE,
     ACTION_SIGNAL_STATE,
     ACTION_STOP_TRAFFIC,
+    ACTION_TRAFFIC_SINK,
+    ACTION_TRAFFIC_SWARM,
     EVENT_COMMAND,
     EVENT_LIGHT,
     EVENT_SIGNAL,
@@ -36,10 +39,26 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def stop_traffic(p: Program, st: State, k: int) -> None:
-    """Take the background traffic of an action away: `action_lanes` entities from `action_other` on."""
+    """Take background traffic away, `action_lanes` entities from `action_other` on, and end actions of that name.
+
+    `action_mode` is the number of the name, 0 for all.
+    """
     for i in range(max(p.action_other[k], 0), p.action_other[k] + p.action_lanes[k]):
-        if p.entity_motion[i] == MOTION_TRAFFIC or p.entity_motion[i] == MOTION_WALKER:
+        kind = p.entity_motion[i]
+        if p.entity_position[i] >= 0 and kind in (MOTION_TRAFFIC, MOTION_WALKER):
             st.present[i] = 0
+    for other in range(p.action_count[0]):
+        op = p.action_op[other]
+        named = p.action_mode[k] == 0 or p.action_mode[k] == p.action_mode[other]
+        if op >= ACTION_TRAFFIC_SWARM and op <= ACTION_TRAFFIC_SINK and named:
+            st.action_b[other] = ACTION_ENDS
+
+
+@compiled
+def begin_traffic(st: State, k: int) -> None:
+    """Begin a swarm, source or sink: its first step is the next."""
+    st.action_a[k] = 0.0
+    st.action_b[k] = 0.0
 
 
 @compiled
@@ -70,6 +89,8 @@ def act_on_world(p: Program, st: State, k: int) -> None:
         override_controller(p, st, k)
     elif op == ACTION_STOP_TRAFFIC:
         stop_traffic(p, st, k)
+    elif op >= ACTION_TRAFFIC_SWARM and op <= ACTION_TRAFFIC_SINK:
+        begin_traffic(st, k)
     else:
         fault(st, FAULT_UNKNOWN_ACTION, k)
 

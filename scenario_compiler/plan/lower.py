@@ -15,6 +15,7 @@ from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
 from scenario_compiler.plan.defaults import complete_takeover
+from scenario_compiler.plan.keeping import kept_entities
 from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg
 from scenario_compiler.plan.places import spans_of
 from scenario_compiler.plan.standing import Standing, after_init, stands_at
@@ -348,6 +349,13 @@ def fill_duration(draft: Draft) -> None:
         draft.sink.add(NO_DURATION, message, draft.scenario.origin)
 
 
+def add_kept_vehicles(draft: Draft) -> None:
+    """Add the vehicles of actions on traffic; sources have as many as the run's duration asks for."""
+    vehicles = draft.scenario.vehicles
+    kept = kept_entities(draft.storyboard, vehicles, draft.entities, draft.duration, draft.sink)
+    draft.entities.extend(list(kept))
+
+
 def keep_open_parameters(draft: Draft) -> None:
     """Keep the parameters that numbers still depend on."""
     scenario = draft.scenario
@@ -384,6 +392,7 @@ PASSES: tuple[Callable[[Draft], None], ...] = (
     check_markings,
     complete_policy,
     fill_duration,
+    add_kept_vehicles,
     keep_open_parameters,
     note_origins,
 )

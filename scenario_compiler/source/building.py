@@ -12,6 +12,7 @@ from scenario_compiler.source.events import storyboard_of
 from scenario_compiler.source.expansion import (
     catalog_driver,
     catalog_vehicles,
+    kept_vehicles,
     settled_weather,
     traffic_models,
     with_weather,
@@ -37,6 +38,8 @@ def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
     traffic = [traffic_models(one, catalogs, sink) for one in scenario.traffic]
     vehicles = {one.name: one for one in catalog_vehicles(entities, catalogs, sink)}
     vehicles.update((one.name, one) for _, models in traffic for one in models)
+    happening = [scenario.storyboard, *(when for one in entities if not isinstance(one, Static) for when in one.whens)]
+    vehicles.update((one.name, one) for one in kept_vehicles(happening, catalogs, sink))
     takeover = scenario.takeover
     if isinstance(takeover.driver, Driver):
         takeover = takeover.model_copy(update={"driver": catalog_driver(takeover.driver, catalogs, sink)})

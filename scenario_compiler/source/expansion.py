@@ -26,6 +26,7 @@ from scenario_compiler.source.parameters import (
 from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.templates import Expander, Scope, template_parameters
 from scenario_compiler.source.variation import check_variation
+from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
@@ -136,6 +137,9 @@ class _Attempt:
         traffic = [traffic_models(one, self.around.catalogs, self.sink) for one in self.expander.contents.traffic]
         if not vehicles:
             return None
+        storyboard = storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings))
+        more = [one for _, some in traffic for one in some]
+        more += kept_vehicles([storyboard], self.around.catalogs, self.sink)
         scenario = Scenario.model_construct(
             **fields,
             weather=weather,
@@ -145,10 +149,10 @@ class _Attempt:
             actors=tuple(actors),
             spawn_points=self.words.get("spawn_points"),
             traffic=tuple(one for one, _ in traffic),
-            vehicles=tuple({one.name: one for one in (*vehicles, *(v for _, some in traffic for v in some))}.values()),
+            vehicles=tuple({one.name: one for one in (*vehicles, *more)}.values()),
             markings=tuple(self.expander.contents.markings),
             secondary_markings=self._lines(),
-            storyboard=storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings)),
+            storyboard=storyboard,
             variables=self.words.get("variables", ()),
             signal_controllers=self.words.get("signal_controllers", ()),
             takeover=takeover,
@@ -317,6 +321,19 @@ def traffic_models(traffic: Traffic, catalogs: Catalogs, sink: Diagnostics) -> t
         fields[name] = tuple(models)
         found.update(models)
     return traffic.model_copy(update=fields).written_at(traffic.origin), list(found.values())
+
+
+def kept_vehicles(words: Iterable[Word], catalogs: Catalogs, sink: Diagnostics) -> list[Vehicle]:
+    """Return the catalog's vehicles that actions on traffic below some words may let appear; report missing kinds."""
+    found: dict[str, Vehicle] = {}
+    for action in (one for word in words for one in walk(word) if isinstance(one, KeepsVehicles)):
+        for kind in action.kinds or (TrafficKind(category="car").written_at(action.origin),):
+            some = [one for one in catalogs.vehicles.values() if one.category == kind.category]
+            if not some and catalogs.complete:
+                message = f"the catalogs have no vehicle of the category '{kind.category}'"
+                sink.add(names.UNKNOWN_VEHICLE, message, kind.place_of("category"))
+            found.update((one.name, one) for one in some)
+    return list(found.values())
 
 
 def _without_whens(actor: Static | Dynamic) -> Static | Dynamic:

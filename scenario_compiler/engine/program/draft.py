@@ -5,6 +5,7 @@ What a row holds is decided by the tables of words (`positions`, `actions`, `con
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -132,6 +133,7 @@ class Draft:
         signals: Number of each traffic signal, by its id.
         controllers: Number of each controller of traffic signals, by its name.
         messages: Number of messages so far.
+        traffic: Number of actions so far that have vehicles of traffic, by their name.
         spans: Stretches of random positions that stand in the program already, by position and kind of entity.
     """
 
@@ -148,6 +150,7 @@ class Draft:
         self.signals: dict[str, int] = {}
         self.controllers: dict[str, int] = {}
         self.messages = 0
+        self.traffic: Counter[str] = Counter()
         self.spans: dict[tuple[Word, str], tuple[int, int]] = {}
         self._awaited: list[tuple[int, tuple[str, str]]] = []
 

@@ -37,7 +37,11 @@ def check_nowhere(plan: Plan, network: Network, sink: Diagnostics) -> None:
     del network
     if plan.controller is None:
         return
-    homeless = [entity.id for entity in plan.entities if entity.start is None and entity.path is None]
+    homeless = [
+        entity.id
+        for entity in plan.entities
+        if entity.start is None and entity.path is None and entity.kind != "traffic"
+    ]
     if not homeless:
         return
     placed = set(_placed(plan))

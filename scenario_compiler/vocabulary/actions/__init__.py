@@ -41,6 +41,15 @@ from scenario_compiler.vocabulary.actions.motion import (
 from scenario_compiler.vocabulary.actions.path import FollowPathAction
 from scenario_compiler.vocabulary.actions.run import MessageAction, StopAction
 from scenario_compiler.vocabulary.actions.sensor import EndFailureAction, SensorNoiseAction
+from scenario_compiler.vocabulary.actions.traffic import (
+    KeepsVehicles,
+    SpeedRange,
+    StopTrafficAction,
+    TrafficKind,
+    TrafficSinkAction,
+    TrafficSourceAction,
+    TrafficSwarmAction,
+)
 from scenario_compiler.vocabulary.actions.world import (
     AddEntityAction,
     CommandAction,
@@ -48,7 +57,6 @@ from scenario_compiler.vocabulary.actions.world import (
     EnvironmentAction,
     ModifyVariableAction,
     SetVariableAction,
-    StopTrafficAction,
     TrafficSignalControllerAction,
     TrafficSignalStateAction,
 )
@@ -87,6 +95,9 @@ Action = (
     | TrafficSignalControllerAction
     | CommandAction
     | EnvironmentAction
+    | TrafficSwarmAction
+    | TrafficSourceAction
+    | TrafficSinkAction
     | StopTrafficAction
     | SensorNoiseAction
     | Failure
@@ -111,6 +122,9 @@ RUN_ACTIONS = (
     TrafficSignalControllerAction,
     CommandAction,
     EnvironmentAction,
+    TrafficSwarmAction,
+    TrafficSourceAction,
+    TrafficSinkAction,
     StopTrafficAction,
 )
 """Actions that concern the run as a whole, not the entity that does them."""
@@ -136,6 +150,7 @@ __all__ = [
     "FinalSpeed",
     "FollowPathAction",
     "FollowTrajectoryAction",
+    "KeepsVehicles",
     "LaneChangeAction",
     "LaneChangeToAction",
     "LaneOffsetAction",
@@ -157,12 +172,17 @@ __all__ = [
     "SpeedAction",
     "SpeedEntry",
     "SpeedProfileAction",
+    "SpeedRange",
     "StopAction",
     "StopTrafficAction",
     "SynchronizeAction",
     "TeleportAction",
+    "TrafficKind",
     "TrafficSignalControllerAction",
     "TrafficSignalStateAction",
+    "TrafficSinkAction",
+    "TrafficSourceAction",
+    "TrafficSwarmAction",
     "TrajectoryTiming",
     "VisibilityAction",
     "WeatherAction",

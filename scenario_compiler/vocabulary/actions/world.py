@@ -79,11 +79,3 @@ class EnvironmentAction(Word):
     date_time: str = attribute("Date and time, ISO 8601.", default="")
     animated: bool = attribute("Whether the time of day goes on from there.", default=True)
     friction: Number | None = attribute("Factor of the road's friction.", default=None, minimum=0)
-
-
-class StopTrafficAction(Word):
-    """Take background traffic away, or let no more appear."""
-
-    word: Literal["stop_traffic"] = "stop_traffic"
-
-    traffic: str = attribute("Id of the traffic; all of it when left out.", default="")

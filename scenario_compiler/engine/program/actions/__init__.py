@@ -10,6 +10,7 @@ from scenario_compiler.engine.program.actions import (
     place,
     routing,
     run,
+    traffic,
     trajectories,
     world,
 )
@@ -26,6 +27,7 @@ ACTIONS: Family = {
     **trajectories.ACTIONS,
     **run.ACTIONS,
     **world.ACTIONS,
+    **traffic.ACTIONS,
     **control.ACTIONS,
 }
 """By the type of an action, its row; the last argument is the number of the entity that does it, or NONE."""

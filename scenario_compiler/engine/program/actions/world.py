@@ -1,4 +1,4 @@
-"""Actions on the world at large: variables, traffic signals, the time of day, background traffic, other programs."""
+"""Actions on the world at large: variables, traffic signals, the time of day, other programs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from scenario_compiler.vocabulary.actions import (
     EnvironmentAction,
     ModifyVariableAction,
     SetVariableAction,
-    StopTrafficAction,
     TrafficSignalControllerAction,
     TrafficSignalStateAction,
 )
@@ -55,17 +54,6 @@ def _command(draft: Draft, word: CommandAction, actor: int) -> ActionRow:
     return ActionRow(op.ACTION_COMMAND)
 
 
-def _stop_traffic(draft: Draft, word: StopTrafficAction, actor: int) -> ActionRow:
-    """Entities of one traffic stand side by side in the plan, and their ids begin with the traffic's."""
-    del actor
-    of = [
-        k
-        for k, entity in enumerate(draft.plan.entities)
-        if entity.kind in ("traffic", "walker") and (not word.traffic or entity.id.startswith(f"{word.traffic}."))
-    ]
-    return ActionRow(op.ACTION_STOP_TRAFFIC, other=of[0] if of else 0, lanes=of[-1] - of[0] + 1 if of else 0)
-
-
 ACTIONS: Family = {
     SetVariableAction: _set_variable,
     ModifyVariableAction: _modify_variable,
@@ -73,5 +61,4 @@ ACTIONS: Family = {
     TrafficSignalControllerAction: _signal_phase,
     EnvironmentAction: _environment,
     CommandAction: _command,
-    StopTrafficAction: _stop_traffic,
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, Severity, did_you_mean
+from scenario_compiler.diagnostics import did_you_mean
 from scenario_compiler.source import codes
 from scenario_compiler.source.openscenario.actions.appearance import APPEARANCE
 from scenario_compiler.source.openscenario.actions.control import CONTROL, read_overrides
@@ -12,6 +12,7 @@ from scenario_compiler.source.openscenario.actions.environment import ENVIRONMEN
 from scenario_compiler.source.openscenario.actions.lateral import LATERAL
 from scenario_compiler.source.openscenario.actions.longitudinal import LONGITUDINAL
 from scenario_compiler.source.openscenario.actions.routing import ROUTING
+from scenario_compiler.source.openscenario.actions.traffic import NO_MEANING_IN_TRAFFIC, TRAFFIC
 from scenario_compiler.source.openscenario.actions.world import WORLD
 from scenario_compiler.source.openscenario.node import Node
 from scenario_compiler.source.openscenario.output import Output
@@ -19,17 +20,7 @@ from scenario_compiler.source.openscenario.spelling import Forms, nested
 from scenario_compiler.vocabulary.actions import Action
 from scenario_compiler.vocabulary.word import Word
 
-NO_SUCH_ACTION = Code(
-    "SC785",
-    "action-without-meaning-here",
-    "An action has no meaning in this world, so it does nothing: background traffic that appears and disappears by "
-    "itself (TrafficSourceAction, TrafficSinkAction, TrafficSwarmAction, TrafficAreaAction).\n\n"
-    '    <TrafficSwarmAction innerRadius="200" ...>     the conflict language has <traffic vehicles="20"/>\n\n'
-    "The rest of the scenario runs, with less traffic than it asks for.",
-    Severity.WARNING,
-)
-
-ACTIONS = Forms((*LONGITUDINAL, *LATERAL, *ROUTING, *CONTROL, *APPEARANCE, *WORLD, *ENVIRONMENT))
+ACTIONS = Forms((*LONGITUDINAL, *LATERAL, *ROUTING, *CONTROL, *APPEARANCE, *WORLD, *TRAFFIC, *ENVIRONMENT))
 """The actions that OpenSCENARIO can say."""
 
 UNSAID = {
@@ -59,7 +50,7 @@ _GROUPS = (
 )
 """Elements that hold actions."""
 
-_WITHOUT_MEANING = ("TrafficSourceAction", "TrafficSinkAction", "TrafficSwarmAction", "TrafficAreaAction")
+_AREA = "TrafficAreaAction"
 
 
 def read_actions(node: Node) -> list[Action]:
@@ -83,10 +74,10 @@ def read_actions(node: Node) -> list[Action]:
 
 def _report_unread(node: Node) -> None:
     node.read_whole()
-    if node.tag in _WITHOUT_MEANING:
-        node.report(NO_SUCH_ACTION, f"<{node.tag}> does nothing here: no traffic appears or disappears by itself")
+    if node.tag == _AREA:
+        node.report(NO_MEANING_IN_TRAFFIC, f"<{node.tag}> does nothing here")
         return
-    known = [*ACTIONS.by_tag, *_GROUPS, *_WITHOUT_MEANING]
+    known = [*ACTIONS.by_tag, *_GROUPS, _AREA]
     node.report(codes.UNKNOWN_ELEMENT, f"<{node.tag}> is no action", hint=did_you_mean(node.tag, known))
 
 

@@ -1,4 +1,4 @@
-"""Actions on the world at large: entities, variables and parameters, traffic signals, commands, background traffic."""
+"""Actions on the world at large: entities, variables and parameters, traffic signals, commands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from scenario_compiler.vocabulary.actions import (
     DeleteEntityAction,
     ModifyVariableAction,
     SetVariableAction,
-    StopTrafficAction,
     TrafficSignalControllerAction,
     TrafficSignalStateAction,
 )
@@ -99,20 +98,6 @@ def _write_command(word: CommandAction, output: Output) -> etree._Element:
     return element
 
 
-def _read_traffic_stop(node: Node) -> StopTrafficAction:
-    parent = node.element.getparent()
-    traffic = "" if parent is None else Node(parent, node.reading, node.scope).text("trafficName", "")
-    return StopTrafficAction(traffic=traffic).written_at(node.origin)
-
-
-def _write_traffic_stop(word: StopTrafficAction, output: Output) -> etree._Element:
-    del output
-    element = made("TrafficAction", made("TrafficStopAction"))
-    if word.traffic:
-        element.set("trafficName", word.traffic)
-    return element
-
-
 def _form(tag: str, word: type[Word], read: Any, write: Any, since: tuple[int, int] = (1, 0)) -> Form[Any]:
     return Form(tag, word, read, write, _GLOBAL, since)
 
@@ -138,7 +123,6 @@ WORLD: tuple[Form[Any], ...] = (
         text("phase"),
         around=_SIGNALS,
     ),
-    _form("TrafficStopAction", StopTrafficAction, _read_traffic_stop, _write_traffic_stop, (1, 1)),
     Form("CustomCommandAction", CommandAction, _read_command, _write_command, ("UserDefinedAction",)),
 )
 """Global and user-defined actions."""
