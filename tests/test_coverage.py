@@ -15,10 +15,6 @@ from scenario_compiler.coverage.conflict import EXECUTION, conflict_table, confl
 from scenario_compiler.coverage.table import table_of
 from scenario_compiler.coverage.uses import files_with
 from scenario_compiler.engine import opcodes
-from scenario_compiler.engine.program.actions import ACTIONS
-from scenario_compiler.engine.program.conditions import CONDITIONS
-from scenario_compiler.engine.program.positions import POSITIONS
-from scenario_compiler.plan.checks.unexecuted import UNEXECUTED
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.source.openscenario.structure.elements import elements
@@ -28,8 +24,7 @@ WORDS = conflict_words()
 
 
 def test_every_word_says_what_executes_it() -> None:
-    assert set(WORDS) - set(EXECUTION) == set(UNEXECUTED)
-    assert not set(UNEXECUTED) & {*ACTIONS, *CONDITIONS, *POSITIONS}
+    assert set(WORDS) <= set(EXECUTION)
 
 
 @pytest.mark.parametrize("word", EXECUTION, ids=lambda word: word.__name__)

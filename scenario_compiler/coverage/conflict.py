@@ -137,6 +137,7 @@ EXECUTION: dict[type[Word], Execution] = {
     positions.RelativeObjectPosition: _engine("positions", "POSITION_RELATIVE_OBJECT"),
     positions.RelativeWorldPosition: _engine("positions", "POSITION_RELATIVE_WORLD"),
     positions.RoutePosition: _engine("positions", "POSITION_LANE", "POSITION_LANES_AWAY"),
+    routes.TrajectoryPosition: _engine("on_tracks", "POSITION_ON_TRAJECTORY"),
     routes.Route: _engine("routes"),
     routes.Waypoint: _engine("routes"),
     routes.InRouteLane: _engine("positions", "POSITION_LANE"),

@@ -12,6 +12,7 @@ from math import cos, pi
 from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.motion import place_scripted
 from scenario_compiler.engine.numbers import angle_between, heading_in_circle, is_number
+from scenario_compiler.engine.on_tracks import place_anywhere
 from scenario_compiler.engine.opcodes import (
     ACTION_ADD_ENTITY,
     ACTION_CONNECT_TRAILER,
@@ -29,7 +30,7 @@ from scenario_compiler.engine.opcodes import (
 )
 from scenario_compiler.engine.path import leave_road, locate_ego, set_path
 from scenario_compiler.engine.placing import clear_place
-from scenario_compiler.engine.positions import PLACE_NONE, PLACE_ON_LANE, place_of, position_is_number
+from scenario_compiler.engine.positions import PLACE_NONE, PLACE_ON_LANE, position_is_number
 from scenario_compiler.engine.slots import P_TURN
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -75,7 +76,7 @@ def stand_free(st: State, i: int, x: float, y: float, z: float, h: float) -> Non
 @compiled
 def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
     """Put an entity at a position; one that lies nowhere is a fault of the run."""
-    kind, road, lane, s, offset, x, y, z, h = place_of(n, p, st, k, i)
+    kind, road, lane, s, offset, x, y, z, h = place_anywhere(n, p, st, k, i)
     if kind == PLACE_NONE:
         fault(st, FAULT_OFF_ROAD_START, i)
         return

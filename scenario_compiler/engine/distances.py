@@ -13,6 +13,7 @@ from math import cos, pi, sin
 from scenario_compiler.engine.ahead import point_on_way, walk
 from scenario_compiler.engine.collision import overlap
 from scenario_compiler.engine.numbers import angle_between, length_of
+from scenario_compiler.engine.on_tracks import place_anywhere
 from scenario_compiler.engine.opcodes import (
     FAR,
     FRAME_ENTITY,
@@ -22,7 +23,7 @@ from scenario_compiler.engine.opcodes import (
     POSITION_FREE,
     TOLERANCE,
 )
-from scenario_compiler.engine.positions import PLACE_NONE, place_of
+from scenario_compiler.engine.positions import PLACE_NONE
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -252,7 +253,7 @@ def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode:
 def place_now(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, float, float, int, float, float]:
     """Return (found, x, y, road, s, t) of a position now, for entity i; those of places that were drawn stay drawn."""
     if p.position_op[k] >= POSITION_FREE:
-        kind, road, lane, s, offset, x, y, _, _ = place_of(n, p, st, k, i)
+        kind, road, lane, s, offset, x, y, _, _ = place_anywhere(n, p, st, k, i)
         if kind == PLACE_NONE:
             return 0, 0.0, 0.0, -1, 0.0, 0.0
         t = 0.0

@@ -14,6 +14,7 @@ from scenario_compiler.engine.comparing import compare
 from scenario_compiler.engine.distances import distance_between, distance_to
 from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.numbers import angle_between, length_of, safe_sqrt
+from scenario_compiler.engine.on_tracks import point_at
 from scenario_compiler.engine.opcodes import (
     ANGLE_HEADING,
     ANGLE_PITCH,
@@ -43,7 +44,6 @@ from scenario_compiler.engine.opcodes import (
     PART_TOTAL,
     TOLERANCE,
 )
-from scenario_compiler.engine.positions import point_at
 from scenario_compiler.engine.slots import C_TOLERANCE, C_VALUE
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program

@@ -16,6 +16,7 @@ from scenario_compiler.engine.opcodes import (
     POSITION_ALONG_LANE,
     POSITION_FREE,
     POSITION_LANES_AWAY,
+    POSITION_ON_TRAJECTORY,
     POSITION_RELATIVE_OBJECT,
     POSITION_RELATIVE_ROAD,
     POSITION_RELATIVE_WORLD,
@@ -159,8 +160,11 @@ def position_is_number(p: Program, k: int) -> int:
 def place_of(
     n: RoadTables, p: Program, st: State, k: int, i: int
 ) -> tuple[int, int, int, float, float, float, float, float, float]:
-    """Return (PLACE_... code, road, lane, s, offset, x, y, z, heading) of a position, for entity i (NONE for none)."""
-    if position_is_number(p, k) == 0:
+    """Return (PLACE_... code, road, lane, s, offset, x, y, z, heading) of a position, for entity i (NONE for none).
+
+    Positions along trajectories lie nowhere here: they are made of others, and `on_tracks` finds them.
+    """
+    if position_is_number(p, k) == 0 or p.position_op[k] == POSITION_ON_TRAJECTORY:
         return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     op = p.position_op[k]
     if op in (POSITION_FREE, POSITION_RELATIVE_OBJECT, POSITION_RELATIVE_WORLD):
@@ -186,15 +190,3 @@ def place_of(
         h = along + h
     x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
     return PLACE_ON_LANE, road, lane, s, offset, x, y, z, h
-
-
-@compiled
-def point_at(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, float, float]:
-    """Return (found, x, y) of a position now; those of our own language hold for where the entities started."""
-    op = p.position_op[k]
-    if op < POSITION_FREE:
-        return 1, st.position_x[k], st.position_y[k]
-    kind, _, _, _, _, x, y, _, _ = place_of(n, p, st, k, i)
-    if kind == PLACE_NONE:
-        return 0, 0.0, 0.0
-    return 1, x, y

@@ -61,6 +61,7 @@ from scenario_compiler.engine.opcodes import (
     POSITION_KINDS,
     POSITION_LANE,
     POSITION_LANES_AWAY,
+    POSITION_ON_TRAJECTORY,
     POSITION_RELATIVE,
     POSITION_RELATIVE_OBJECT,
     POSITION_RELATIVE_ROAD,
@@ -485,6 +486,8 @@ def _validate_places(p: Program) -> None:
     for k, kind in enumerate(p.position_op):
         if kind in FROM_AN_ENTITY:
             _inside("position_entity", p.position_entity[k : k + 1], 0, p.entity_count[0])
+        if kind == POSITION_ON_TRAJECTORY:
+            _inside("position_lane", p.position_lane[k : k + 1], 0, len(p.track_kind))
         if kind == POSITION_LANE:
             _inside("position_road", p.position_road[k : k + 1], 0, 1 << 30)
     for k, kind in enumerate(p.action_op):

@@ -8,6 +8,7 @@ from typing import Any
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.program.draft import Draft, PositionRow, Slot
 from scenario_compiler.engine.program.guides import add_route, place_on_route
+from scenario_compiler.engine.program.tracks import add_track
 from scenario_compiler.plan.places import spans_of
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
@@ -22,6 +23,7 @@ from scenario_compiler.vocabulary.positions import (
     RelativeRoadPosition,
     RelativeWorldPosition,
     RoutePosition,
+    TrajectoryPosition,
 )
 from scenario_compiler.vocabulary.word import Word
 
@@ -36,6 +38,7 @@ Turning = (
     | RelativeObjectPosition
     | RelativeWorldPosition
     | RoutePosition
+    | TrajectoryPosition
 )
 """Positions with a heading relative to what they give, or in the world."""
 
@@ -133,6 +136,13 @@ def _on_route(draft: Draft, word: RoutePosition, kind: str) -> PositionRow:
     return PositionRow(op.POSITION_LANE, (s, offset, heading), road=road, lane=lane, flags=flags, guide=guide)
 
 
+def _on_trajectory(draft: Draft, word: TrajectoryPosition, kind: str) -> PositionRow:
+    del kind
+    heading, flags = _heading(word)
+    track = add_track(draft, word.trajectory, add_position)
+    return PositionRow(op.POSITION_ON_TRAJECTORY, (word.s, word.t, heading), lane=track, flags=flags)
+
+
 def _spans(draft: Draft, word: RandomPosition | AnyOfPosition, kind: str) -> tuple[int, int]:
     """Append what a random position is drawn from, once; return its first row and the one after its last."""
     p, network = draft.program, draft.network
@@ -166,5 +176,6 @@ POSITIONS: dict[type[Word], Callable[[Draft, Any, str], PositionRow]] = {
     RelativeObjectPosition: _relative_point,
     RelativeWorldPosition: _relative_point,
     RoutePosition: _on_route,
+    TrajectoryPosition: _on_trajectory,
 }
 """By the type of a bound position, its row; the last argument is the kind of the entity that starts there, or empty."""

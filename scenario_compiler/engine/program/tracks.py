@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import ceil
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.program.draft import Draft, Slot
-from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.vocabulary.positions import (
     Clothoid,
     ClothoidSpline,
@@ -18,6 +17,9 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import Number, Word, number_value
 
+Place = Callable[[Draft, Word], int]
+"""What appends a corner's position and returns its row."""
+
 SAMPLE_LENGTH = 4.0
 MOST_SAMPLES = 2000
 """Distance between two samples of a clothoid, m, and their greatest number."""
@@ -27,18 +29,18 @@ TIMED_SPAN_SAMPLES = 256
 """Samples of a NURBS between two knots, without times and with them."""
 
 
-def add_track(draft: Draft, trajectory: Trajectory) -> int:
+def add_track(draft: Draft, trajectory: Trajectory, place: Place) -> int:
     """Append a trajectory; return its row."""
     p, shape = draft.program, trajectory.shape
     if isinstance(shape, Polyline):
         kind = op.TRACK_POLYLINE
-        _add_polyline(draft, shape, trajectory.closed)
+        _add_polyline(draft, shape, trajectory.closed, place)
     elif isinstance(shape, Nurbs):
         kind = op.TRACK_NURBS
-        _add_nurbs(draft, shape)
+        _add_nurbs(draft, shape, place)
     else:
         kind = op.TRACK_CLOTHOIDS
-        _add_clothoids(draft, shape)
+        _add_clothoids(draft, shape, place)
     p.track_kind.append(kind)
     p.track_closed.append(1 if trajectory.closed else 0)
     p.track_order.append(shape.order if isinstance(shape, Nurbs) else 0)
@@ -49,9 +51,9 @@ def add_track(draft: Draft, trajectory: Trajectory) -> int:
     return len(p.track_kind) - 1
 
 
-def _add_corner(draft: Draft, position: Word | None, *numbers: Slot, samples: int = 1) -> None:
+def _add_corner(draft: Draft, position: int, *numbers: Slot, samples: int = 1) -> None:
     p = draft.program
-    p.corner_position.append(op.NONE if position is None else add_position(draft, position))
+    p.corner_position.append(position)
     p.corner_const.append(draft.block(*numbers))
     p.corner_samples.append(samples)
 
@@ -60,14 +62,14 @@ def _time(time: Number | None) -> Slot:
     return -1.0 if time is None else time
 
 
-def _add_polyline(draft: Draft, line: Polyline, closed: bool) -> None:
+def _add_polyline(draft: Draft, line: Polyline, closed: bool, place: Place) -> None:
     """Append a polyline; a closed one without times comes back to its first vertex."""
     vertices = list(line.vertices)
     if closed and vertices[0].time is None and vertices[0] != vertices[-1]:
         vertices.append(vertices[0])
     given = headed([vertex.position for vertex in vertices])
     for vertex, heading in zip(vertices, given, strict=True):
-        _add_corner(draft, vertex.position, _time(vertex.time))
+        _add_corner(draft, place(draft, vertex.position), _time(vertex.time))
         draft.program.vertex_heading.append(1 if heading else 0)
 
 
@@ -80,7 +82,7 @@ def headed(positions: Sequence[Word]) -> list[bool]:
     return [getattr(one, "heading", None) is not None or (turned and hasattr(one, "turn")) for one in positions]
 
 
-def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline) -> None:
+def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline, place: Place) -> None:
     """Append clothoids, and the end of the last one as a piece without length."""
     values = parameter_values(draft.plan.parameters)
     if isinstance(shape, Clothoid):
@@ -102,17 +104,17 @@ def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline) -> None:
     for position, numbers in pieces:
         length = number_value(numbers[3], values)
         samples = min(max(ceil(length / SAMPLE_LENGTH), 1), MOST_SAMPLES)
-        _add_corner(draft, position, *numbers, samples=samples)
+        _add_corner(draft, op.NONE if position is None else place(draft, position), *numbers, samples=samples)
         draft.program.vertex_heading.extend([1] * samples)
-    _add_corner(draft, None, _time(last), 0.0, 0.0, 0.0, 0.0, samples=0)
+    _add_corner(draft, op.NONE, _time(last), 0.0, 0.0, 0.0, 0.0, samples=0)
     draft.program.vertex_heading.append(1)
 
 
-def _add_nurbs(draft: Draft, curve: Nurbs) -> None:
+def _add_nurbs(draft: Draft, curve: Nurbs, place: Place) -> None:
     values = parameter_values(draft.plan.parameters)
     weights = [number_value(point.weight, values) for point in curve.points]
     for point in curve.points:
-        _add_corner(draft, point.position, _time(point.time))
+        _add_corner(draft, place(draft, point.position), _time(point.time))
     spans = [
         (at, low, high)
         for at, (low, high) in enumerate(zip(curve.knots, curve.knots[1:], strict=False))
@@ -124,12 +126,12 @@ def _add_nurbs(draft: Draft, curve: Nurbs) -> None:
     shares = [basis(curve.knots, curve.order, at, u) for at, u in samples]
     given = all(headed([point.position for point in curve.points]))
     places = _places_between(curve, samples, shares)
-    for (at, _), share, place in zip(samples, shares, places, strict=True):
+    for (at, _), share, between in zip(samples, shares, places, strict=True):
         first = at - curve.order + 1
         weighted = [one * weights[first + q] for q, one in enumerate(share)]
         total = sum(weighted) or 1.0
         draft.program.sample_corner.append(first)
-        draft.program.sample_const.append(draft.block(*(one / total for one in weighted), place))
+        draft.program.sample_const.append(draft.block(*(one / total for one in weighted), between))
         draft.program.vertex_heading.append(1 if given else 0)
 
 

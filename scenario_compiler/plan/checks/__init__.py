@@ -15,13 +15,11 @@ from scenario_compiler.plan.checks.reach import check_budget, check_reach
 from scenario_compiler.plan.checks.restarts import check_restarts
 from scenario_compiler.plan.checks.start import check_start
 from scenario_compiler.plan.checks.triggers import check_triggers
-from scenario_compiler.plan.checks.unexecuted import check_unexecuted
 from scenario_compiler.plan.checks.world import check_world
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 
 CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
-    check_unexecuted,
     check_start,
     check_nowhere,
     check_presence,
