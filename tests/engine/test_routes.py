@@ -1,0 +1,72 @@
+"""Routes, goals and random ways decide at junctions, interpreted and compiled alike."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.compiler import Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.engine.build import Compiled, Interpreted
+from scenario_compiler.engine.opcodes import FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.program import Program, build_program
+from scenario_compiler.engine.state import State, make_draws, new_state
+from scenario_compiler.engine.step import reset, step
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+
+HERE = Path(__file__).parent
+
+
+@cache
+def compiled_plan() -> tuple[Plan, Network, Program]:
+    """Return the scenario of routes.xml as plan, map and program."""
+    sink = Diagnostics()
+    done = compile_target(HERE / "routes.xml#routes", {}, sink, overrides=Overrides(perception="ideal"))
+    assert done is not None, list(sink)
+    return done.plan, done.network, build_program(done.plan, done.network)
+
+
+def ways(seed: int) -> tuple[dict[str, list[str]], State]:
+    """Return the roads outside junctions that entities come over in a run, and its last state."""
+    plan, network, program = compiled_plan()
+    state = new_state(program)
+    state.draw[:] = make_draws(seed, 0)
+    reset(network.tables, program, state)
+    came: dict[str, list[str]] = {entity.id: [] for entity in plan.entities}
+    while state.stop[0] == STOP_NONE:
+        for i, entity in enumerate(plan.entities):
+            road = state.road[i]
+            known = came[entity.id]
+            if road >= 0 and network.tables.road_junction[road] < 0 and network.road_ids[road] not in known[-1:]:
+                known.append(network.road_ids[road])
+        step(network.tables, program, state)
+    assert state.flag[0] == FAULT_NONE
+    return came, state
+
+
+def test_entities_take_the_way_to_their_goal_or_of_their_route_else_straight_on() -> None:
+    came, _ = ways(1)
+    assert came["plain"] == ["1", "3"]
+    assert came["goal"] == ["1", "6"]
+    assert came["route"] == ["1", "7"]
+    assert came["chance"][1] in ("3", "6", "7")
+
+
+def test_a_place_on_a_route_is_counted_from_its_first_waypoint() -> None:
+    came, state = ways(1)
+    placed = list(came).index("placed")
+    assert came["placed"] == ["5", "1"]
+    assert state.s[placed] == pytest.approx(430.0)
+
+
+def test_both_forms_leave_the_same_bytes() -> None:
+    _, network, program = compiled_plan()
+    rows, draws = [list(program.const)], [make_draws(1, 0)]
+    interpreted = Interpreted(network.tables, program, new_state(program))
+    compiled = Compiled(network.tables, program, new_state(program))
+    _, mine = interpreted.sweep(rows, draws, 240, 241)
+    _, theirs = compiled.sweep(rows, draws, 240, 241)
+    assert [value.hex() for value in mine[0]] == [float(value).hex() for value in theirs[0]]
