@@ -31,6 +31,9 @@ HEAD = ("t", "takeover_state", "cause", "conf_left", "conf_right", "health", "bl
 ENTITY = ("x", "y", "z", "h", "v", "a", "steer", "road", "lane", "s", "off", "throttle", "brake", "present")
 """Fields of the head of a trace's row, and of each entity in it, as the engine writes them."""
 
+MOTION = ("x", "y", "h", "v")
+"""Fields of an entity that the measures of every plan look at."""
+
 OUTCOME = ("result", "error", "stop_reason", "duration", "resolution", "cause", "collision_with", "failed")
 """Columns of the outcome, before the measures."""
 
@@ -148,25 +151,33 @@ def from_sweep(plan: Plan, summaries: Floats, flat: Floats) -> tuple[Traces, End
         return values
 
     def body(name: str, nothing: float = np.nan) -> Floats:
-        """Return a field of all entities, (runs, longest, entities), the entities outermost in memory."""
+        """Return a field of all entities, (runs, longest, entities), the entities outermost in memory.
+
+        What only the takeover's measures and the criteria look at is left out where a plan has neither.
+        """
+        if not judged and name not in MOTION:
+            return np.broadcast_to(nothing, present.shape)
         values: Floats = whole[TRACE_HEAD + ENTITY.index(name) :: TRACE_FIELDS].copy()
         values[gone] = nothing
         return np.moveaxis(values, 0, -1)
 
+    judged = plan.controller is not None or bool(plan.criteria)
     gone = over | (whole[TRACE_HEAD + ENTITY.index("present") :: TRACE_FIELDS] == 0.0)
     present = np.moveaxis(~gone, 0, -1)
     road = body("road", -1.0).astype(np.int64)
     off_road = road < 0
     blocked, lane_end, h = head("blocked"), head("lane_end"), body("h")
+    turn = 2 * np.pi
+    around = ~((h >= 0) & (h < turn))
+    h[around] = np.mod(h[around], turn)
     vehicles = [entity.vehicle for entity in plan.entities]
     times = _first_times(summaries)
-    turn = 2 * np.pi
     traces = Traces(
         t=head("t"),
         present=present,
         x=body("x"),
         y=body("y"),
-        h=np.where((h >= 0) & (h < turn), h, np.mod(h, turn)),
+        h=h,
         v=body("v"),
         a=body("a"),
         road=road,

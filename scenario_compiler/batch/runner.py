@@ -20,7 +20,7 @@ from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.build import Compiled, Interpreted, trace_width
-from scenario_compiler.engine.program import build_program, rows
+from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.state import make_draws, new_state
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
@@ -116,9 +116,11 @@ class Runner:
                 plan = Plan.model_validate_json(sent[number].plan)
                 self.add(number, plan, _network(sent[number].map_file, plan))
             family = self._families[number]
-            size = 1 if part.one_by_one or self.form == "camera" else family.together
-            for start in range(0, len(together), size):
+            start = 0
+            while start < len(together):
+                size = 1 if part.one_by_one or self.form == "camera" else family.together
                 batch = together[start : start + size]
+                start += size
                 if begin is not None:
                     begin(batch)
                 yield Batch(batch, self._rows(family, batch))
@@ -130,8 +132,7 @@ class Runner:
         except Exception as fault:
             if len(batch) == 1:
                 return error_columns(1, f"{type(fault).__name__}: {fault}")
-            each = [self._rows(family, (one,)) for one in batch]
-            return {name: [value for columns in each for value in columns[name]] for name in each[0]}
+            return joined([self._rows(family, (one,)) for one in batch])
 
 
 class _Family:
@@ -141,31 +142,54 @@ class _Family:
         self.plan, self.network, self.form = plan, network, form
         self.usual = parameter_values(plan.parameters)
         self.limit = int(plan.duration / plan.step) + 2
-        self.together = 1
+        self.trace_rows = self.limit + 1
+        self.longest = 0
         self.engine: Compiled | Interpreted | None = None
         if form != "camera":
             program = build_program(plan, network)
+            self.numbers = Numbers(plan, network)
+            self.width = trace_width(program)
             state = new_state(program)
             if form == "compiled":
                 self.engine = Compiled(network.tables, program, state, say)
             else:
                 self.engine = Interpreted(network.tables, program, state)
-            self.together = max(1, TRACE_MEMORY // (8 * trace_width(program) * (self.limit + 1)))
+
+    @property
+    def together(self) -> int:
+        """Number of variants whose traces fit into `TRACE_MEMORY`, as long as runs have been so far."""
+        return 1 if self.engine is None else max(1, TRACE_MEMORY // (8 * self.width * self.trace_rows))
 
     def rows(self, batch: Sequence[Variant], seed: int) -> Columns:
-        """Run variants and return their rows."""
+        """Run variants and return their rows; where a run is longer than any before, with more room once more."""
         parameters = [{**self.usual, **one.values} for one in batch]
         if self.engine is None:
             traces, ends = from_recording(self.plan, record(self.plan, self.network, batch[0], seed))
-        else:
-            try:
-                numbers = rows(self.plan, self.network, [one.values for one in batch])
-            except ExpressionError as fault:
-                raise SweepError(str(fault)) from None
-            draws = [make_draws(seed, one.index) for one in batch]
-            summaries, flat = self.engine.sweep(numbers, draws, self.limit, trace_rows=self.limit + 1)
-            traces, ends = from_sweep(self.plan, np.asarray(summaries), np.asarray(flat))
+            return outcome_columns(self.plan, traces, ends, parameters)
+        try:
+            numbers = [self.numbers.row(one.values) for one in batch]
+        except ExpressionError as fault:
+            raise SweepError(str(fault)) from None
+        draws = [make_draws(seed, one.index) for one in batch]
+        summaries, flat = self.engine.sweep(numbers, draws, self.limit, trace_rows=self.trace_rows)
+        longest = int(max(summary[0] for summary in summaries))
+        longer = longest > self.trace_rows
+        self.expect(longest)
+        if longer:
+            size = self.together
+            return joined([self.rows(batch[start : start + size], seed) for start in range(0, len(batch), size)])
+        traces, ends = from_sweep(self.plan, np.asarray(summaries), np.asarray(flat))
         return outcome_columns(self.plan, traces, ends, parameters)
+
+    def expect(self, longest: int) -> None:
+        """Give later traces room for the longest run so far and a quarter more."""
+        self.longest = max(self.longest, longest)
+        self.trace_rows = min(self.limit + 1, self.longest + self.longest // 4 + 8)
+
+
+def joined(parts: Sequence[Columns]) -> Columns:
+    """Return the rows of all parts, one after the other."""
+    return {name: [value for columns in parts for value in columns[name]] for name in parts[0]}
 
 
 def record(plan: Plan, network: Network, variant: Variant, seed: int) -> Recording:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
 from scenario_compiler.engine.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.boxes import along_path, least_box_distance, path_curvature, touching
+from scenario_compiler.recording.boxes import along_path, least_box_distance, may_lie_ahead, path_curvature, touching
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.traces import Traces
@@ -101,15 +102,18 @@ def takeover_buffer(traces: Traces) -> Floats:
 
 def time_to_collision(traces: Traces) -> Floats:
     """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is ahead or closing in."""
-    along, across, speed = along_path(traces)
+    where = may_lie_ahead(traces)
+    along, across, speed = along_path(traces, where)
     half = 0.5 * traces.width[0]
     front = traces.center[0] + 0.5 * traces.length[0]
-    gap = along.min(axis=-1) - front
-    low, high = across.min(axis=-1), across.max(axis=-1)
-    closing = traces.v[..., :1] - speed
-    counts = traces.present[..., 1:] & (low < half) & (high > -half) & (gap >= 0) & (closing > 0)
-    ttc = np.where(counts, gap / np.where(counts, closing, 1.0), np.nan)
-    return np.where(touching(traces), 0.0, np.fmin.reduce(ttc, axis=-1, initial=np.nan))
+    gap = along.min(axis=0) - front
+    low, high = across.min(axis=0), across.max(axis=0)
+    closing = traces.v[(*np.nonzero(where)[:-1], 0)] - speed
+    counts = (low < half) & (high > -half) & (gap >= 0) & (closing > 0)
+    ttc = np.full(where.shape, np.nan)
+    ttc[where] = np.where(counts, gap / np.where(counts, closing, 1.0), np.nan)
+    least = reduce(np.fmin, np.moveaxis(ttc, -1, 0), np.full(ttc.shape[:-1], np.nan))
+    return np.where(touching(traces), 0.0, least)
 
 
 def minimum_time_to_collision(traces: Traces) -> Floats:
@@ -150,10 +154,15 @@ def lane_position_deviation(traces: Traces) -> Floats:
     changes = (jumps & window[..., 1:] & window[..., :-1]).any(axis=-1)
     lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= response + SETTLING - 1e-6
     count = window.sum(axis=-1)
-    mean = np.where(window, off, 0.0).sum(axis=-1) / np.maximum(count, 1)
-    square = np.where(window, (off - mean[..., None]) ** 2, 0.0).sum(axis=-1)
+    mean = _total(np.where(window, off, 0.0)) / np.maximum(count, 1)
+    square = _total(np.where(window, (off - mean[..., None]) ** 2, 0.0))
     deviation = np.sqrt(square / np.maximum(count - 1, 1))
     return np.where(lasts & ~changes & (count > 1), deviation, np.nan)
+
+
+def _total(values: Floats) -> Floats:
+    """Return the sum over the rows, one after the other: zeros behind a run's end do not change it."""
+    return np.asarray(np.add.accumulate(values, axis=-1)[..., -1])
 
 
 def _left_of_centre(traces: Traces) -> Floats:

@@ -11,7 +11,7 @@ from scenario_compiler.engine.program.storyboard import add_init, add_storyboard
 from scenario_compiler.engine.program.takeover import add_takeover
 from scenario_compiler.engine.program.world import add_world
 from scenario_compiler.engine.tables import Program, validate
-from scenario_compiler.expressions import Value
+from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads.network import Network
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -34,9 +34,31 @@ def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Progr
 
 def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -> list[list[float]]:
     """Return a row of `Program.const` for each sample of the parameters; what a sample leaves out is at its default."""
-    draft = _drafted(plan, network, posed=False)
-    usual = parameter_values(plan.parameters)
-    return [draft.row({**usual, **sample}) for sample in samples]
+    numbers = Numbers(plan, network)
+    return [numbers.row(sample) for sample in samples]
+
+
+class Numbers:
+    """The numbers of a plan: those that hang on parameters are evaluated for each variant, the others once."""
+
+    def __init__(self, plan: Plan, network: Network) -> None:
+        """Go through the plan."""
+        numbers = _drafted(plan, network, posed=False).numbers
+        self._usual = parameter_values(plan.parameters)
+        self._row = [0.0 if isinstance(number, Expression) else float(number) for number in numbers]
+        self._open = [(slot, number) for slot, number in enumerate(numbers) if isinstance(number, Expression)]
+
+    def row(self, sample: Mapping[str, Value]) -> list[float]:
+        """Return the row of `Program.const` for a sample of the parameters; what it leaves out is at its default.
+
+        Raises:
+            ExpressionError: A number has no value.
+        """
+        values = {**self._usual, **sample}
+        row = self._row.copy()
+        for slot, number in self._open:
+            row[slot] = number.number(values)
+        return row
 
 
 def _drafted(plan: Plan, network: Network, *, posed: bool) -> Draft:
