@@ -29,9 +29,15 @@ from scenario_compiler.roads.travel import advance
 
 @compiled
 def draw_place(n: RoadTables, p: Program, st: State, k: int, attempt: int) -> tuple[int, int, float, float, int]:
-    """Return the place of an attempt to draw a random position, as `resolve_position` does.
+    """Return the place of an attempt to draw a random position, as `resolve_position` does."""
+    return place_by_share(n, p, k, random_unit(run_seed(st, p.position_seed[k]), STREAM_PLACE, k, attempt))
 
-    Draws are even over the length of the stretches; points are drawn alike often.
+
+@compiled
+def place_by_share(n: RoadTables, p: Program, k: int, unit: float) -> tuple[int, int, float, float, int]:
+    """Return the place of a random position at a share in (0, 1) of its stretches, as `resolve_position` does.
+
+    Shares are of the length of the stretches; points have the same share each.
     """
     total = 0.0
     for q in range(p.position_first[k], p.position_last[k]):
@@ -39,7 +45,6 @@ def draw_place(n: RoadTables, p: Program, st: State, k: int, attempt: int) -> tu
     count = p.position_last[k] - p.position_first[k]
     if count <= 0:
         return -1, 0, 0.0, 0.0, 1
-    unit = random_unit(run_seed(st, p.position_seed[k]), STREAM_PLACE, k, attempt)
     chosen = p.position_first[k] + min(int(clip(unit * count, 0.0, 1.0e6)), count - 1)
     rest = 0.0
     if total > 0.0:

@@ -14,7 +14,7 @@ from scenario_compiler.engine.neighbours import list_by_road
 from scenario_compiler.engine.numbers import is_number, length_of, ratio
 from scenario_compiler.engine.opcodes import NONE, STREAM_TRAFFIC
 from scenario_compiler.engine.path import leave_road
-from scenario_compiler.engine.placing import draw_place
+from scenario_compiler.engine.placing import place_by_share
 from scenario_compiler.engine.seeds import run_seed
 from scenario_compiler.engine.slots import W_INNER, W_MAJOR, W_MINOR, W_OFFSET, W_OPPOSITE, W_SAME
 from scenario_compiler.engine.state import State
@@ -82,7 +82,8 @@ def place_in_swarm(n: RoadTables, p: Program, st: State, k: int, i: int, draw: i
     """Return (road, lane, s) of a place by the draw's number: along the entity's way, then anywhere on the map."""
     if (draw // DRAWS) % 2 == 0:
         return place_along(n, p, st, k, i, draw)
-    road, lane, s, _, _ = draw_place(n, p, st, p.action_position[k], draw * 1024 + i)
+    unit = random_unit(run_seed(st, NONE), STREAM_TRAFFIC, i, draw + 1)
+    road, lane, s, _, _ = place_by_share(n, p, p.action_position[k], unit)
     return road, lane, s
 
 

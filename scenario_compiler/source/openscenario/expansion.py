@@ -29,6 +29,7 @@ from scenario_compiler.source.openscenario.road_network import read_map, read_si
 from scenario_compiler.source.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.source.openscenario.storyboard import read_storyboard
 from scenario_compiler.source.openscenario.structure import check_structure
+from scenario_compiler.source.openscenario.traffic import with_traffic_vehicles
 from scenario_compiler.source.openscenario.unread import report_unread
 from scenario_compiler.source.openscenario.variables import read_variables, used_variables
 from scenario_compiler.source.parameters import COMMAND_LINE
@@ -158,7 +159,7 @@ def _scenario(
         vary=None if variation is None else variation.vary,
         storyboard=storyboard,
     ).written_at(root.origin)
-    scenario = restored(scenario, root)
+    scenario = with_traffic_vehicles(restored(scenario, root), root)
     return scenario.model_copy(update={"parameters": _open_parameters(root, declared, scenario)})
 
 

@@ -65,6 +65,16 @@ USUAL_BOXES: dict[ObjectType, Box] = {
 }
 """Boxes of entities whose file gives none: those of esmini's catalogs, rounded."""
 
+USUAL_TRAFFIC: dict[Category, tuple[Box, float]] = {
+    "van": (Box(5.5, 2.0, 2.4, 1.6), 3.4),
+    "truck": (Box(8.5, 2.5, 3.5, 2.6), 4.6),
+    "bus": (Box(12.0, 2.55, 3.1, 3.0), 6.0),
+    "motorbike": (Box(2.2, 0.8, 1.5, 0.7), 1.4),
+    "bicycle": (Box(1.8, 0.6, 1.7, 0.5), 1.1),
+}
+"""Boxes and wheelbases of traffic, m: of the size of the library's vehicles of that category, rounded; the lengths of a
+rigid truck and of a bus are common ones below the 12 m and 13.5 m that Directive 96/53/EC allows."""
+
 
 def read_vehicle(node: Node) -> Vehicle:
     """Return what a <Vehicle>, <Pedestrian> or <MiscObject> is."""
@@ -104,6 +114,16 @@ def usual_car(name: str) -> Vehicle:
         max_deceleration=ACCELERATION,
         max_speed=SPEED,
     )
+
+
+def usual_vehicle(name: str, category: Category) -> Vehicle:
+    """Return a vehicle of a category with a usual box, for traffic of which a file describes none."""
+    box, base = USUAL_TRAFFIC.get(category, (USUAL_BOXES["vehicle"], 2.8))
+    changes = {
+        **{"category": category, "length": box.length, "width": box.width, "height": box.height},
+        **{"center": box.center, "wheelbase": base},
+    }
+    return usual_car(name).model_copy(update=changes)
 
 
 def _category(node: Node) -> Category:

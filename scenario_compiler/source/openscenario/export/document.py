@@ -12,7 +12,12 @@ from scenario_compiler.plan.model import Entity, Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.source.openscenario.export.entities import scenario_object
 from scenario_compiler.source.openscenario.export.header import file_header
-from scenario_compiler.source.openscenario.export.kept import entity_kept, scenario_kept
+from scenario_compiler.source.openscenario.export.kept import (
+    appears_by_action,
+    entity_kept,
+    scenario_kept,
+    vehicles_kept,
+)
 from scenario_compiler.source.openscenario.export.places import goal_of, native_start
 from scenario_compiler.source.openscenario.export.storyboard import StoryboardWriter
 from scenario_compiler.source.openscenario.output import LOST, Output, Version
@@ -132,7 +137,11 @@ class _Export:
         for number, entity in enumerate(self.entities):
             kept = entity_kept(self.plan, entity)
             if number == 0:
-                kept += scenario_kept(self.plan, self.scenario, self.own_groups()) if self.automated else []
+                kept += (
+                    scenario_kept(self.plan, self.scenario, self.own_groups())
+                    if self.automated
+                    else vehicles_kept(self.plan, self.scenario)
+                )
                 kept += self.writer.kept
             element.append(scenario_object(entity, kept, self.output))
         if not self.entities and self.writer.kept:
@@ -150,9 +159,12 @@ class _Export:
         following = [one.id for one in self.entities if one.follow is not None]
         if following:
             told.append(f"{len(following)} vehicles follow the one ahead, which is kept as properties")
-        if len(self.entities) < len(plan.entities):
-            kept = self.scenario is not None
+        kept = self.scenario is not None
+        traffic = [one for one in plan.entities if one.kind in _TRAFFIC]
+        if not all(map(appears_by_action, traffic)):
             told.append("background traffic is kept as properties" if kept else "a plan's background traffic is lost")
+        if any(map(appears_by_action, traffic)):
+            told.append(f"which vehicles actions on traffic let appear is {'kept as properties' if kept else 'lost'}")
         for message in told:
             self.output.sink.add(LOST, message, FilePlace(plan.name))
 

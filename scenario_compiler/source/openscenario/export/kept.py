@@ -31,7 +31,7 @@ def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
         word = Static(id="id", at=_NOWHERE)
     elif entity.kind == "ego":
         word = Ego(
-            desired_speed=entity.desired_speed,
+            desired_speed=entity.desired_speed or None,
             start=_NOWHERE,
             destination=plan.destination,
             camera=plan.camera,
@@ -52,9 +52,7 @@ def scenario_kept(plan: Plan, scenario: Scenario | None, groups: int) -> list[et
     element.set("stop_groups", str(groups))
     if plan.summary:
         element.set("summary", plan.summary)
-    words: list[Word] = []
-    if scenario is not None and scenario.traffic:
-        words += [*scenario.traffic, *_vehicles_of_traffic(plan, scenario)]
+    words: list[Word] = [] if scenario is None else [*scenario.traffic, *_vehicles_of_traffic(plan, scenario)]
     for rule in grammar_of(Scenario).children:
         if rule.field in Plan.model_fields and rule.field not in SAID:
             value = getattr(plan, rule.field)
@@ -63,6 +61,19 @@ def scenario_kept(plan: Plan, scenario: Scenario | None, groups: int) -> list[et
     return [element]
 
 
+def vehicles_kept(plan: Plan, scenario: Scenario | None) -> list[etree._Element]:
+    """Return the element that keeps what actions on traffic let appear, of a scenario without automated vehicle."""
+    words = [] if scenario is None else _vehicles_of_traffic(plan, scenario)
+    return [made("scenario", *(write_word(word) for word in words))] if words else []
+
+
+def appears_by_action(entity: Entity) -> bool:
+    """Return whether an entity is one that an action on traffic lets appear."""
+    return entity.kind == "traffic" and entity.start is None
+
+
 def _vehicles_of_traffic(plan: Plan, scenario: Scenario) -> list[Vehicle]:
+    if not scenario.traffic and not any(map(appears_by_action, plan.entities)):
+        return []
     said = {one.vehicle.name for one in plan.entities if one.kind not in ("traffic", "walker")}
     return [one for one in scenario.vehicles if one.name not in said]
