@@ -19,6 +19,8 @@ Value: TypeAlias = float | bool | str
 MAX_DEPTH = 64
 MAX_LENGTH = 4096
 MAX_SIGNS = 400
+LEAST_TO_CHECK = 2 * MAX_DEPTH
+"""Length of a text that keeps all bounds, whatever it says."""
 
 
 class ExpressionError(ValueError):
@@ -76,6 +78,17 @@ class Expression:
         if not math.isfinite(number):
             raise ExpressionError(f"'{self.text}' has no finite value")
         return number
+
+    @cached_property
+    def bounded(self) -> bool:
+        """True where the text could be parsed again: substitution may make it longer and deeper than is read."""
+        if len(self.text) <= LEAST_TO_CHECK:
+            return True
+        try:
+            parse_expression(self.text)
+        except ExpressionError:
+            return False
+        return True
 
     def substitute(self, replacements: Mapping[str, Expression | Value]) -> Expression:
         """Return the expression with names replaced by values or other expressions."""

@@ -68,6 +68,8 @@ class Scope:
     def symbolic(self, text: str) -> Expression | str:
         """Return what a text stands for: itself, a parameter's text, or an expression over open parameters.
 
+        One that has grown longer or deeper than expressions are read stands for its present value.
+
         Raises:
             ExpressionError: An expression is malformed, or a name is not known; the offset is into `text`.
         """
@@ -90,7 +92,10 @@ class Scope:
             one = self._find(used, start + max(0, inner.group(1).find(used)))
             replacements[used] = one.value if one.expression is None else one.expression
         expression = expression.substitute(replacements)
-        return expression if expression.names else format_value(expression.evaluate({}))
+        if expression.names and expression.bounded:
+            return expression
+        self.structural.update(expression.names)
+        return format_value(expression.evaluate(self.values))
 
     def text(self, text: str) -> str:
         """Return the present text; open parameters that it depends on become structural. Raises as `symbolic` does."""
