@@ -10,12 +10,12 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from scenario_compiler.batch.distributions import SweepError, ValueKind
@@ -103,7 +103,7 @@ class ResultStore:
 
     def write_part(self, number: int, columns: Columns) -> None:
         """Keep the rows of a part; OSError when there is no room, and nothing of it is left."""
-        table = pa.table([pa.array(columns[f.name], type=f.type) for f in self._schema], schema=self._schema)
+        table = pa.table([arrow_array(columns[f.name], f.type) for f in self._schema], schema=self._schema)
         sink = pa.BufferOutputStream()
         with _writer(sink, self._schema) as file:
             file.write_table(table)
@@ -111,18 +111,19 @@ class ResultStore:
 
     def part_columns(self, number: int) -> Columns:
         """Return the rows of a part."""
-        columns: Columns = pq.read_table(self._part(number), schema=self._schema).to_pydict()
+        columns: Columns = _read(self._part(number)).to_pydict()
         return columns
 
     def counts(self, number: int) -> tuple[int, int]:
         """Return how many rows a part has and how many of them are errors."""
-        results = pq.read_table(self._part(number), columns=["result"])["result"].to_pylist()
+        results = _read(self._part(number), ["result"])["result"].to_pylist()
         return len(results), results.count("error")
 
     def failures(self) -> int:
         """Return how many rows of the table are errors."""
-        count: int = pc.sum(pc.equal(pq.read_table(self.table, columns=["result"])["result"], "error")).as_py() or 0
-        return count
+        with pq.ParquetFile(self.table) as file:
+            groups = (file.read_row_group(k, columns=["result"]) for k in range(file.num_row_groups))
+            return sum(group["result"].to_pylist().count("error") for group in groups)
 
     def merge(self, parts: int) -> None:
         """Make the table of all parts, in order, and drop them."""
@@ -148,7 +149,7 @@ class ResultStore:
     def _grouped(self, parts: int) -> Iterator[list[pa.Table]]:
         tables: list[pa.Table] = []
         for number in range(parts):
-            tables.append(pq.read_table(self._part(number), schema=self._schema))
+            tables.append(_read(self._part(number)))
             if sum(table.num_rows for table in tables) >= GROUP:
                 yield tables
                 tables = []
@@ -161,6 +162,26 @@ class ResultStore:
 
     def _part(self, number: int) -> Path:
         return self._parts / f"{number:08}.parquet"
+
+
+def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
+    """Return values, None where there is none, as a column of a type of the table.
+
+    It is made of bytes: `pa.array` would import pandas, which takes longer than a thousand variants.
+    """
+    missing = np.array([value is None for value in values], dtype=bool)
+    absent = pa.py_buffer(np.packbits(~missing, bitorder="little")) if missing.any() else None
+    if pa.types.is_string(kind):
+        texts = [b"" if value is None else value.encode() for value in values]
+        ends = np.zeros(len(texts) + 1, dtype=np.int32)
+        np.cumsum([len(text) for text in texts], out=ends[1:])
+        content = [pa.py_buffer(ends), pa.py_buffer(b"".join(texts))]
+    elif pa.types.is_boolean(kind):
+        content = [pa.py_buffer(np.packbits([bool(value) for value in values], bitorder="little"))]
+    else:
+        number = np.dtype(kind.to_pandas_dtype())
+        content = [pa.py_buffer(np.array([0 if value is None else value for value in values], dtype=number))]
+    return pa.Array.from_buffers(kind, len(values), [absent, *content])
 
 
 def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
@@ -195,6 +216,11 @@ def write_whole(path: Path, content: bytes) -> None:
         with contextlib.suppress(OSError):
             draft.unlink()
         raise
+
+
+def _read(path: Path, columns: list[str] | None = None) -> pa.Table:
+    with pq.ParquetFile(path) as file:
+        return file.read(columns=columns)
 
 
 def _writer(sink: Any, schema: pa.Schema) -> pq.ParquetWriter:
