@@ -147,6 +147,11 @@ def lower(
         derived={name: one.pose for name, one in draft.standings.items()},
         origins=draft.origins,
     )
+    return checked(plan, network, sink)
+
+
+def checked(plan: Plan, network: Network, sink: Diagnostics) -> Plan | None:
+    """Return a plan that no check finds fault with; None for any other."""
     for check in CHECKS:
         check(plan, network, sink)
     return None if sink.has_errors else plan
