@@ -32,7 +32,7 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
     parser.add_argument("--controller", metavar="NAME|package.module:Class", help="what drives the ego vehicle")
-    parser.add_argument("--dt", type=positive, metavar="S", help="length of a time step")
+    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step")
     parser.add_argument("--duration", type=positive, metavar="S", help="when the run ends at the latest")
 
 
@@ -62,6 +62,14 @@ def positive(text: str) -> float:
     value = float(text)
     if not 0.0 < value < 1.0e6:
         raise argparse.ArgumentTypeError(f"{text} is not a time in seconds")
+    return value
+
+
+def step_length(text: str) -> float:
+    """Return the length of a time step in seconds that an option gives, within the limits of `step` in a scenario."""
+    value = float(text)
+    if not 0.001 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is not between 0.001 and 1 s")
     return value
 
 

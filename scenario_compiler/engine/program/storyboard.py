@@ -17,6 +17,9 @@ PRIORITIES: dict[Priority, int] = {
     "parallel": op.PRIORITY_PARALLEL,
 }
 
+MOST_EXECUTIONS = (1 << 30) - 1
+"""Executions that no run ever reaches: what allows more allows as many."""
+
 
 def add_init(draft: Draft) -> None:
     """Append the paths that entities begin with, then the actions of the storyboard's init, in document order."""
@@ -53,7 +56,7 @@ def add_storyboard(draft: Draft) -> None:
 
 
 def _add_group(draft: Draft, group: ManeuverGroup, parent: int, path: str) -> None:
-    at = draft.element(op.ELEMENT_GROUP, parent, limit=group.maximum_execution_count)
+    at = draft.element(op.ELEMENT_GROUP, parent, limit=min(group.maximum_execution_count, MOST_EXECUTIONS))
     draft.note("maneuverGroup", path, at)
     actors = [draft.entities[actor] for actor in group.actors]
     for maneuver in group.maneuvers:
@@ -69,7 +72,7 @@ def _add_event(draft: Draft, event: Event, parent: int, actors: list[int], path:
         op.ELEMENT_EVENT,
         parent,
         start=add_trigger(draft, event.start, draft.program.element_count[0]),
-        limit=event.maximum_execution_count,
+        limit=min(event.maximum_execution_count, MOST_EXECUTIONS),
         priority=PRIORITIES[event.priority],
     )
     draft.note("event", path, at)
