@@ -102,7 +102,7 @@ def test_several_scenarios_need_a_name(tmp_path: Path, capsys: pytest.CaptureFix
     [
         (["--set", "speed"], "NAME=VALUE"),
         (["--world", "moon"], "no world 'moon'"),
-        (["--dt", "0"], "not a time"),
+        (["--dt", "0"], "not between 0.001 and 1 s"),
         (["--perception", "dreams"], "invalid choice"),
     ],
 )
