@@ -58,10 +58,6 @@ UNKNOWN_WORD = Code(
 )
 
 
-OPEN_GROUND = "header/userData[@code='open_ground']"
-"""Where a file says that it has no roads on purpose."""
-
-
 @dataclass
 class ParsedNetwork:
     """The tables of a network and the names that its indices stand for."""
@@ -98,7 +94,7 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
             seen.add(road_id)
             parsed.road_ids.append(road_id)
             elements.append(element)
-    if not elements and root.find(OPEN_GROUND) is None:
+    if not elements:
         sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
         return None
     _close(parsed.tables)

@@ -57,7 +57,7 @@ def test_without_a_road_file_the_plane_is_taken(tmp_path: Path) -> None:
     sink = Diagnostics()
     found = compile_target(file, {}, sink)
     assert found is not None
-    assert len(found.network.road_ids) == 0
+    assert found.network.name == "open_ground"
     assert [one.code.id for one in sink] == ["SC746"]
 
 
