@@ -183,15 +183,15 @@ def print_run(run: Run, folder: Path | None) -> None:
     table = Table(show_header=False, box=None, pad_edge=False)
     of_takeover = (
         ("cause of the request", summary.cause),
-        ("time of the request", f"{summary.request_time} s"),
-        ("takeover time", f"{summary.takeover_time} s"),
+        ("time of the request", _seconds(summary.request_time)),
+        ("takeover time", _seconds(summary.takeover_time)),
     )
     for label, value in (
         ("conflict", summary.name),
         ("result", summary.result),
         ("outcome", summary.outcome),
         *(() if run.plan.controller is None else of_takeover),
-        ("minimum time to collision", f"{summary.minimum_ttc} s"),
+        ("minimum time to collision", _seconds(summary.minimum_ttc)),
     ):
         table.add_row(label, value)
     Console().print(table)
@@ -221,3 +221,8 @@ def report_command(options: argparse.Namespace) -> int:
     write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
     print(f"report: {options.folder / 'report.html'}")
     return FINE
+
+
+def _seconds(text: str) -> str:
+    """Return a time that a summary gives with its unit; what there is no time for stays as it is."""
+    return f"{text} s" if text[:1].isdigit() else text
