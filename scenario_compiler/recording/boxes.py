@@ -95,15 +95,16 @@ def may_lie_ahead(traces: Traces) -> Booleans:
     rows, other = at[:-1], at[-1] + 1
     ego, place = (*rows, np.zeros_like(other)), (*rows, other)
     left = c[ego] * dy[before] - s[ego] * dx[before]
+    forward = ahead[before]
     c_turned, s_turned = c[place] * c[ego] + s[place] * s[ego], s[place] * c[ego] - c[place] * s[ego]
     length, width = traces.length[other], traces.width[other]
     curvature = path_curvature(traces)[rows]
     bent = np.abs(curvature) > STRAIGHT
     radius = 1.0 / np.where(bent, curvature, 1.0)
     outwards = left - radius
-    distance = np.maximum(np.hypot(ahead[before], outwards), ROUNDING)
+    distance = np.maximum(np.sqrt(forward * forward + outwards * outwards), ROUNDING)
     across = np.where(bent, np.abs(np.abs(radius) - distance), np.abs(left))
-    u, v = np.where(bent, ahead[before] / distance, 0.0), np.where(bent, outwards / distance, 1.0)
+    u, v = np.where(bent, forward / distance, 0.0), np.where(bent, outwards / distance, 1.0)
     reach = 0.5 * (length * np.abs(c_turned * u + s_turned * v) + width * np.abs(c_turned * v - s_turned * u))
     outer = 0.5 * np.hypot(length, width)
     beside = np.where(bent, outer * outer / (2.0 * np.maximum(distance - outer, ROUNDING)), 0.0)
@@ -139,6 +140,8 @@ def touching(traces: Traces) -> Booleans:
     """Return in which rows the ego vehicle's box overlaps another one, (..., n)."""
     apart, (outer, _) = traces.centre_distance, _circles(traces)
     near = apart <= outer
+    if not near.any():
+        return np.zeros(apart.shape[:-1], dtype=bool)
     overlap = _overlap(*_boxes_at(traces, near))
     touched = np.zeros(apart.shape[:-1], dtype=bool)
     touched[tuple(place[overlap] for place in np.nonzero(near)[:-1])] = True
