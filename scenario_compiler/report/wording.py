@@ -36,7 +36,7 @@ class Summary:
         takeover_time: Time from the request to the driver's response, s.
         minimum_ttc: Least time to collision, s.
         outcome: What came of it.
-        result: pass, fail or error.
+        result: pass, fail or error; "not judged" for a run without criteria.
     """
 
     name: str
@@ -62,7 +62,7 @@ def summary_of(run: Run) -> Summary:
         takeover_time=measured(outcome, "takeover_time"),
         minimum_ttc=measured(outcome, "minimum_time_to_collision"),
         outcome=outcome_words(outcome, automated=run.plan.controller is not None),
-        result=outcome.result,
+        result=outcome.result if outcome.criteria or outcome.result == "error" else "not judged",
     )
 
 

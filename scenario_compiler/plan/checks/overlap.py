@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.frames import center_from_reference
@@ -22,17 +22,29 @@ OVERLAP = Code(
 
 
 def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report every pair of entities whose boxes overlap at the start; a trailer may overlap what draws it."""
+    """Report every entity whose box overlaps an earlier one's at the start; a trailer may overlap what draws it."""
     del network
     severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
     actions = [initial.action for initial in plan.storyboard.init]
     trailers = {action.trailer for action in actions if isinstance(action, ConnectTrailerAction)}
-    standing = [entity for entity in plan.entities if entity.id in plan.derived and entity.id not in trailers]
-    placed = [(entity, plan.derived[entity.id]) for entity in standing]
-    for (one, at), (other, there) in combinations(placed, 2):
-        if abs(at.z - there.z) < 2.0 and boxes_overlap(corners(one, at), corners(other, there)):
-            message = f"'{one.id}' and '{other.id}' overlap at the start"
+    placed: list[tuple[Entity, StartPose]] = []
+    for other in plan.entities:
+        if other.id not in plan.derived or other.id in trailers:
+            continue
+        there = plan.derived[other.id]
+        hit = next((one for one, at in placed if overlap_at_start(one, at, other, there)), None)
+        if hit is not None:
+            message = f"'{hit.id}' and '{other.id}' overlap at the start"
             sink.add(OVERLAP, message, place_of(plan, f"entities/{other.id}"), severity=severity)
+        placed.append((other, there))
+
+
+def overlap_at_start(one: Entity, at: StartPose, other: Entity, there: StartPose) -> bool:
+    """Return whether the boxes of two entities overlap; those on levels 2 m apart do not."""
+    reach = sum(abs(e.vehicle.center) + (e.vehicle.length + e.vehicle.width) / 2 for e in (one, other))
+    if abs(at.z - there.z) >= 2.0 or abs(at.x - there.x) > reach or abs(at.y - there.y) > reach:
+        return False
+    return boxes_overlap(corners(one, at), corners(other, there))
 
 
 def corners(entity: Entity, pose: StartPose) -> list[tuple[float, float]]:
