@@ -21,28 +21,39 @@ OVERLAP = Code(
 )
 
 
+NEAR = (-1, 0, 1)
+"""Columns and rows of the cells around one, among which all that could overlap lie."""
+
+
 def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report every entity whose box overlaps an earlier one's at the start; a trailer may overlap what draws it."""
     del network
     severity = None if any(entity.kind == "ego" for entity in plan.entities) else Severity.WARNING
     actions = [initial.action for initial in plan.storyboard.init]
     trailers = {action.trailer for action in actions if isinstance(action, ConnectTrailerAction)}
-    placed: list[tuple[Entity, StartPose]] = []
-    for other in plan.entities:
-        if other.id not in plan.derived or other.id in trailers:
-            continue
+    standing = [one for one in plan.entities if one.id in plan.derived and one.id not in trailers]
+    size = 2.0 * max(map(reach, standing), default=1.0)
+    cells: dict[tuple[int, int], list[Entity]] = {}
+    for other in standing:
         there = plan.derived[other.id]
-        hit = next((one for one, at in placed if overlap_at_start(one, at, other, there)), None)
+        column, row = math.floor(there.x / size), math.floor(there.y / size)
+        near = [one for c in NEAR for r in NEAR for one in cells.get((column + c, row + r), ())]
+        hit = next((one for one in near if overlap_at_start(one, plan.derived[one.id], other, there)), None)
         if hit is not None:
             message = f"'{hit.id}' and '{other.id}' overlap at the start"
             sink.add(OVERLAP, message, place_of(plan, f"entities/{other.id}"), severity=severity)
-        placed.append((other, there))
+        cells.setdefault((column, row), []).append(other)
+
+
+def reach(entity: Entity) -> float:
+    """Return a distance from an entity's reference point that none of its box is beyond, m."""
+    vehicle = entity.vehicle
+    return abs(vehicle.center) + (vehicle.length + vehicle.width) / 2
 
 
 def overlap_at_start(one: Entity, at: StartPose, other: Entity, there: StartPose) -> bool:
     """Return whether the boxes of two entities overlap; those on levels 2 m apart do not."""
-    reach = sum(abs(e.vehicle.center) + (e.vehicle.length + e.vehicle.width) / 2 for e in (one, other))
-    if abs(at.z - there.z) >= 2.0 or abs(at.x - there.x) > reach or abs(at.y - there.y) > reach:
+    if abs(at.z - there.z) >= 2.0:
         return False
     return boxes_overlap(corners(one, at), corners(other, there))
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
@@ -75,12 +76,7 @@ def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
         for at, condition in enumerate(conditions_of(event.start))
         if (fault := never(condition, plan, network, values))
     }
-    possible = _named(events)
-    while True:
-        still = _named(path for path, event in events.items() if _can_fire(path, event, possible, faults))
-        if still == possible:
-            break
-        possible = still
+    possible = _possible(events, faults)
     for path, event in events.items():
         if path not in possible:
             _report(path, event, possible, faults, sink)
@@ -104,9 +100,42 @@ def events_of(plan: Plan) -> dict[str, Event]:
     return found
 
 
-def _named(paths: Iterable[str]) -> set[str]:
-    """Return names in full and their last parts, by which events are waited for."""
-    return {name for path in paths for name in (path, path.rpartition("::")[2])}
+def _possible(events: Mapping[str, Event], faults: Mapping[tuple[int, int], Never]) -> set[str]:
+    """Return the names, in full and their last parts, of the events that can happen.
+
+    Each event that cannot is looked at once more for every event that it waits for, so chains take linear time.
+    """
+    left = Counter(name for path in events for name in _names(path))
+    waiting: dict[str, list[str]] = {}
+    for path, event in events.items():
+        for one in conditions_of(event.start):
+            waiting.setdefault(_awaited(one.condition), []).append(path)
+    never_happen: set[str] = set()
+    open_paths = list(events)
+    possible = set(left)
+    while open_paths:
+        path = open_paths.pop()
+        if path in never_happen or _can_fire(path, events[path], possible, faults):
+            continue
+        never_happen.add(path)
+        for name in _names(path):
+            left[name] -= 1
+            if left[name] == 0:
+                possible.discard(name)
+                open_paths.extend(waiting.get(name, ()))
+    return possible
+
+
+def _names(path: str) -> set[str]:
+    """Return the names by which an event is waited for: in full, and the last part."""
+    return {path, path.rpartition("::")[2]}
+
+
+def _awaited(condition: Condition) -> str:
+    """Return the name of the event that a condition waits for; empty for any other condition."""
+    if isinstance(condition, ElementStateCondition):
+        return condition.element if condition.kind == "event" else ""
+    return condition.name if isinstance(condition, EventCondition) else ""
 
 
 def conditions_of(trigger: Trigger | None) -> list[TriggerCondition]:

@@ -50,7 +50,7 @@ def read_storyboard(node: Node, first: Iterable[InitAction] = ()) -> Storyboard:
 def _init(actions: Node) -> list[InitAction]:
     found: list[InitAction] = []
     for one in actions.elements():
-        if one.tag in ACTIONS:
+        if one.tag in ACTIONS and one.tag != "PrivateAction":
             found += [InitAction(action=action).written_at(one.origin) for action in read_actions(one)]
         elif one.tag == "Private":
             entities = one.entities("entityRef")
