@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from typing import TYPE_CHECKING
 
 from scenario_compiler.cli.options import FINE, Commands, WrongUse
@@ -39,9 +40,25 @@ def coverage_command(options: argparse.Namespace) -> int:
 
 
 def _print(table: Table) -> None:
-    """Print a table in columns as wide as their longest text, for a terminal or a program that searches lines."""
+    """Print a table: folded to a terminal's width, else one line a row for a program that searches lines."""
+    if sys.stdout.isatty():
+        _print_folded(table)
+        return
     lines = [table.columns, *table.rows]
     widths = [max(len(line[k]) for line in lines) for k in range(len(table.columns))]
     print(table.title)
     for line in lines:
         print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+
+
+def _print_folded(table: Table) -> None:
+    from rich.console import Console
+    from rich.table import Table as Grid
+    from rich.text import Text
+
+    grid = Grid(title=table.title, title_justify="left", box=None, pad_edge=False)
+    for column in table.columns:
+        grid.add_column(column, overflow="fold")
+    for row in table.rows:
+        grid.add_row(*map(Text, row))
+    Console().print(grid)
