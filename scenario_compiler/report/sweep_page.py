@@ -107,6 +107,16 @@ class SweepPage:
     cases: Sequence[Case]
     command: str
 
+    @property
+    def judged(self) -> bool:
+        """Whether the runs have criteria to be judged by; so unless a case that is shown has none."""
+        return all(case.run is None or case.run.plan.criteria for case in self.cases)
+
+    @property
+    def automated(self) -> bool:
+        """Whether an automated vehicle drives, whose takeover requests count; so unless a shown case has none."""
+        return all(case.run is None or case.run.plan.controller is not None for case in self.cases)
+
 
 def write_sweep_report(page: SweepPage, folder: Path) -> Path:
     """Write report.html into a folder and return its path; equal sweeps give equal bytes."""
@@ -123,7 +133,7 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
     environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
     text = environment.get_template(TEMPLATE).render(
         page=page,
-        rates=rates_of(page.rows),
+        rates=rates_of(page.rows, judged=page.judged, automated=page.automated),
         errors=_errors(page.rows),
         pictures=_pictures(page),
         maps={case.index: _case_pictures(case) for case in page.cases},
@@ -135,8 +145,8 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
     return path
 
 
-def rates_of(rows: Rows) -> list[Rate]:
-    """Return how often runs collided, requested a takeover, and how the requests ended."""
+def rates_of(rows: Rows, *, judged: bool = True, automated: bool = True) -> list[Rate]:
+    """Return how often runs collided, broke a criterion, requested a takeover, and how the requests ended."""
     sound = [k for k, result in enumerate(rows["result"]) if result != "error"]
     requested = [k for k in sound if rows["resolution"][k] != "no_request"]
 
@@ -146,13 +156,16 @@ def rates_of(rows: Rows) -> list[Rate]:
     def resolved(name: str) -> int:
         return sum(rows["resolution"][k] == name for k in requested)
 
-    return [
-        rate("collision", sum(rows["collision_time"][k] is not None for k in sound), len(sound)),
-        rate("a criterion broken", sum(rows["result"][k] == "fail" for k in sound), len(sound)),
-        rate("takeover request", len(requested), len(sound)),
-        rate("request answered by the driver", resolved("driver"), len(requested)),
-        rate("request ended in a minimum-risk manoeuvre", resolved("minimum_risk"), len(requested)),
-    ]
+    rates = [rate("collision", sum(rows["collision_time"][k] is not None for k in sound), len(sound))]
+    if judged:
+        rates.append(rate("a criterion broken", sum(rows["result"][k] == "fail" for k in sound), len(sound)))
+    if automated:
+        rates += [
+            rate("takeover request", len(requested), len(sound)),
+            rate("request answered by the driver", resolved("driver"), len(requested)),
+            rate("request ended in a minimum-risk manoeuvre", resolved("minimum_risk"), len(requested)),
+        ]
+    return rates
 
 
 def _pictures(page: SweepPage) -> dict[str, Any]:
