@@ -156,11 +156,8 @@ def _between(begin: float, end: float, k: int, count: int) -> float:
 def happenings_of(plan: Plan) -> Iterator[Happening]:
     """Yield every event of the storyboard in words, in document order."""
     values = parameter_values(plan.parameters)
-    for story in plan.storyboard.stories:
-        for act in story.acts:
-            for group in act.groups:
-                for event in (event for maneuver in group.maneuvers for event in maneuver.events):
-                    yield _happening(", ".join(group.actors), event, values)
+    for group, event in plan.storyboard.events():
+        yield _happening(", ".join(group.actors), event, values)
 
 
 def _happening(actors: str, event: Event, values: Mapping[str, Value]) -> Happening:

@@ -26,12 +26,10 @@ def actions_of(plan: Plan) -> Iterator[tuple[Word, str]]:
             yield entity.path, entity.id
     for initial in plan.storyboard.init:
         yield initial.action, initial.entity
-    groups = (group for story in plan.storyboard.stories for act in story.acts for group in act.groups)
-    for group in groups:
-        for event in (event for maneuver in group.maneuvers for event in maneuver.events):
-            for named in event.actions:
-                actors = ("",) if isinstance(named.action, RUN_ACTIONS) else group.actors
-                yield from ((named.action, actor) for actor in actors)
+    for group, event in plan.storyboard.events():
+        for named in event.actions:
+            actors = ("",) if isinstance(named.action, RUN_ACTIONS) else group.actors
+            yield from ((named.action, actor) for actor in actors)
 
 
 def action_text(word: Word) -> tuple[str, str]:

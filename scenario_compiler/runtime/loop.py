@@ -110,13 +110,8 @@ NAMED = frozenset({"storyboard_start", "storyboard_end"})
 def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
     """Return the name of each event of the storyboard, and who does it where that is one, by the event's element."""
     elements = (at for at, kind in enumerate(program.element_kind) if kind == ELEMENT_EVENT)
-    acts = (act for story in plan.storyboard.stories for act in story.acts)
-    groups = [group for act in acts for group in act.groups]
     events = (
-        (event.name, group.actors[0] if len(group.actors) == 1 else "")
-        for group in groups
-        for maneuver in group.maneuvers
-        for event in maneuver.events
+        (event.name, group.actors[0] if len(group.actors) == 1 else "") for group, event in plan.storyboard.events()
     )
     return dict(zip(elements, events, strict=True))
 

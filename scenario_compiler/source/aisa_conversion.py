@@ -85,12 +85,10 @@ def scenario_element(scenario: Scenario) -> ScenarioElement:
 
 
 def _whens(scenario: Scenario) -> Iterator[EntityWhen]:
-    acts = (act for story in scenario.storyboard.stories for act in story.acts)
-    for group in (group for act in acts for group in act.groups):
-        for event in (event for maneuver in group.maneuvers for event in maneuver.events):
-            conditions = event.start.groups[0].conditions if event.start is not None else ()
-            yield EntityWhen(
-                entity=group.actors[0],
-                conditions=tuple(one.condition for one in conditions),
-                do=Do(actions=tuple(one.action for one in event.actions)),
-            )
+    for group, event in scenario.storyboard.events():
+        conditions = event.start.groups[0].conditions if event.start is not None else ()
+        yield EntityWhen(
+            entity=group.actors[0],
+            conditions=tuple(one.condition for one in conditions),
+            do=Do(actions=tuple(one.action for one in event.actions)),
+        )

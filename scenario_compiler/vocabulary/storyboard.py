@@ -5,6 +5,7 @@ Both languages end here. `When` is our spelling of an event: no edge, once, para
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions import Action
@@ -136,3 +137,17 @@ class Storyboard(Word):
     init: tuple[InitAction, ...] = child("What is done at the start.", default=())
     stories: tuple[Story, ...] = child("Its stories.", default=())
     stop: Trigger | None = child("When the run ends.", default=None)
+
+    def events(self) -> Iterator[tuple[ManeuverGroup, Event]]:
+        """Yield every event of the stories with the group that carries it out, in document order."""
+        for group in (group for story in self.stories for act in story.acts for group in act.groups):
+            for maneuver in group.maneuvers:
+                yield from ((group, event) for event in maneuver.events)
+
+    def actions(self) -> Iterator[tuple[str, Action]]:
+        """Yield every action with each entity that does it, empty for none: the init's, then the stories'."""
+        for initial in self.init:
+            yield initial.entity, initial.action
+        for group, event in self.events():
+            for named in event.actions:
+                yield from ((actor, named.action) for actor in group.actors or ("",))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.plan.model import Entity, Plan
 from scenario_compiler.roads import Network
@@ -12,7 +10,6 @@ from scenario_compiler.vocabulary.actions import (
     AssignControllerAction,
     OverrideControllerAction,
 )
-from scenario_compiler.vocabulary.word import Word
 
 IDLE_CONTROLLER = Code(
     "SC282",
@@ -52,7 +49,7 @@ def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report actions on controllers that do nothing, and properties that are no numbers."""
     del network
     entities = {entity.id: entity for entity in plan.entities}
-    for word, actor in _actions(plan):
+    for actor, word in plan.storyboard.actions():
         entity = entities.get(actor)
         if isinstance(word, AssignControllerAction):
             _check_assigned(word, entity, sink)
@@ -85,13 +82,3 @@ def _fits(text: str, least: float) -> bool:
         return least <= float(text) < 1000.0
     except ValueError:
         return False
-
-
-def _actions(plan: Plan) -> Iterator[tuple[Word, str]]:
-    """Yield each action of the init and the stories with each entity that does it."""
-    for initial in plan.storyboard.init:
-        yield initial.action, initial.entity
-    for group in (group for story in plan.storyboard.stories for act in story.acts for group in act.groups):
-        for event in (event for maneuver in group.maneuvers for event in maneuver.events):
-            for named in event.actions:
-                yield from ((named.action, actor) for actor in group.actors or ("",))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
@@ -13,7 +11,6 @@ from scenario_compiler.vocabulary.actions import (
     LongitudinalDistanceAction,
     SynchronizeAction,
 )
-from scenario_compiler.vocabulary.word import Word
 
 TO_ITSELF = Code(
     "SC270",
@@ -48,7 +45,7 @@ OTHERS = {LongitudinalDistanceAction: "to", LateralDistanceAction: "to", Synchro
 def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report actions on speeds, lanes and distances that cannot be meant."""
     lanes = set(network.tables.lane_id)
-    for actor, action in each_action(plan):
+    for actor, action in plan.storyboard.actions():
         named = OTHERS.get(type(action))
         if named is not None and getattr(action, named) == actor:
             sink.add(TO_ITSELF, f"<{action.tag()}> of '{actor}' refers to '{actor}' itself", action.place_of(named))
@@ -61,17 +58,3 @@ def check_moves(plan: Plan, network: Network, sink: Diagnostics) -> None:
                 sink.add(TWO_STEADY_STATES, message, final.place_of("steady_distance"))
         if isinstance(action, LaneChangeToAction) and lanes and action.lane not in lanes:
             sink.add(NO_SUCH_LANE, f"no road of the map has a lane {action.lane}", action.place_of("lane"))
-
-
-def each_action(plan: Plan) -> Iterator[tuple[str, Word]]:
-    """Yield every action of the storyboard with each entity that does it."""
-    for initial in plan.storyboard.init:
-        yield initial.entity, initial.action
-    for story in plan.storyboard.stories:
-        for act in story.acts:
-            for group in act.groups:
-                for maneuver in group.maneuvers:
-                    for event in maneuver.events:
-                        for named in event.actions:
-                            for actor in group.actors or ("",):
-                                yield actor, named.action

@@ -55,11 +55,9 @@ def _placed(plan: Plan) -> Iterator[str]:
     """Yield the ids of the entities that actions put somewhere."""
     for initial in plan.storyboard.init:
         yield from _placed_by(initial.action, (initial.entity,))
-    groups = [group for story in plan.storyboard.stories for act in story.acts for group in act.groups]
-    for group in groups:
-        for event in (event for maneuver in group.maneuvers for event in maneuver.events):
-            for named in event.actions:
-                yield from _placed_by(named.action, group.actors)
+    for group, event in plan.storyboard.events():
+        for named in event.actions:
+            yield from _placed_by(named.action, group.actors)
 
 
 def _placed_by(action: Word, actors: tuple[str, ...]) -> tuple[str, ...]:

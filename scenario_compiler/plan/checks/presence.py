@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from scenario_compiler.diagnostics import Code, Diagnostics
-from scenario_compiler.plan.checks.moves import each_action
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import AddEntityAction, ConnectTrailerAction, DeleteEntityAction
@@ -27,7 +26,7 @@ def check_presence(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report an automated vehicle that is to come, go or be towed, and entities that are to tow themselves."""
     del network
     ego = "" if plan.controller is None else plan.ego.id
-    for actor, action in each_action(plan):
+    for actor, action in plan.storyboard.actions():
         named = ""
         if isinstance(action, AddEntityAction | DeleteEntityAction):
             named = "entity"
