@@ -7,7 +7,7 @@ from math import cos
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_pose
-from scenario_compiler.roads.locate import cell_at, lane_on_chunk
+from scenario_compiler.roads.locate import cell_at, chunk_near, chunks_near, lane_on_chunk
 from scenario_compiler.roads.tables import RoadTables
 
 STOREY = 2.0
@@ -51,17 +51,8 @@ def place_below(
     best_rank = 0
     exact = 2
     cell = cell_at(n, x, y)
-    count = 0
-    first = 0
-    if cell >= 0:
-        first = n.cell_chunk[cell]
-        count = n.cell_chunk[cell + 1] - first
-    for k in range(count + len(n.wide_chunk)):
-        if k < count:
-            chunk = n.chunk_of_cell[first + k]
-        else:
-            chunk = n.wide_chunk[k - count]
-        found, row, s, offset = lane_on_chunk(n, chunk, x, y)
+    for k in range(chunks_near(n, cell)):
+        found, row, s, offset = lane_on_chunk(n, chunk_near(n, cell, k), x, y)
         if found > 0 and found <= exact:
             rank = misfit(n, row, s, offset, h, z, with_height)
             better = best < 0 or found < exact or rank < best_rank

@@ -212,6 +212,25 @@ def better_place(n: RoadTables, row: int, offset: float, best: int, best_offset:
 
 
 @compiled
+def chunks_near(n: RoadTables, cell: int) -> int:
+    """Return the number of chunks that a point of a cell (-1 outside all) may lie on."""
+    if cell < 0:
+        return len(n.wide_chunk)
+    return n.cell_chunk[cell + 1] - n.cell_chunk[cell] + len(n.wide_chunk)
+
+
+@compiled
+def chunk_near(n: RoadTables, cell: int, k: int) -> int:
+    """Return one of these chunks: those of the cell, then the wide ones, which stand in no cell."""
+    if cell >= 0:
+        at = n.cell_chunk[cell] + k
+        if at < n.cell_chunk[cell + 1]:
+            return n.chunk_of_cell[at]
+        return n.wide_chunk[at - n.cell_chunk[cell + 1]]
+    return n.wide_chunk[k]
+
+
+@compiled
 def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float, float]:
     """Return (found, road, lane, s, offset) of the lane whose centre is nearest among those that hold a point.
 
@@ -222,17 +241,8 @@ def locate_lane(n: RoadTables, x: float, y: float) -> tuple[int, int, int, float
     best_offset = 0.0
     exact = 2
     cell = cell_at(n, x, y)
-    count = 0
-    first = 0
-    if cell >= 0:
-        first = n.cell_chunk[cell]
-        count = n.cell_chunk[cell + 1] - first
-    for i in range(count + len(n.wide_chunk)):
-        if i < count:
-            chunk = n.chunk_of_cell[first + i]
-        else:
-            chunk = n.wide_chunk[i - count]
-        found, row, s, offset = lane_on_chunk(n, chunk, x, y)
+    for i in range(chunks_near(n, cell)):
+        found, row, s, offset = lane_on_chunk(n, chunk_near(n, cell, i), x, y)
         if found > 0 and found <= exact:
             better = found < exact
             if not better:
