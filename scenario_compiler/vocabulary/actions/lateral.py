@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape
-from scenario_compiler.vocabulary.actions.longitudinal import CoordinateSystem
+from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 _SHAPE = "How the offset goes from one lane to the other."

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape
+from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 _OVER_TIME = "Duration of the change, s; 0 changes at once."
 _SHAPE = "How the speed goes from its present value to the target."
 _INSTEAD = "A rate or a distance in place of the duration."
-
-CoordinateSystem = Literal["entity", "lane", "road", "trajectory", "world"]
-"""In which system a distance is measured: ASAM's CoordinateSystem."""
 
 Displacement = Literal["any", "trailingReferencedEntity", "leadingReferencedEntity"]
 """On which side of the other entity a distance is kept: ASAM's longitudinal displacement."""

@@ -8,7 +8,6 @@ from typing import Any
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.program.draft import ActionRow, Draft, Slot
 from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape
-from scenario_compiler.vocabulary.actions.longitudinal import CoordinateSystem
 from scenario_compiler.vocabulary.word import Word
 
 Family = dict[type[Word], Callable[[Draft, Any, int], ActionRow]]
@@ -19,14 +18,6 @@ SHAPES: dict[Shape, int] = {
     "sinusoidal": op.SHAPE_SINUSOIDAL,
     "cubic": op.SHAPE_CUBIC,
     "step": op.SHAPE_STEP,
-}
-
-FRAMES: dict[CoordinateSystem, int] = {
-    "entity": op.FRAME_ENTITY,
-    "lane": op.FRAME_LANE,
-    "road": op.FRAME_ROAD,
-    "trajectory": op.FRAME_TRAJECTORY,
-    "world": op.FRAME_WORLD,
 }
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.program.actions.family import FRAMES, SHAPES, Family, dynamics_of, flags_of, limits_of
+from scenario_compiler.engine.program.actions.family import SHAPES, Family, dynamics_of, flags_of, limits_of
 from scenario_compiler.engine.program.draft import ActionRow, Draft, Slot
+from scenario_compiler.engine.program.frames import FRAMES
 from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.vocabulary.actions import (
     FinalSpeed,

@@ -6,6 +6,7 @@ from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine.clearance import CLEARANCE_FREESPACE, CLEARANCE_OPPOSITE
 from scenario_compiler.engine.program.conditions.family import RULES, Family
 from scenario_compiler.engine.program.draft import ConditionRow, Draft
+from scenario_compiler.engine.program.frames import FRAMES
 from scenario_compiler.engine.program.positions import add_position
 from scenario_compiler.engine.watching import WATCH_MOTION, WATCH_OFF_ROAD
 from scenario_compiler.vocabulary.conditions import (
@@ -26,15 +27,8 @@ from scenario_compiler.vocabulary.conditions import (
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
-from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem, Direction, DistanceType
+from scenario_compiler.vocabulary.conditions.measuring import Direction, DistanceType
 
-FRAMES: dict[CoordinateSystem, int] = {
-    "entity": op.FRAME_ENTITY,
-    "lane": op.FRAME_LANE,
-    "road": op.FRAME_ROAD,
-    "trajectory": op.FRAME_TRAJECTORY,
-    "world": op.FRAME_WORLD,
-}
 MEASURES: dict[DistanceType, int] = {
     "euclidianDistance": op.MEASURE_STRAIGHT,
     "longitudinal": op.MEASURE_ALONG,
