@@ -11,10 +11,25 @@ import pytest
 from scenario_compiler.compiler import Compilation, compile_target, validate_file
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.report.gallery import Card, shrunk, start_picture, write_gallery
-from scenario_compiler.report.preview import draw_preview, draw_route, happenings_of, labels_of, section_of, way_ahead
+from scenario_compiler.report.happenings import happenings_of, last_known_time
+from scenario_compiler.report.preview import draw_preview, draw_route, labels_of, section_of, way_ahead
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.authoring import new_conflict
 from scenario_compiler.source.listing import Listed, list_library
+from scenario_compiler.vocabulary.actions import MessageAction
+from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
+from scenario_compiler.vocabulary.storyboard import (
+    Act,
+    ConditionGroup,
+    Event,
+    Maneuver,
+    ManeuverGroup,
+    Story,
+    StoryAction,
+    Storyboard,
+    Trigger,
+    TriggerCondition,
+)
 
 LIBRARY = library_folder()
 TEMPLATES = [one for one in list_library(LIBRARY / "templates", Diagnostics()) if one.kind == "template"]
@@ -92,8 +107,49 @@ def test_triggers_are_told_in_words(swerving: Compilation, crossing: Compilation
     assert [one.time for one in happenings_of(swerving.plan)] == [3.0, 5.5, 8.0, 10.5]
     (crosses,) = happenings_of(crossing.plan)
     assert crosses.time is None
-    assert crosses.trigger == "time gap entity ego to crossing_pedestrian1.walker below 3"
-    assert crosses.label.startswith("crossing_pedestrian1.walker: speed to 1.4 and lane change by 5")
+    assert crosses.trigger == "time gap of ego to crossing_pedestrian1.walker < 3 s"
+    assert crosses.label.startswith("crossing_pedestrian1.walker: speed to 1.4 m/s and lane change by 5")
+
+
+def test_openscenario_is_told_in_its_words_up_to_the_last_known_time() -> None:
+    plan = _compiled(str(Path(__file__).parent / "benchmarks/scripted.xosc")).plan
+    told = list(happenings_of(plan))
+    assert told[1].label == "cutting: Speed to 26 m/s over 4 s sinusoidal"
+    assert told[1].trigger == (
+        "TimeHeadway of first to cutting > 0.9 s freespace and SimulationTime > 9 s or SimulationTime > 14 s"
+    )
+    assert told[-1].label == "end of the run"
+    assert told[-1].trigger == "SimulationTime > 30 s or Collision of first with ahead"
+    assert plan.duration == 600.0
+    assert last_known_time(plan) == 16.0
+
+
+@pytest.mark.parametrize(
+    ("act", "event", "stop", "times", "last"),
+    [
+        (2.0, None, None, [2.0], 30.0),
+        (2.0, 5.0, 9.0, [5.0, 9.0], 9.0),
+        (6.0, 5.0, None, [6.0], 30.0),
+    ],
+)
+def test_an_event_comes_after_its_act_begins(
+    crossing: Compilation, act: float, event: float | None, stop: float | None, times: list[float], last: float
+) -> None:
+    done = Event(name="it", start=_at(event), actions=(StoryAction(name="it", action=MessageAction(text="go")),))
+    group = ManeuverGroup(name="it", maneuvers=(Maneuver(name="it", events=(done,)),))
+    board = Storyboard(
+        stories=(Story(name="it", acts=(Act(name="it", start=_at(act), groups=(group,)),)),), stop=_at(stop)
+    )
+    plan = crossing.plan.model_copy(update={"storyboard": board, "duration": 30.0})
+    assert [one.time for one in happenings_of(plan)] == times
+    assert last_known_time(plan) == last
+
+
+def _at(time: float | None) -> Trigger | None:
+    if time is None:
+        return None
+    condition = TriggerCondition(condition=SimulationTimeCondition(after=time))
+    return Trigger(groups=(ConditionGroup(conditions=(condition,)),))
 
 
 def test_a_row_is_labelled_once() -> None:

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
@@ -18,19 +17,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from scenario_compiler.expressions import Value
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Entity, Plan, StartPose
+from scenario_compiler.report.happenings import Happening, happenings_of, last_known_time
 from scenario_compiler.report.map_plot import draw_map, extent_of
 from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
 from scenario_compiler.report.surroundings import Window
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import LanePosition
-from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
-from scenario_compiler.vocabulary.grammar import grammar_of
-from scenario_compiler.vocabulary.scenario import parameter_values
-from scenario_compiler.vocabulary.storyboard import Event, TriggerCondition
-from scenario_compiler.vocabulary.word import Word, number_value
 
 SPACING = 4.0
 """Distance between two points of the way ahead, m."""
@@ -41,22 +35,10 @@ MARGIN = 30.0
 REACH = 400.0
 """How far the way ahead is drawn without a destination, m."""
 
+MORE = 1.15
+"""How much longer than up to the last known time the axis of time is."""
+
 COLOURS = {"ego": BLUE, "static": VERMILION, "dynamic": ORANGE}
-
-
-@dataclass(frozen=True, slots=True)
-class Happening:
-    """An event of the storyboard in words.
-
-    Attributes:
-        label: What happens, to whom.
-        trigger: What it waits for.
-        time: When that is at the parameters' defaults, s; None when it depends on the run.
-    """
-
-    label: str
-    trigger: str
-    time: float | None
 
 
 def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
@@ -153,50 +135,6 @@ def _between(begin: float, end: float, k: int, count: int) -> float:
     return begin + (end - begin) * k / count
 
 
-def happenings_of(plan: Plan) -> Iterator[Happening]:
-    """Yield every event of the storyboard in words, in document order."""
-    values = parameter_values(plan.parameters)
-    for group, event in plan.storyboard.events():
-        yield _happening(", ".join(group.actors), event, values)
-
-
-def _happening(actors: str, event: Event, values: Mapping[str, Value]) -> Happening:
-    done = " and ".join(said(one.action, values) for one in event.actions)
-    groups = event.start.groups if event.start is not None else ()
-    trigger = " or ".join(" and ".join(said(one.condition, values) for one in group.conditions) for group in groups)
-    return Happening(f"{actors}: {done}", trigger or "at once", _time_of(event, values))
-
-
-def _time_of(event: Event, values: Mapping[str, Value]) -> float | None:
-    """Return when an event comes that waits for the time alone, s."""
-    if event.start is None:
-        return 0.0
-    if len(event.start.groups) != 1:
-        return None
-    times = [_time_in(one, values) for one in event.start.groups[0].conditions]
-    known = [time for time in times if time is not None]
-    return max(known) if known and len(known) == len(times) else None
-
-
-def _time_in(one: TriggerCondition, values: Mapping[str, Value]) -> float | None:
-    if not isinstance(one.condition, SimulationTimeCondition):
-        return None
-    return number_value(one.condition.after, values) + number_value(one.delay, values)
-
-
-def said(word: Word, values: Mapping[str, Value]) -> str:
-    """Return a word in a reader's words: its name and what was said of it."""
-    parts = [word.tag().replace("_", " ")]
-    for rule in grammar_of(type(word)).attributes.values():
-        value = getattr(word, rule.field)
-        if value == rule.default or value in (None, ""):
-            continue
-        if rule.kind in ("number", "fixed_number"):
-            value = f"{number_value(value, values):g}"
-        parts.append(f"{rule.name.replace('_', ' ')} {value}")
-    return " ".join(parts)
-
-
 def _draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> None:
     draw_map(axes, network, window)
     way = way_ahead(plan, network)
@@ -244,35 +182,38 @@ def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float, label: str
 
 
 def _draw_times(axes: Axes, plan: Plan, happenings: list[Happening]) -> None:
-    axes.set_xlim(0.0, plan.duration)
+    """Draw a row a happening: a mark at its time, or what it waits for over the whole of the time that is shown.
+
+    The axis ends after the last time that is known; where none is, it has no numbers.
+    """
+    last = last_known_time(plan)
+    end = min(plan.duration, MORE * last) if last else plan.duration
+    axes.set_xlim(0.0, end)
     axes.set_ylim(-0.5, max(1, len(happenings)) - 0.5)
     axes.invert_yaxis()
-    axes.set_yticks(range(len(happenings)), [_shortened(one.label) for one in happenings], fontsize=7.5)
-    axes.set_xlabel("time, s", fontsize=8)
+    axes.set_yticks(range(len(happenings)), [_shortened(one.label, 62) for one in happenings], fontsize=7.5)
     axes.tick_params(axis="x", labelsize=8)
+    axes.set_xlabel("time, s" if last else "time", fontsize=8)
+    if not last:
+        axes.set_xticks([])
     for row, one in enumerate(happenings):
         if one.time is None:
-            axes.barh(row, plan.duration, height=0.6, color=GREY, alpha=0.18)
-            axes.text(0.01 * plan.duration, row, f"when {one.trigger}", va="center", fontsize=7.5)
+            axes.barh(row, end, height=0.6, color=GREY, alpha=0.18)
+            axes.text(0.01 * end, row, _shortened(f"when {one.trigger}", 116), va="center", fontsize=7.5)
             continue
         axes.plot([one.time], [row], marker="D", color=VERMILION, markersize=6, clip_on=False)
-        late = one.time > 0.7 * plan.duration
+        late = one.time > 0.7 * end
         shift = -0.015 if late else 0.015
         axes.text(
-            one.time + shift * plan.duration,
-            row,
-            f"{one.time:g} s",
-            va="center",
-            ha="right" if late else "left",
-            fontsize=7.5,
+            one.time + shift * end, row, f"{one.time:g} s", va="center", ha="right" if late else "left", fontsize=7.5
         )
     if not happenings:
-        axes.text(0.5 * plan.duration, 0, "nothing is triggered", ha="center", va="center", fontsize=8, color=GREY)
+        axes.text(0.5 * end, 0, "nothing is triggered", ha="center", va="center", fontsize=8, color=GREY)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 
 
-def _shortened(text: str, most: int = 62) -> str:
+def _shortened(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
