@@ -78,6 +78,39 @@ def test_an_unreadable_file_is_reported_and_passed_over(tmp_path: Path) -> None:
     assert [one.code.id for one in sink] == ["SC102"]
 
 
+def test_openscenario_is_listed_with_what_it_varies(tmp_path: Path) -> None:
+    road = '<RoadNetwork><LogicFile filepath="../maps/bends.xodr"/></RoadNetwork>'
+    (tmp_path / "it.xosc").write_text(
+        '<OpenSCENARIO><FileHeader revMajor="1" revMinor="2" date="2026-01-01T00:00:00" description="It" author="Us"/>'
+        f"{road}<Entities/><Storyboard/></OpenSCENARIO>"
+    )
+    single = (
+        '<DeterministicSingleParameterDistribution parameterName="{}">{}</DeterministicSingleParameterDistribution>'
+    )
+    listed = single.format("gap", '<DistributionSet><Element value="1"/><Element value="2"/></DistributionSet>')
+    car = single.format("car", '<DistributionSet><Element value="a,b"/><Element value="c"/></DistributionSet>')
+    (tmp_path / "values.xosc").write_text(
+        '<OpenSCENARIO><FileHeader revMajor="1" revMinor="2" date="2026-01-01T00:00:00" description="" author=""/>'
+        '<ParameterValueDistribution><ScenarioFile filepath="it.xosc"/>'
+        f"<Deterministic>{listed}{car}</Deterministic></ParameterValueDistribution></OpenSCENARIO>"
+    )
+    sink = Diagnostics()
+    plain, values = list_library(tmp_path, sink)
+    assert not list(sink)
+    assert (plain.name, plain.map, plain.summary, plain.source, plain.varied) == ("it", "bends", "It", "Us", ())
+    assert (values.name, values.map, values.summary) == ("values", "bends", "varies it.xosc")
+    assert values.varied == (("gap", "values(1, 2)"), ("car_number 0", "car = a,b"), ("car_number 1", "car = c"))
+
+
+def test_a_conflict_is_listed_with_what_it_varies(tmp_path: Path) -> None:
+    (tmp_path / "it.xml").write_text(
+        '<scenarios version="1"><scenario name="it" map="town_grid"><parameter name="gap" type="time" default="2"/>'
+        '<vary><uniform parameter="gap" least="1" greatest="3"/></vary></scenario></scenarios>'
+    )
+    (row,) = list_library(tmp_path, Diagnostics())
+    assert row.varied == (("gap", "uniform(1, 3)"),)
+
+
 @pytest.mark.parametrize("template", TEMPLATES, ids=lambda row: row.name)
 def test_a_new_conflict_is_valid(template: Listed, tmp_path: Path) -> None:
     path = tmp_path / "mine.xml"

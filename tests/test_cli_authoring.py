@@ -40,6 +40,19 @@ def test_a_file_is_listed_as_a_gallery_with_a_picture_each() -> None:
     assert "obstacle_ahead" in page
 
 
+def test_what_a_file_of_openscenario_varies_is_listed(corpus: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("list", corpus / "esmini/resources/xosc/cut-in_parameter_set.xosc") == 0
+    out = capsys.readouterr().out
+    assert "varies cut-in.xosc" in out
+    assert "grid(1.1, 1.5, 3)" in out
+    assert "template" not in out
+
+
+def test_a_folder_without_scenarios_is_said_to_be_one(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("list", folder) == 0
+    assert "no conflict and no template in" in capsys.readouterr().err
+
+
 def test_a_folder_that_is_not_there_is_wrong_use() -> None:
     assert call("list", "nowhere") == 2
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -55,21 +56,38 @@ def add(commands: Commands) -> None:
 
 def list_command(options: argparse.Namespace) -> int:
     """Show what a library holds."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
     sink = new_sink(options)
     listed = list(_listed(options, sink))
     if options.html is not None:
         return _write_gallery(options, listed, sink)
-    for kind in ("conflict", "template"):
-        table = Table(kind, "Gold", "map", "what happens", box=box.SIMPLE_HEAD, pad_edge=False)
-        for one in listed:
-            if one.kind == kind:
-                table.add_row(one.name, one.gold, one.map, one.summary)
-        Console().print(table)
+    _print_tables(listed)
+    if not listed:
+        print(f"no conflict and no template in {', '.join(map(str, options.paths))}", file=sys.stderr)
     return AT_FAULT if show(sink, options) else FINE
+
+
+def _print_tables(listed: list[Listed]) -> None:
+    """Print a table of the conflicts, one of the templates and one of what varies, those that have a row."""
+    from rich import box
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Column, Table
+
+    def rows_of(kind: str) -> list[tuple[str, ...]]:
+        return [(one.name, one.gold, one.map, one.summary) for one in listed if one.kind == kind]
+
+    tables: list[tuple[tuple[str, ...], list[tuple[str, ...]]]] = [
+        (("conflict", "Gold", "map", "what happens"), rows_of("conflict")),
+        (("template", "Gold", "map", "what happens"), rows_of("template")),
+        (("conflict", "varied", "values"), [(one.name, *varied) for one in listed for varied in one.varied]),
+    ]
+    for heading, rows in tables:
+        columns = [Column(header, overflow="fold") for header in heading]
+        table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
+        for row in rows:
+            table.add_row(*map(escape, row))
+        if rows:
+            Console().print(table)
 
 
 def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
