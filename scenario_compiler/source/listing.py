@@ -76,21 +76,19 @@ def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
 
 def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
     """Return the scenario of a file, or the one that a file of values is for, with these."""
-    root = source.document.root
-    header, logic = root.find("{*}FileHeader"), root.find("{*}RoadNetwork/{*}LogicFile")
-    told: Mapping[str, str] = {} if header is None else dict(header.attrib)
-    varies = "" if source.variation is None else f"varies {Path(source.document.path).name}"
+    root, variation = source.document.root, source.variation
+    header = root.find("{*}FileHeader")
+    logic = root.find("{*}RoadNetwork/{*}LogicFile")
+    described = "" if header is None else header.get("description", "")
     return Listed(
         kind="conflict",
         target=str(path),
         name=name,
-        summary=told.get("description", "")
-        if source.variation is None
-        else f"varies {Path(source.document.path).name}",
-        source=told.get("author", ""),
-        map=PurePosixPath(logic.get("filepath", "")).stem if logic is not None else "",
+        summary=described if variation is None else f"varies {Path(source.document.path).name}",
+        source="" if header is None else header.get("author", ""),
+        map="" if logic is None else PurePosixPath(logic.get("filepath", "")).stem,
         gold="",
-        varied=() if source.variation is None else tuple(_varied(source.variation.vary, source.variation.sets)),
+        varied=() if variation is None else tuple(_varied(variation.vary, variation.sets)),
     )
 
 
