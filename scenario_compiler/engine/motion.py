@@ -12,7 +12,7 @@ from math import cos, pi, sin, tan
 
 from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.following import follow_leader
-from scenario_compiler.engine.numbers import clip, heading_in_circle, is_number, length_of
+from scenario_compiler.engine.numbers import CIRCLE, clip, heading_in_circle, is_number, length_of
 from scenario_compiler.engine.opcodes import (
     FAULT_NOT_FINITE,
     FAULT_UNKNOWN_MOTION,
@@ -37,9 +37,18 @@ from scenario_compiler.engine.state import State
 from scenario_compiler.engine.surroundings import grip
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_curvature, road_pose
+from scenario_compiler.roads.geometry import piece_curvature, road_piece_at, road_pose
 from scenario_compiler.roads.lane_end import lane_after_end
-from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_place
+from scenario_compiler.roads.lanes import (
+    BORDER_TOLERANCE,
+    lane_at,
+    lane_centre,
+    lane_direction,
+    lane_row_in,
+    row_place,
+    row_width,
+    section_at,
+)
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
 
@@ -47,6 +56,37 @@ STEER_RATE = 0.7
 """Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
 driver's.
 """
+
+
+@compiled
+def look_here(n: RoadTables, st: State, i: int) -> None:
+    """Find the lane's row and the road's piece below an entity on a road, and how far along s both go on.
+
+    They hold for many steps, so they are kept. Without such a lane they hold for this place alone.
+    """
+    road = st.road[i]
+    lane = st.kept_lane[i]
+    s = st.s[i]
+    if s >= st.here_from[i] and s < st.here_to[i] and st.here_road[i] == road and st.here_lane[i] == lane:
+        return
+    piece = road_piece_at(n, road, s)
+    section = section_at(n, road, s)
+    row = lane_row_in(n, section, lane)
+    begin = n.piece_s[piece]
+    end = n.road_length[road]
+    if piece + 1 < n.road_piece[road + 1]:
+        end = n.piece_s[piece + 1]
+    if row < 0:
+        end = begin
+    else:
+        begin = max(begin, n.section_s[section])
+        end = min(end, n.section_end[section])
+    st.here_road[i] = road
+    st.here_lane[i] = lane
+    st.here_from[i] = begin
+    st.here_to[i] = end
+    st.here_row[i] = row
+    st.here_piece[i] = piece
 
 
 @compiled
@@ -60,13 +100,28 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
         st.x[i] += distance * cos(st.h[i])
         st.y[i] += distance * sin(st.h[i])
         return
-    lane = st.kept_lane[i]
+    look_here(n, st, i)
     s = st.s[i]
-    stretch = 1.0 - road_curvature(n, road, s) * st.t[i]
+    stretch = 1.0 - piece_curvature(n, st.here_piece[i], s) * st.t[i]
     if stretch < 0.1:
         stretch = 0.1
-    sense = st.facing[i] * lane_direction(n, road, lane)
-    ahead = sense * distance / stretch
+    to_s = s + st.facing[i] * distance / stretch
+    if to_s >= st.here_from[i] and to_s < st.here_to[i]:
+        st.s[i] = to_s
+    else:
+        glide_beyond(n, p, st, i, st.facing[i] * distance / stretch)
+        look_here(n, st, i)
+
+
+@compiled
+def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> None:
+    """Move a scripted entity by a distance along s that takes it to where another lane's row or piece begins."""
+    road = st.road[i]
+    lane = st.kept_lane[i]
+    s = st.s[i]
+    direction = lane_direction(n, road, lane)
+    ahead = direction * along
+    sense = st.facing[i] * direction
     to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
     if rest > TOLERANCE:
         forward = 1 if ahead > 0.0 else -1
@@ -91,13 +146,21 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
 @compiled
 def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Evaluate the pose of a scripted entity and the lane that its point is in; off every road it is kept."""
-    road = st.road[i]
-    if road < 0:
+    if st.road[i] < 0:
         return
+    look_here(n, st, i)
+    place_here(n, st, i)
+
+
+@compiled
+def place_here(n: RoadTables, st: State, i: int) -> None:
+    """Do what `place_scripted` does, on the row and the piece that are known."""
+    road = st.road[i]
     s = st.s[i]
     lane = st.kept_lane[i]
     off = st.kept_off[i]
-    x, y, z, h, pitch, roll, t = lane_place(n, road, lane, s, off)
+    row = st.here_row[i]
+    x, y, z, h, pitch, roll, t = row_place(n, road, row, st.here_piece[i], s, off)
     st.x[i] = x
     st.y[i] = y
     st.z[i] = z
@@ -105,11 +168,12 @@ def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
         h = h + pi
         pitch = -pitch
         roll = -roll
-    st.h[i] = heading_in_circle(h + st.turn[i])
+    h = h + st.turn[i]
+    st.h[i] = h if h > 0.0 and h < CIRCLE else heading_in_circle(h)
     st.pitch[i] = pitch
     st.roll[i] = roll
     st.t[i] = t
-    if off != 0.0:
+    if off != 0.0 and (row < 0 or abs(off) >= 0.5 * row_width(n, row, s) - BORDER_TOLERANCE):
         inside = lane_at(n, road, s, t)
         if inside not in (0, lane):
             lane = inside
@@ -138,7 +202,8 @@ def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
     stood = st.ended[i]
     st.ended[i] = 0
     glide(n, p, st, i, st.v[i] * dt)
-    place_scripted(n, p, st, i)
+    if st.road[i] >= 0:
+        place_here(n, st, i)
     if stood == 1 and st.ended[i] == 1:
         st.v[i] = 0.0
 

@@ -54,6 +54,12 @@ def reset_entities(p: Program, st: State) -> None:
         st.odometer[i] = 0.0
         st.ended[i] = 0
         st.moved[i] = 0
+        st.here_road[i] = NONE
+        st.here_lane[i] = 0
+        st.here_from[i] = 0.0
+        st.here_to[i] = -1.0
+        st.here_row[i] = NONE
+        st.here_piece[i] = 0
         st.longitudinal[i] = NONE
         st.lateral[i] = NONE
         st.guide[i] = p.entity_guide[i]

@@ -69,6 +69,14 @@ class State:
     kept_lane: list[int]
     """Lane that a scripted entity is led by: its own, or the target of a lane change."""
     kept_off: list[float]
+    here_road: list[int]
+    """Where the lane's row and the road's piece below were found last: road and lane."""
+    here_lane: list[int]
+    here_from: list[float]
+    """First and last s that they hold for; last is before first where they hold for none."""
+    here_to: list[float]
+    here_row: list[int]
+    here_piece: list[int]
     odometer: list[float]
     still: list[float]
     """How long the entity has stood, s; negative while it moves."""
@@ -374,6 +382,12 @@ _ENTITY = (
         "turn",
         "kept_lane",
         "kept_off",
+        "here_road",
+        "here_lane",
+        "here_from",
+        "here_to",
+        "here_row",
+        "here_piece",
         "odometer",
         "ended",
         "visible",

@@ -74,7 +74,7 @@ def piece_point(n: RoadTables, piece: int, s: float) -> tuple[float, float, floa
     kind = n.piece_kind[piece]
     h = n.piece_h[piece]
     if kind == LINE:
-        return n.piece_x[piece] + d * cos(h), n.piece_y[piece] + d * sin(h), h, 0.0, 1.0
+        return n.piece_x[piece] + d * n.piece_cos[piece], n.piece_y[piece] + d * n.piece_sin[piece], h, 0.0, 1.0
     if kind == POLYNOMIAL:
         return polynomial_point(n, piece, d)
     k = n.piece_k[piece]
@@ -131,19 +131,18 @@ def road_reference(n: RoadTables, road: int, s: float) -> tuple[float, float, fl
 
 
 @compiled
-def road_curvature(n: RoadTables, road: int, s: float) -> float:
-    """Return the curvature of the reference line, 1/m, positive to the left."""
-    piece = road_piece_at(n, road, s)
-    kind = n.piece_kind[piece]
-    if kind == LINE:
-        return 0.0
-    if kind == POLYNOMIAL:
+def piece_curvature(n: RoadTables, piece: int, s: float) -> float:
+    """Return the curvature of a piece at s, 1/m, positive to the left."""
+    if n.piece_kind[piece] == POLYNOMIAL:
         _, _, _, curvature, _ = polynomial_point(n, piece, s - n.piece_s[piece])
         return curvature
-    k = n.piece_k[piece]
-    if kind == ARC:
-        return k
-    return k + n.piece_dk[piece] * (s - n.piece_s[piece])
+    return n.piece_k[piece] + n.piece_dk[piece] * (s - n.piece_s[piece])
+
+
+@compiled
+def road_curvature(n: RoadTables, road: int, s: float) -> float:
+    """Return the curvature of the reference line, 1/m, positive to the left."""
+    return piece_curvature(n, road_piece_at(n, road, s), s)
 
 
 @compiled
@@ -286,8 +285,12 @@ def road_frame(n: RoadTables, road: int, s: float, t: float) -> tuple[float, flo
 @compiled
 def road_pose(n: RoadTables, road: int, s: float, t: float) -> tuple[float, float, float, float, float, float]:
     """Return (x, y, z, heading along s, pitch, roll) of the point (s, t) on the road surface."""
-    x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)
+    piece = road_piece_at(n, road, s)
+    x, y, h, _, _ = piece_point(n, piece, s)
     along, across, z, pitch, roll = road_frame(n, road, s, t)
-    c = cos(h)
-    w = sin(h)
+    c = n.piece_cos[piece]
+    w = n.piece_sin[piece]
+    if h != n.piece_h[piece]:
+        c = cos(h)
+        w = sin(h)
     return x + along * c - across * w, y + along * w + across * c, z, wrap_heading(h), pitch, roll

@@ -258,8 +258,15 @@ def lane_place(
     n: RoadTables, road: int, lane: int, s: float, offset: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return what `lane_pose` does, and t of the point."""
-    x, y, h, _, _ = piece_point(n, road_piece_at(n, road, s), s)
-    row = lane_row(n, road, lane, s)
+    return row_place(n, road, lane_row(n, road, lane, s), road_piece_at(n, road, s), s, offset)
+
+
+@compiled
+def row_place(
+    n: RoadTables, road: int, row: int, piece: int, s: float, offset: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return what `lane_place` does, on a known row of the lane (-1: it does not exist) and piece of the road."""
+    x, y, h, _, _ = piece_point(n, piece, s)
     if row < 0:
         centre = lane_offset(n, road, s)
         slope = cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
@@ -279,8 +286,11 @@ def lane_place(
     heading = h
     if slope != 0.0:
         heading = h + atan(slope)
-    c = cos(h)
-    w = sin(h)
+    c = n.piece_cos[piece]
+    w = n.piece_sin[piece]
+    if h != n.piece_h[piece]:
+        c = cos(h)
+        w = sin(h)
     return x + along * c - across * w, y + along * w + across * c, z, wrap_heading(heading), pitch, roll, t
 
 

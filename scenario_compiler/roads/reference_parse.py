@@ -105,6 +105,8 @@ def _append_piece(
     n.piece_x.append(x)
     n.piece_y.append(y)
     n.piece_h.append(h)
+    n.piece_cos.append(cos(h))
+    n.piece_sin.append(sin(h))
     n.piece_k.append(k)
     n.piece_dk.append(dk)
     n.piece_kind.append(kind)

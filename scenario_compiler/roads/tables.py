@@ -53,7 +53,8 @@ class RoadTables:
             linked there.
         exit_road, exit_contact: Such a road and its end that is touched.
         piece_s, piece_x, piece_y, piece_h: s, position and heading at the piece's start.
-        piece_k, piece_dk: Curvature there, 1/m, and its rate, 1/m2.
+        piece_cos, piece_sin: Cosine and sine of that heading.
+        piece_k, piece_dk: Curvature there, 1/m, and its rate, 1/m2; 0 of lines and polynomials.
         piece_kind: LINE, ARC, SPIRAL or POLYNOMIAL.
         piece_poly: Row of the polynomial's coefficients, or -1.
         poly_au .. poly_dv: Coefficients of u(p) and v(p) in the frame of the piece's start.
@@ -129,7 +130,8 @@ class RoadTables:
             "exit_road",
             "exit_contact",
         ),
-        *("piece_s", "piece_x", "piece_y", "piece_h", "piece_k", "piece_dk", "piece_kind", "piece_poly"),
+        *("piece_s", "piece_x", "piece_y", "piece_h", "piece_cos", "piece_sin", "piece_k"),
+        *("piece_dk", "piece_kind", "piece_poly"),
         *(
             "cell_piece",
             "poly_au",
@@ -206,6 +208,8 @@ class RoadTables:
     piece_x: list[float]
     piece_y: list[float]
     piece_h: list[float]
+    piece_cos: list[float]
+    piece_sin: list[float]
     piece_k: list[float]
     piece_dk: list[float]
     piece_kind: list[int]
