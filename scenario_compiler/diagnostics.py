@@ -153,8 +153,11 @@ MOST_COMPARED = 200
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return a hint naming the nearest of `known`, or listing them when none is near and they are few."""
-    names = sorted(set(known))
+    """Return a hint naming the nearest of `known`, or listing them when none is near and they are few.
+
+    A name that is empty, as where an author has left it out, is not offered.
+    """
+    names = sorted({name for name in known if name.strip()})
     alike = names if len(names) <= MOST_COMPARED else [name for name in names if name[:1] == word[:1]][:MOST_COMPARED]
     near = difflib.get_close_matches(word, alike, n=1, cutoff=0.6)
     if near:

@@ -75,6 +75,19 @@ def test_what_cannot_begin_a_conflict_is_said_so(
     assert list(Path().iterdir()) == []
 
 
+def test_a_name_that_was_left_out_is_not_offered(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("it.xml").write_text(
+        '<scenarios version="1"><scenario name="" map="a"/><scenario name="b" map="a"/></scenarios>'
+    )
+    assert call("run", "it.xml") == 2
+    assert capsys.readouterr().err.rstrip().endswith("name one as FILE#name: b")
+
+
+def test_brackets_hold_a_hint_or_are_not_there(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("explain", "FOO") == 2
+    assert capsys.readouterr().err == "scenario-compiler: there is no code 'FOO'\n"
+
+
 def test_a_new_conflict_does_not_overwrite() -> None:
     Path("mine.xml").write_text("keep me")
     assert call("new", "mine", "--from", "blocked_lane") == 2

@@ -93,6 +93,9 @@ def test_record_holds_plain_values() -> None:
         ("xyz", ["b", "a"], "known: a, b"),
         ("xyz", [str(i) for i in range(13)], ""),
         ("xyz", [], ""),
+        ("xyz", ["", " ", "a"], "known: a"),
+        ("", ["", "distance"], "known: distance"),
+        ("x", [""], ""),
     ],
 )
 def test_did_you_mean(word: str, known: list[str], hint: str) -> None:

@@ -20,8 +20,9 @@ from scenario_compiler.cli.options import (
     compiled,
     new_sink,
     show,
+    suggestion,
 )
-from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Diagnostics
 
 if TYPE_CHECKING:
     from scenario_compiler.report.gallery import Card
@@ -140,7 +141,7 @@ def new_command(options: argparse.Namespace) -> int:
     templates = {one.name: one for one in listed if one.kind == "template"}
     chosen = templates.get(options.template)
     if chosen is None:
-        raise WrongUse(f"there is no template '{options.template}' ({did_you_mean(options.template, templates)})")
+        raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
     file.write_text(new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters), encoding="utf-8")
     print(file)
     return AT_FAULT if show(sink, options) else FINE

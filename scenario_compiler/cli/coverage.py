@@ -7,9 +7,8 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, suggestion
 from scenario_compiler.coverage import TABLES
-from scenario_compiler.diagnostics import did_you_mean
 
 if TYPE_CHECKING:
     from scenario_compiler.coverage.table import Table
@@ -29,7 +28,7 @@ def coverage_command(options: argparse.Namespace) -> int:
 
     for language in options.languages:
         if language not in TABLES:
-            raise WrongUse(f"there is no language '{language}' ({did_you_mean(language, TABLES)})")
+            raise WrongUse(f"there is no language '{language}'{suggestion(language, TABLES)}")
     tables = [table_of(language) for language in options.languages or TABLES]
     if options.format == "json":
         print(json.dumps({table.language: table.records() for table in tables}, indent=1))

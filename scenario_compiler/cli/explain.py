@@ -6,8 +6,8 @@ import argparse
 import importlib
 import textwrap
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse
-from scenario_compiler.diagnostics import CODES, did_you_mean
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, suggestion
+from scenario_compiler.diagnostics import CODES
 
 CODE_HOMES = (
     "compiler",
@@ -33,7 +33,7 @@ def explain_command(options: argparse.Namespace) -> int:
         importlib.import_module(f"scenario_compiler.{module}")
     code = CODES.get(options.code.upper())
     if code is None:
-        raise WrongUse(f"there is no code '{options.code}' ({did_you_mean(options.code.upper(), CODES)})")
+        raise WrongUse(f"there is no code '{options.code}'{suggestion(options.code.upper(), CODES)}")
     print(f"{code.id} {code.name} ({code.severity.value})\n")
     parts = code.explanation.split("\n\n")
     print("\n\n".join(part if part.startswith("    ") else textwrap.fill(part, 100) for part in parts))

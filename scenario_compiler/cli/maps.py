@@ -6,8 +6,17 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_diagnostics, add_maps, show
-from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    show,
+    suggestion,
+)
+from scenario_compiler.diagnostics import Diagnostics
 
 if TYPE_CHECKING:
     from scenario_compiler.document import Document
@@ -43,7 +52,7 @@ def _map_file(options: argparse.Namespace) -> Path:
     try:
         return find_map(options.file, folders=options.maps)
     except MapNotFoundError as missing:
-        raise WrongUse(f"{missing} ({did_you_mean(options.file, known_maps(options.maps))})") from None
+        raise WrongUse(f"{missing}{suggestion(options.file, known_maps(options.maps))}") from None
 
 
 def _loaded_map(options: argparse.Namespace) -> tuple[Document, Network] | None:

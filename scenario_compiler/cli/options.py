@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
-from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did_you_mean
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
@@ -23,6 +23,12 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 class WrongUse(Exception):
     """The command was used in a way that cannot work; the message says which."""
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """Return what to put behind a word that is not known: what may be meant, in brackets; nothing where none is."""
+    hint = did_you_mean(word, known)
+    return f" ({hint})" if hint else ""
 
 
 def add_scenario(parser: argparse.ArgumentParser) -> None:

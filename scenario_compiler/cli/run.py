@@ -19,8 +19,9 @@ from scenario_compiler.cli.options import (
     compiled,
     new_sink,
     show,
+    suggestion,
 )
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 
 if TYPE_CHECKING:
     from scenario_compiler.plan.model import Plan
@@ -118,7 +119,7 @@ def run_command(options: argparse.Namespace) -> int:
     from scenario_compiler.worlds import WORLDS
 
     if options.world not in WORLDS:
-        raise WrongUse(f"there is no world '{options.world}' ({did_you_mean(options.world, WORLDS)})")
+        raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
     if options.output is not None and not options.force and _is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     if options.show is not None and options.output is None:

@@ -196,7 +196,9 @@ class Binder:
                 UNKNOWN_LANE,
                 f"road '{position.road}' has no lane {lane} at s = {s:g} m",
                 position.place_of("lane"),
-                hint=f"lanes there: {', '.join(map(str, lanes))}" if nearest is None else f"lane {nearest} is meant",
+                hint=f"lanes there: {', '.join(map(str, lanes)) or 'none'}"
+                if nearest is None
+                else f"lane {nearest} is meant",
                 severity=Severity.ERROR if nearest is None else Severity.WARNING,
             )
             if nearest is None:
@@ -266,7 +268,7 @@ class Binder:
         away_x, away_y, _, turned = header.offset
         dx, dy = x - away_x, y - away_y
         c, w = math.cos(turned), math.sin(turned)
-        placed = FreePosition(x=dx * c + dy * w, y=dy * c - dx * w, heading=position.heading)
+        placed = FreePosition.model_construct(x=dx * c + dy * w, y=dy * c - dx * w, heading=position.heading)
         return placed.written_at(position.origin)
 
     def _spawn_points(self) -> Mapping[str, Position]:
@@ -314,7 +316,11 @@ class Binder:
             return self._bind_listed(listed[drawn], position, center)
         bound = [self._bind_listed(one, position, center) for one in listed]
         places = tuple(one for one in bound if isinstance(one, LanePosition))
-        return AnyOfPosition(places=places).written_at(position.origin) if len(places) == len(listed) else None
+        return (
+            AnyOfPosition.model_construct(places=places).written_at(position.origin)
+            if len(places) == len(listed)
+            else None
+        )
 
     def _bind_random(self, position: RandomPosition) -> RandomPosition | None:
         known = [self.on_road(position, road, 0.0, "roads") for road in position.roads]
@@ -470,4 +476,4 @@ def wrap(angle: float) -> float:
 
 
 def _start_pose(pose: Pose, heading: float) -> StartPose:
-    return StartPose(x=pose.x, y=pose.y, z=pose.z, heading=heading % (2 * math.pi))
+    return StartPose.model_construct(x=pose.x, y=pose.y, z=pose.z, heading=heading % (2 * math.pi))

@@ -86,7 +86,7 @@ def expand(
     """
     known = tuple(source.scenarios)
     if name is None and len(known) > 1:
-        raise ScenarioNameNeededError(known)
+        raise ScenarioNameNeededError(tuple(name for name in known if name))
     chosen = known[0] if name is None and known else name
     if chosen is None or chosen not in source.scenarios:
         message = f"there is no scenario '{chosen}'" if chosen else "the file holds no scenario"
