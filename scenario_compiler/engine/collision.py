@@ -6,7 +6,7 @@ from math import cos, sin
 
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.numbers import safe_sqrt
-from scenario_compiler.engine.opcodes import EVENT_COLLISION, NONE
+from scenario_compiler.engine.opcodes import EVENT_COLLISION, FAR, NONE
 from scenario_compiler.engine.slots import E_CENTER, E_HEIGHT, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -19,19 +19,23 @@ TTC_RANGE = 100.0
 @compiled
 def reported_entity(p: Program) -> int:
     """Return the vehicle whose collisions and time to collision are noted: the ego, without one the first entity."""
-    return max(p.ego[0], 0)
+    return p.ego[0] if p.ego[0] >= 0 else 0
 
 
 @compiled
 def update_boxes(p: Program, st: State) -> None:
     """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted)."""
     for i in range(p.entity_count[0]):
-        base = p.entity_const[i]
-        st.middle_x[i] = st.x[i] + p.const[base + E_CENTER] * cos(st.h[i])
-        st.middle_y[i] = st.y[i] + p.const[base + E_CENTER] * sin(st.h[i])
-    for k in range(1, p.entity_count[0]):
+        center = p.const[p.entity_const[i] + E_CENTER]
+        st.middle_x[i] = st.x[i] + center * cos(st.h[i])
+        st.middle_y[i] = st.y[i] + center * sin(st.h[i])
+    before = -FAR
+    for k in range(p.entity_count[0]):
         i = st.order[k]
         left = st.middle_x[i] - st.reach[i]
+        if left >= before:
+            before = left
+            continue
         at = k
         while at > 0 and st.middle_x[st.order[at - 1]] - st.reach[st.order[at - 1]] > left:
             st.order[at] = st.order[at - 1]
@@ -108,8 +112,9 @@ def check_collisions(p: Program, st: State) -> None:
             if overlap(p, st, i, st.order[b]) == 1:
                 note_collision(p, st, i, st.order[b])
             b = b + 1
-    for i in range(count):
-        st.contact[i] = 1 if st.contact[i] == 2 else 0
+    if st.crashed[0] == 1:
+        for i in range(count):
+            st.contact[i] = 1 if st.contact[i] == 2 else 0
 
 
 @compiled
@@ -126,6 +131,9 @@ def ego_ttc(p: Program, st: State, ego: int, j: int, c: float, s: float) -> floa
         return -1.0
     turned = st.h[j] - st.h[ego]
     c_turned = cos(turned)
+    closing = st.v[ego] - st.v[j] * c_turned
+    if closing < 0.01:
+        return -1.0
     s_turned = abs(sin(turned))
     a = p.entity_const[ego]
     b = p.entity_const[j]
@@ -135,9 +143,6 @@ def ego_ttc(p: Program, st: State, ego: int, j: int, c: float, s: float) -> floa
     if abs(dy * c - dx * s) >= side:
         return -1.0
     gap = ahead - 0.5 * p.const[a + E_LENGTH] - long * abs(c_turned) - wide * s_turned
-    closing = st.v[ego] - st.v[j] * c_turned
-    if closing < 0.01:
-        return -1.0
     return max(gap, 0.0) / closing
 
 

@@ -8,11 +8,11 @@ middle of the nearest lane that does. The bicycle is the usual kinematic one abo
 
 from __future__ import annotations
 
-from math import cos, pi, sin, tan
+from math import cos, pi, sin, sqrt, tan
 
 from scenario_compiler.engine.faults import fault
 from scenario_compiler.engine.following import follow_leader
-from scenario_compiler.engine.numbers import CIRCLE, clip, heading_in_circle, is_number, length_of
+from scenario_compiler.engine.numbers import CIRCLE, LARGEST, clip, heading_in_circle
 from scenario_compiler.engine.opcodes import (
     FAULT_NOT_FINITE,
     FAULT_UNKNOWN_MOTION,
@@ -36,6 +36,7 @@ from scenario_compiler.engine.slots import (
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.surroundings import grip
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.watching import watch_entity
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import piece_curvature, road_piece_at, road_pose
 from scenario_compiler.roads.lane_end import lane_after_end
@@ -258,18 +259,28 @@ def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 @compiled
 def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """After all have moved: places on the road, distance covered, acceleration, and numbers that are none."""
+    """After all have moved: places on the road, distance covered, acceleration, what is watched; and no numbers."""
+    watches = p.watches[0]
     for i in range(p.entity_count[0]):
-        kind = p.entity_motion[i]
-        if is_number(st.x[i] + st.y[i] + st.h[i] + st.v[i] + st.steer[i]) == 0:
+        x = st.x[i]
+        y = st.y[i]
+        v = st.v[i]
+        total = x + y + st.h[i] + v + st.steer[i]
+        if not (total > -LARGEST and total < LARGEST):
             fault(st, FAULT_NOT_FINITE, i)
             return
-        if kind in (MOTION_BICYCLE, MOTION_POSED) and st.present[i] == 1:
+        kind = p.entity_motion[i]
+        if kind >= MOTION_BICYCLE and kind <= MOTION_POSED and st.present[i] == 1:
             locate_ego(n, p, st, i)
             if kind == MOTION_BICYCLE:
                 settle(n, st, i)
-        st.odometer[i] += length_of(st.x[i] - st.last_x[i], st.y[i] - st.last_y[i])
-        st.a[i] = (st.v[i] - st.last_v[i]) / dt if dt > 0.0 else 0.0
-        st.last_x[i] = st.x[i]
-        st.last_y[i] = st.y[i]
-        st.last_v[i] = st.v[i]
+        dx = x - st.last_x[i]
+        dy = y - st.last_y[i]
+        st.odometer[i] += sqrt(dx * dx + dy * dy)
+        st.a[i] = (v - st.last_v[i]) / dt if dt > 0.0 else 0.0
+        st.last_x[i] = x
+        st.last_y[i] = y
+        st.last_v[i] = v
+        st.moved[i] = 0
+        if watches != 0 and st.present[i] == 1:
+            watch_entity(n, st, i, watches, dt)

@@ -39,6 +39,7 @@ from scenario_compiler.roads.tables import RoadTables
 @compiled
 def reset_entities(p: Program, st: State) -> None:
     """Clear the entities' columns and set their speeds."""
+    st.trains[0] = 0
     for i in range(p.entity_count[0]):
         base = p.entity_const[i]
         st.present[i] = p.entity_present[i]

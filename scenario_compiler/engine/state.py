@@ -107,8 +107,10 @@ class State:
     towed: list[int]
     """Trailer that it tows, or NONE."""
     towed_by: list[int]
+    trains: list[int]
+    """1 from the first trailer that is connected on; one element."""
     moved: list[int]
-    """1 when an action has moved the entity in this step."""
+    """1 when an action has moved the entity in this step; taking stock clears it."""
     longitudinal: list[int]
     """Action that changes the entity's speed, or -1."""
     lateral: list[int]

@@ -41,7 +41,7 @@ from scenario_compiler.engine.storyboard import displace, run_triggers, trigger_
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.traffic import move_traffic
 from scenario_compiler.engine.trailers import draw_trailers
-from scenario_compiler.engine.watching import begin_watches, watch_entities
+from scenario_compiler.engine.watching import begin_watches
 from scenario_compiler.engine.weather import update_weather
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
@@ -72,8 +72,6 @@ def drives_ego(p: Program) -> int:
 @compiled
 def play_story(n: RoadTables, p: Program, st: State, dt: float) -> None:
     """Run the triggers and then the actions of one frame."""
-    for i in range(p.entity_count[0]):
-        st.moved[i] = 0
     run_triggers(n, p, st)
     run_actions(n, p, st, dt)
 
@@ -82,8 +80,8 @@ def play_story(n: RoadTables, p: Program, st: State, dt: float) -> None:
 def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
     """Take stock after all have moved."""
     take_stock(n, p, st, dt)
-    watch_entities(n, p, st, dt)
-    update_camera(p, st)
+    if p.failure_count[0] > 0:
+        update_camera(p, st)
     if st.weather_to[0] >= 0:
         update_weather(p, st)
     if p.controller_count[0] > 0:
@@ -108,7 +106,8 @@ def reset(n: RoadTables, p: Program, st: State) -> None:
     begin_watches(p, st)
     update_signals(p, st)
     play_story(n, p, st, 0.0)
-    draw_trailers(n, p, st)
+    if st.trains[0] > 0:
+        draw_trailers(n, p, st)
     finish_frame(n, p, st, 0.0)
 
 
@@ -176,7 +175,8 @@ def finish_step(n: RoadTables, p: Program, st: State) -> None:
     move_entities(n, p, st, dt)
     if p.traffic_count[0] > 0:
         move_traffic(n, p, st, dt)
-    draw_trailers(n, p, st)
+    if st.trains[0] > 0:
+        draw_trailers(n, p, st)
     finish_frame(n, p, st, dt)
     if st.flag[0] != FAULT_NONE:
         return

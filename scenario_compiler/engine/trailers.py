@@ -80,6 +80,7 @@ def connect_trailer(p: Program, st: State, i: int, j: int) -> None:
     disconnect_trailer(st, i)
     if st.towed_by[j] >= 0:
         st.towed[st.towed_by[j]] = NONE
+    st.trains[0] = 1
     st.towed[i] = j
     st.towed_by[j] = i
 

@@ -7,9 +7,8 @@ after a leap they are those of the speed along the heading.
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, sin, sqrt
 
-from scenario_compiler.engine.numbers import length_of
 from scenario_compiler.engine.opcodes import AT_REST
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -19,8 +18,11 @@ from scenario_compiler.roads.lanes import lane_at, lane_type
 from scenario_compiler.roads.tables import RoadTables
 
 WATCH_MOTION = 1
-WATCH_OFF_ROAD = 2
-"""Bits of `Program.watches`: what some condition asks for."""
+WATCH_ACCELERATION = 2
+WATCH_STILL = 4
+WATCH_OFF_ROAD = 8
+WATCH_AT_END = 16
+"""Bits of `Program.watches`: what some condition asks for; the acceleration needs the motion."""
 
 LEAP = 3.0
 """How many times farther than its speed takes it an entity has moved that was put somewhere else."""
@@ -49,19 +51,25 @@ def is_off_road(n: RoadTables, st: State, i: int) -> int:
 
 
 @compiled
-def measure_motion(st: State, i: int, dt: float) -> None:
-    """Take an entity's velocity and acceleration."""
-    x = st.v[i] * cos(st.pitch[i]) * cos(st.h[i])
-    y = st.v[i] * cos(st.pitch[i]) * sin(st.h[i])
-    z = -st.v[i] * sin(st.pitch[i])
-    if dt > 0.0:
-        moved_x = st.x[i] - st.before_x[i]
-        moved_y = st.y[i] - st.before_y[i]
-        moved_z = st.z[i] - st.before_z[i]
-        if length_of(moved_x, moved_y) <= LEAP * abs(st.v[i]) * dt + 0.1:
-            x = moved_x / dt
-            y = moved_y / dt
-            z = moved_z / dt
+def heads_at_speed(st: State, i: int) -> tuple[float, float, float]:
+    """Return the velocity that is an entity's speed along its heading."""
+    level = st.v[i] * cos(st.pitch[i])
+    return level * cos(st.h[i]), level * sin(st.h[i]), -st.v[i] * sin(st.pitch[i])
+
+
+@compiled
+def measure_motion(st: State, i: int, watches: int, dt: float) -> None:
+    """Take an entity's velocity, and its acceleration where that is asked for."""
+    x = st.x[i] - st.before_x[i]
+    y = st.y[i] - st.before_y[i]
+    z = st.z[i] - st.before_z[i]
+    if dt > 0.0 and sqrt(x * x + y * y) <= LEAP * abs(st.v[i]) * dt + 0.1:
+        x = x / dt
+        y = y / dt
+        z = z / dt
+    else:
+        x, y, z = heads_at_speed(st, i)
+    if watches & WATCH_ACCELERATION != 0 and dt > 0.0:
         st.acceleration_x[i] = (x - st.velocity_x[i]) / dt
         st.acceleration_y[i] = (y - st.velocity_y[i]) / dt
         st.acceleration_z[i] = (z - st.velocity_z[i]) / dt
@@ -74,18 +82,19 @@ def measure_motion(st: State, i: int, dt: float) -> None:
 
 
 @compiled
-def watch_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """Take the measures of all entities that are there; one is at its road's end from the step that took it there."""
-    for i in range(p.entity_count[0]):
-        if st.present[i] == 0:
-            continue
+def watch_entity(n: RoadTables, st: State, i: int, watches: int, dt: float) -> None:
+    """Take the measures of an entity that is there; it is at its road's end from the step that took it there."""
+    if watches & WATCH_MOTION != 0:
+        measure_motion(st, i, watches, dt)
+    if watches < WATCH_STILL:
+        return
+    if watches & WATCH_STILL != 0:
         st.still[i] = held_for(1 if abs(st.v[i]) < AT_REST else 0, st.still[i], dt)
+    if watches & WATCH_AT_END != 0:
         at_end = st.ended[i] if st.road[i] >= 0 else 0
         st.at_end[i] = held_for(at_end, max(st.at_end[i], 0.0), dt)
-        if p.watches[0] & WATCH_OFF_ROAD != 0:
-            st.off_road[i] = held_for(is_off_road(n, st, i), st.off_road[i], dt)
-        if p.watches[0] & WATCH_MOTION != 0:
-            measure_motion(st, i, dt)
+    if watches & WATCH_OFF_ROAD != 0:
+        st.off_road[i] = held_for(is_off_road(n, st, i), st.off_road[i], dt)
 
 
 @compiled
@@ -93,7 +102,7 @@ def begin_watches(p: Program, st: State) -> None:
     """Take the motion that entities begin with, once the init's actions have set it."""
     if p.watches[0] & WATCH_MOTION != 0:
         for i in range(p.entity_count[0]):
-            measure_motion(st, i, 0.0)
+            measure_motion(st, i, WATCH_MOTION, 0.0)
 
 
 @compiled

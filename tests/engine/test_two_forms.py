@@ -203,7 +203,7 @@ def add_camera_story(draft: Draft, dice: Dice) -> None:
 def add_world_story(draft: Draft, dice: Dice) -> None:
     """Append variables, signals and events over the conditions and actions that concern more than one entity's way."""
     p = draft.program
-    p.watches[0] = dice.pick(0, 1, 2, 3)
+    p.watches[0] = dice.pick(0, 1, 12, 31)
     p.variable_const = [draft.block(dice.between(-2.0, 2.0)) for _ in range(2)]
     p.variable_count, p.signal_count, p.controller_count = [2], [2], [2]
     p.controller_reference, p.controller_const = [op.NONE, 0], [draft.block(0.0), draft.block(dice.between(0.0, 3.0))]

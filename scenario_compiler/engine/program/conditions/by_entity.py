@@ -8,7 +8,13 @@ from scenario_compiler.engine.program.conditions.family import RULES, Family
 from scenario_compiler.engine.program.draft import ConditionRow, Draft
 from scenario_compiler.engine.program.frames import FRAMES
 from scenario_compiler.engine.program.positions import add_position
-from scenario_compiler.engine.watching import WATCH_MOTION, WATCH_OFF_ROAD
+from scenario_compiler.engine.watching import (
+    WATCH_ACCELERATION,
+    WATCH_AT_END,
+    WATCH_MOTION,
+    WATCH_OFF_ROAD,
+    WATCH_STILL,
+)
 from scenario_compiler.vocabulary.conditions import (
     AccelerationCondition,
     AngleCondition,
@@ -106,7 +112,7 @@ def _relative_speed(draft: Draft, word: RelativeSpeedCondition) -> ConditionRow:
 
 
 def _acceleration(draft: Draft, word: AccelerationCondition) -> ConditionRow:
-    draft.program.watches[0] |= WATCH_MOTION
+    draft.program.watches[0] |= WATCH_MOTION | WATCH_ACCELERATION
     part = PARTS[word.direction]
     return ConditionRow(op.CONDITION_ACCELERATION, RULES[word.rule], word.value, word.entity, mode=part)
 
@@ -126,7 +132,7 @@ def _traveled_distance(draft: Draft, word: TraveledDistanceCondition) -> Conditi
 
 
 def _standstill(draft: Draft, word: StandstillCondition) -> ConditionRow:
-    del draft
+    draft.program.watches[0] |= WATCH_STILL
     return ConditionRow(op.CONDITION_STANDSTILL, op.RULE_GREATER, word.duration, word.entity)
 
 
@@ -136,7 +142,7 @@ def _off_road(draft: Draft, word: OffroadCondition) -> ConditionRow:
 
 
 def _end_of_road(draft: Draft, word: EndOfRoadCondition) -> ConditionRow:
-    del draft
+    draft.program.watches[0] |= WATCH_AT_END
     return ConditionRow(op.CONDITION_END_OF_ROAD, op.RULE_GREATER_OR_EQUAL, word.duration, word.entity)
 
 
