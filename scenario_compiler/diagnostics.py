@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import difflib
 import enum
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 
@@ -137,6 +137,24 @@ class Diagnostics:
         """Yield the findings by file, line and column, each once."""
         unique = {(d.place.file, d.place.line, d.place.column, d.code.id, d.message): d for d in self.found}
         return iter([unique[key] for key in sorted(unique)])
+
+
+def weighed(
+    found: Iterable[Diagnostic], errors: Collection[str], allowed: Collection[str], *, strict: bool = False
+) -> Iterator[Diagnostic]:
+    """Yield findings as someone wants them weighed.
+
+    Args:
+        found: The findings.
+        errors: Codes that are errors, or `all` for every warning.
+        allowed: Codes that are left out, but for errors.
+        strict: Every warning is an error.
+    """
+    for one in found:
+        if one.code.id in allowed and one.severity is not Severity.ERROR:
+            continue
+        lifted = one.severity is Severity.WARNING and (strict or "all" in errors)
+        yield replace(one, severity=Severity.ERROR) if lifted or one.code.id in errors else one
 
 
 class CompileError(Exception):

@@ -129,6 +129,39 @@ def test_a_sweep_leaves_a_table_and_a_report(capsys: pytest.CaptureFixture[str])
     assert {"results.parquet", "report.html"} <= {path.name for path in Path("sweep").iterdir()}
 
 
+ENDLESS = """<scenarios version="1">{}
+<scenario name="it" map="town_grid">
+  <parameter name="speed" type="speed" default="10"/>
+  <ego speed="$speed"><start><spawn_point name="main_street"/></start></ego>
+  <criteria><no_collision/></criteria>
+</scenario></scenarios>"""
+"""A scenario without a duration, of which SC601 warns."""
+
+SWEEP = ("sweep", "it.xml", "--perception", "ideal", "--vary", "speed=uniform(9,11)", "--samples", "2", "--no-report")
+
+
+@pytest.mark.parametrize(
+    ("allowed", "options", "code", "said"),
+    [
+        ("", [], 0, "warning[SC601]"),
+        ("", ["--allow", "SC601"], 0, ""),
+        ("", ["--error", "SC601"], 1, "error[SC601]"),
+        ("", ["--error", "all"], 1, "error[SC601]"),
+        ("", ["--error", "all", "--allow", "SC601"], 0, ""),
+        ('<allow code="SC601"/>', ["--error", "SC601"], 1, "error[SC601]"),
+    ],
+)
+def test_a_sweep_weighs_findings_as_asked_for(
+    capsys: pytest.CaptureFixture[str], allowed: str, options: list[str], code: int, said: str
+) -> None:
+    Path("it.xml").write_text(ENDLESS.format(allowed))
+    assert call(*SWEEP, "-o", "sweep", *options) == code
+    err = capsys.readouterr().err
+    assert said in err
+    assert ("SC601" in err) == bool(said)
+    assert Path("sweep/results.parquet").exists() == (code == 0)
+
+
 @pytest.mark.parametrize(
     "arguments", [["--vary", "distance"], ["--vary", "nothing=uniform(1,2)"], ["--vary", "distance=uniform(2)"]]
 )

@@ -157,7 +157,7 @@ class Sweep:
         """Return what decides the rows, for the folder to be known by."""
         return {
             "target": self.target,
-            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit"}),
+            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed"}),
             "digest": self.families.base.plan.digest,
             "variants": self.sampler.total,
             "part_size": self.part_size,
@@ -284,6 +284,7 @@ def run_sweep(
     maps: Sequence[Path] = (),
     report: bool = True,
     say: Callable[[str], None] | None = None,
+    sink: Diagnostics | None = None,
 ) -> SweepResult:
     """Run a sweep into a folder.
 
@@ -298,6 +299,7 @@ def run_sweep(
         maps: Folders that maps are looked for in first.
         report: Write report.html too. It and the traces are left out where there are more than `PRESENTED` variants.
         say: Told what runs the variants, and that the engine is compiled.
+        sink: Where findings of the scenario go.
 
     Raises:
         CompileError: The scenario is at fault.
@@ -305,7 +307,7 @@ def run_sweep(
         SweepError: The sweep is not possible as it is asked for, or the folder is not its own.
         OSError: Nothing more could be written; `resume` does the rest.
     """
-    sweep = prepare(target, spec, Diagnostics(), maps)
+    sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
     store = sweep.store(folder)
     store.open(resume=resume)
     count = workers_for(sweep, workers)

@@ -65,7 +65,13 @@ class Search:
     """Runs of one scenario, one after the other, each kept."""
 
     def __init__(
-        self, target: str | Path, spec: SweepSpec, folder: Path, asked: str, maps: Sequence[Path] = ()
+        self,
+        target: str | Path,
+        spec: SweepSpec,
+        folder: Path,
+        asked: str,
+        maps: Sequence[Path] = (),
+        sink: Diagnostics | None = None,
     ) -> None:
         """Compile the scenario.
 
@@ -75,12 +81,14 @@ class Search:
             folder: Where the evaluations go.
             asked: What is searched for, so that a folder belongs to one search.
             maps: Folders that maps are looked for in first.
+            sink: Where findings of the scenario go.
 
         Raises:
             CompileError: The scenario is at fault.
             SweepError: The search is not possible as it is asked for.
         """
-        self.sweep: Sweep = prepare(target, spec.model_copy(update={"form": "interpreted"}), Diagnostics(), maps)
+        sink = Diagnostics() if sink is None else sink
+        self.sweep: Sweep = prepare(target, spec.model_copy(update={"form": "interpreted"}), sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}
         self.runner = Runner(self.sweep.form, spec.seed)
         manifest = {**self.sweep.manifest(), "asked": asked}
@@ -132,6 +140,7 @@ def find_boundary(
     tolerance: float,
     resume: bool = False,
     maps: Sequence[Path] = (),
+    sink: Diagnostics | None = None,
 ) -> Boundary:
     """Bisect the range of the one parameter that varies until the boundary is known to `tolerance`.
 
@@ -144,6 +153,7 @@ def find_boundary(
         tolerance: Greatest distance between the two values returned, in the parameter's unit.
         resume: Take up the search that the folder holds.
         maps: Folders that maps are looked for in first.
+        sink: Where findings of the scenario go.
 
     Raises:
         CompileError: The scenario is at fault.
@@ -152,7 +162,7 @@ def find_boundary(
     happens = _predicate(when)
     if len(spec.vary) != 1:
         raise SweepError("a boundary is searched along one parameter")
-    search = Search(target, spec, folder, f"boundary of {when} to {tolerance!r}", maps)
+    search = Search(target, spec, folder, f"boundary of {when} to {tolerance!r}", maps, sink)
     ((name, (low, high)),) = search.ranges.items()
     if tolerance <= 0 or high - low > tolerance * 2.0**60:
         raise SweepError(f"the tolerance {tolerance:g} is too small for the range")
@@ -181,6 +191,7 @@ def minimise(
     optimizer: Optimizer = "direct",
     resume: bool = False,
     maps: Sequence[Path] = (),
+    sink: Diagnostics | None = None,
 ) -> Minimum:
     """Look for the parameters that make a measure least.
 
@@ -193,6 +204,7 @@ def minimise(
         optimizer: "direct" looks everywhere (Jones, Perttunen and Stuckman 1993), "nelder-mead" from the middle on.
         resume: Take up the search that the folder holds.
         maps: Folders that maps are looked for in first.
+        sink: Where findings of the scenario go.
 
     Raises:
         CompileError: The scenario is at fault.
@@ -202,7 +214,7 @@ def minimise(
 
     if measure not in {one.name for one in MEASURES}:
         raise SweepError(f"there is no measure '{measure}'")
-    search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps)
+    search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink)
     search.open(resume=resume)
     names = list(search.ranges)
     best: list[tuple[float, dict[str, float]]] = []

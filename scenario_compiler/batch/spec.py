@@ -30,6 +30,8 @@ class SweepSpec(BaseModel):
     step: float | None = Field(default=None, description="In place of the scenario's time step, s.")
     duration: float | None = Field(default=None, description="In place of the scenario's duration, s.")
     traces: str = Field(default="", description="Which variants' traces are kept: worst:K, random:K, all or none.")
+    errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors, `all` for every one.")
+    allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that are no errors all the same.")
     time_limit: float | None = Field(default=None, gt=0, description="Greatest time that a variant may take, s.")
     form: Literal["auto", "interpreted", "compiled"] = Field(
         default="auto", description="Form of the engine for variants without a camera."

@@ -11,7 +11,7 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.compiler import compile_target
-from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.diagnostics import CompileError, Diagnostics, weighed
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.plan.maps import open_plan_map
 from scenario_compiler.plan.model import Plan
@@ -103,7 +103,8 @@ class Families:
         while True:
             key = tuple((name, format_value(sample[name])) for name in names)
             if key not in self._known:
-                self._known[key] = self._compile(dict(key))
+                family, faults = self._compile(dict(key))
+                self._known[key] = faults if family is None else family
             found = self._known[key]
             if isinstance(found, Diagnostics):
                 return found
@@ -117,10 +118,11 @@ class Families:
         return self._numbers[number]
 
     def _compile_base(self, sink: Diagnostics) -> Family:
-        base = self._known[()] = self._compile({})
-        if isinstance(base, Diagnostics):
-            sink.found.extend(base.found)
+        base, found = self._compile({})
+        sink.found.extend(found.found)
+        if base is None:
             raise CompileError(sink)
+        self._known[()] = base
         whole = self.of(self._first)
         if isinstance(whole, Family):
             return whole
@@ -129,17 +131,19 @@ class Families:
             raise CompileError(sink)
         return base
 
-    def _compile(self, structure: Mapping[str, str]) -> Family | Diagnostics:
+    def _compile(self, structure: Mapping[str, str]) -> tuple[Family | None, Diagnostics]:
+        """Return the family of a structure, none where there are errors, and the findings."""
         given = {**self._spec.settings, **structure}
         first = {name: format_value(value) for name, value in self._first.items()}
         for arguments in (given, {**first, **given}):
-            sink = Diagnostics()
+            sink = Diagnostics(insisted=frozenset(self._spec.errors))
             done = compile_target(self._target, arguments, sink, maps=self._maps, overrides=self._spec.overrides)
-            if done is not None:
-                return self._family(done.plan, done.network)
+            sink.found[:] = weighed(sink.found, self._spec.errors, self._spec.allowed)
+            if done is not None and not sink.has_errors:
+                return self._family(done.plan, done.network), sink
             if not any(one.code is MISSING_PARAMETER for one in sink):
                 break
-        return sink
+        return None, sink
 
     def _family(self, plan: Plan, network: Network) -> Family:
         if plan.digest not in self._digests:

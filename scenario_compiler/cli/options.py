@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
-from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did_you_mean
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did_you_mean, weighed
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
@@ -81,17 +80,8 @@ def step_length(text: str) -> float:
 
 def judged(found: Iterable[Diagnostic], options: argparse.Namespace) -> list[Diagnostic]:
     """Return the findings as --error, --allow and --strict want them weighed."""
-    kept = []
-    for diagnostic in found:
-        if diagnostic.code.id in options.allow and diagnostic.severity is not Severity.ERROR:
-            continue
-        lifted = diagnostic.severity is Severity.WARNING and (
-            "all" in options.error or getattr(options, "strict_warnings", False)
-        )
-        if lifted or diagnostic.code.id in options.error:
-            diagnostic = replace(diagnostic, severity=Severity.ERROR)
-        kept.append(diagnostic)
-    return kept
+    strict = getattr(options, "strict_warnings", False)
+    return list(weighed(found, options.error, options.allow, strict=strict))
 
 
 def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:

@@ -17,11 +17,12 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    new_sink,
     positive,
     settings_of,
     show,
 )
-from scenario_compiler.diagnostics import CompileError
+from scenario_compiler.diagnostics import CompileError, Diagnostics
 
 if TYPE_CHECKING:
     from scenario_compiler.batch.execute import Progress
@@ -67,10 +68,11 @@ def sweep_command(options: argparse.Namespace) -> int:
     from scenario_compiler.batch.distributions import SweepError
     from scenario_compiler.source import ScenarioNameNeededError
 
+    sink = new_sink(options)
     try:
         if options.boundary is not None or options.minimise is not None:
-            return _search(options)
-        return _sweep(options)
+            return _search(options, sink)
+        return _sweep(options, sink)
     except CompileError as error:
         show(error.diagnostics, options)
         return AT_FAULT
@@ -105,11 +107,13 @@ def _spec(options: argparse.Namespace) -> SweepSpec:
         step=options.dt,
         duration=options.duration,
         traces=options.traces,
+        errors=tuple(options.error),
+        allowed=tuple(options.allow),
         time_limit=options.time_limit,
     )
 
 
-def _sweep(options: argparse.Namespace) -> int:
+def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
     from scenario_compiler.batch.execute import run_sweep
 
     with shown_progress() as progress:
@@ -124,30 +128,27 @@ def _sweep(options: argparse.Namespace) -> int:
             maps=options.maps,
             report=options.report,
             say=lambda text: print(text, file=sys.stderr),
+            sink=sink,
         )
+    show(sink, options)
     print(f"{result.total} variants, {result.failed} failed: {result.table}")
     if options.report:
         print(f"report: {result.folder / 'report.html'}")
     return FINE
 
 
-def _search(options: argparse.Namespace) -> int:
+def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
     from scenario_compiler.batch.search import find_boundary, minimise
 
     where = (options.target, _spec(options), options.output)
+    again = {"resume": options.resume, "maps": options.maps, "sink": sink}
     if options.boundary is not None:
-        found = find_boundary(
-            *where, when=options.boundary, tolerance=options.tolerance, resume=options.resume, maps=options.maps
-        )
+        found = find_boundary(*where, when=options.boundary, tolerance=options.tolerance, **again)
+        show(sink, options)
         print(f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}")
         return FINE
-    least = minimise(
-        *where,
-        measure=options.minimise,
-        evaluations=options.evaluations,
-        resume=options.resume,
-        maps=options.maps,
-    )
+    least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, **again)
+    show(sink, options)
     values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
     print(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs")
     return FINE
@@ -161,7 +162,6 @@ def _first(*numbers: int | None) -> int:
 def _written(options: argparse.Namespace) -> Vary:
     """Return how the scenario itself says that it is varied."""
     from scenario_compiler.compiler import variation_of
-    from scenario_compiler.diagnostics import Diagnostics
     from scenario_compiler.vocabulary.variation import Vary
 
     if options.target.endswith(".json"):
