@@ -10,13 +10,13 @@ from math import cos, sin
 
 from scenario_compiler.engine.numbers import angle_between
 from scenario_compiler.engine.opcodes import WAY_SIZE
-from scenario_compiler.engine.path import HALF_TURN, STEP_OVER, preferred_road
+from scenario_compiler.engine.path import HALF_TURN, STEP_OVER, preferred_road, section_holds
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_reference
-from scenario_compiler.roads.lanes import lane_borders, lane_direction
+from scenario_compiler.roads.lanes import lane_direction, lane_offset, lane_row, row_centre, row_width
 from scenario_compiler.roads.locate import project_on_road
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
@@ -37,6 +37,7 @@ def walk(n: RoadTables, st: State, road: int, lane: int, s: float, along: int, h
         sign = lane_direction(n, road, lane) * along
         st.way_road[count] = road
         st.way_lane[count] = lane
+        st.way_row[count] = lane_row(n, road, lane, s)
         st.way_s[count] = s
         st.way_sign[count] = sign
         st.way_from[count] = covered
@@ -58,12 +59,14 @@ def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
     road = st.path_road[0]
     lane = st.path_lane[0]
     s = st.path_s[0]
+    row = st.path_row[0]
+    sign = st.path_sense[0]
     count = 0
     covered = 0.0
     while count < WAY_SIZE and road >= 0:
-        sign = lane_direction(n, road, lane)
         st.way_road[count] = road
         st.way_lane[count] = lane
+        st.way_row[count] = row
         st.way_s[count] = s
         st.way_sign[count] = sign
         st.way_from[count] = covered
@@ -76,23 +79,19 @@ def walk_route(n: RoadTables, p: Program, st: State, horizon: float) -> None:
         road, lane, s, left = advance(n, road, lane, s, rest + STEP_OVER, preferred_road(p, st, road))
         if left > 0.0 or road == before:
             break
+        row = lane_row(n, road, lane, s)
+        sign = lane_direction(n, road, lane)
     st.way_count[0] = count
-
-
-@compiled
-def place_on_way(n: RoadTables, st: State, j: int) -> tuple[int, float, float, float]:
-    """Return (row of the way or -1, s, t, distance along the way) of an entity's reference point.
-
-    An entity in a junction, on another of its overlapping roads, is projected onto the way's road there.
-    """
-    return point_on_way(n, st, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
 
 
 @compiled
 def point_on_way(
     n: RoadTables, st: State, road: int, at_s: float, at_t: float, x: float, y: float
 ) -> tuple[int, float, float, float]:
-    """Return what `place_on_way` does, of a point at a place on a road."""
+    """Return (row of the way or -1, s, t, distance along the way) of a point at a place on a road.
+
+    One in a junction, on another of its overlapping roads, is projected onto the way's road there.
+    """
     if road < 0:
         return -1, 0.0, 0.0, 0.0
     for w in range(st.way_count[0]):
@@ -114,24 +113,40 @@ def point_on_way(
 
 
 @compiled
+def row_on_way(n: RoadTables, st: State, w: int, s: float, ahead: float) -> tuple[int, int]:
+    """Return (1, row of the lane or -1) at s on the way's row w, `ahead` of where that begins; (0, -1) past its end."""
+    road = st.way_road[w]
+    lane = st.way_lane[w]
+    if ahead > 0.0:
+        along = st.way_sign[w] * lane_direction(n, road, lane)
+        _, lane, _, left = advance(n, road, lane, st.way_s[w], along * ahead, -1)
+        if left > 0.0:
+            return 0, -1
+    return 1, lane_row(n, road, lane, s)
+
+
+@compiled
 def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
     """Measure an entity's box on the way; return 1 where it is on it."""
     st.on_way[j] = 0
     if st.present[j] == 0:
         return 0
-    w, s, t, distance = place_on_way(n, st, j)
+    w, s, t, distance = point_on_way(n, st, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
     if w < 0:
         return 0
     road = st.way_road[w]
     sign = st.way_sign[w]
-    lane = st.way_lane[w]
-    ahead = distance - st.way_from[w]
-    if ahead > 0.0:
-        along = sign * lane_direction(n, road, lane)
-        _, lane, _, left = advance(n, road, lane, st.way_s[w], along * ahead, -1)
-        if left > 0.0:
+    row = st.way_row[w]
+    if section_holds(n, row, s) == 0:
+        goes_on, row = row_on_way(n, st, w, s, distance - st.way_from[w])
+        if goes_on == 0:
             return 0
-    left_border, right_border = lane_borders(n, road, lane, s)
+    if row >= 0:
+        lane_t, _ = row_centre(n, road, row, s)
+        half = 0.5 * row_width(n, row, s)
+    else:
+        lane_t = lane_offset(n, road, s)
+        half = 0.0
     _, _, h, _ = road_reference(n, road, s)
     relative = angle_between(st.h[j], h if sign > 0 else h + HALF_TURN)
     c = cos(relative)
@@ -142,14 +157,14 @@ def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
     deep = abs(c) * half_length + abs(w_side) * half_width
     wide = abs(w_side) * half_length + abs(c) * half_width
     middle = distance + p.const[base + E_CENTER] * c
-    aside = sign * (t - 0.5 * (left_border + right_border)) + p.const[base + E_CENTER] * w_side
+    aside = sign * (t - lane_t) + p.const[base + E_CENTER] * w_side
     st.near[j] = middle - deep
     st.far[j] = middle + deep
     st.low[j] = aside - wide
     st.high[j] = aside + wide
     st.along[j] = st.v[j] * c
     st.across[j] = st.v[j] * w_side
-    st.border_left[j] = 0.5 * (left_border - right_border)
-    st.border_right[j] = -st.border_left[j]
+    st.border_left[j] = half
+    st.border_right[j] = -half
     st.on_way[j] = 1
     return 1

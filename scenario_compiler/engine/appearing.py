@@ -133,7 +133,7 @@ def note_arrival(n: RoadTables, p: Program, st: State, i: int) -> None:
     st.last_x[i] = st.x[i]
     st.last_y[i] = st.y[i]
     if i == p.ego[0]:
-        set_path(st, st.road[i], st.kept_lane[i], st.s[i])
+        set_path(n, st, st.road[i], st.kept_lane[i], st.s[i])
         if p.entity_motion[i] == MOTION_BICYCLE or p.entity_motion[i] == MOTION_POSED:
             locate_ego(n, p, st, i)
     straighten_trailers(n, p, st, i)

@@ -68,7 +68,9 @@ def severity_of(p: Program, st: State, f: int) -> float:
 def update_camera(p: Program, st: State) -> None:
     """Work out what is wrong with the camera now, and log what begins and ends."""
     if p.failure_count[0] == 0:
-        st.sigma[0] = st.noise[0]
+        if st.sigma[0] != st.noise[0]:
+            st.sigma[0] = st.noise[0]
+            st.image_health[0] = health_of_image(st)
         return
     for kind in range(FAILURES):
         st.failure_now[kind] = 0.0
@@ -86,6 +88,7 @@ def update_camera(p: Program, st: State) -> None:
         st.sigma[0] = safe_sqrt(st.noise[0] * st.noise[0] + more * more)
     st.missing[0] = image_fails(st, FAILURE_DROPOUT)
     st.frozen[0] = image_fails(st, FAILURE_FREEZE)
+    st.image_health[0] = health_of_image(st)
 
 
 @compiled
@@ -106,6 +109,12 @@ def health_of_camera(p: Program, st: State) -> float:
     ego = p.ego[0]
     if st.frozen[0] == 1 and ego >= 0 and st.v[ego] > CREEPING:
         return 0.0
+    return st.image_health[0]
+
+
+@compiled
+def health_of_image(st: State) -> float:
+    """Return what the failures of now leave of the health of an image that arrives and is new."""
     dark = TONES_AT_NOON * (1.0 - st.failure_now[FAILURE_BLACKOUT])
     blur = BLUR_AT_ONE * st.failure_now[FAILURE_BLUR]
     dirt = st.failure_now[FAILURE_DIRT]
@@ -135,4 +144,6 @@ def reset_camera(p: Program, st: State) -> None:
     for f in range(p.failure_count[0]):
         st.failure_since[f] = -1.0 if p.failure_waits[f] == 1 else 0.0
         st.failure_active[f] = 0
+    st.sigma[0] = st.noise[0]
+    st.image_health[0] = health_of_image(st)
     update_camera(p, st)

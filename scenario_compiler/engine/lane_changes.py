@@ -21,6 +21,7 @@ from scenario_compiler.engine.opcodes import (
     MOTION_SCRIPTED,
     TOLERANCE,
 )
+from scenario_compiler.engine.path import set_path
 from scenario_compiler.engine.shapes import shape_slope, shape_value, transition_span
 from scenario_compiler.engine.slots import A_DYNAMICS, A_TARGET
 from scenario_compiler.engine.state import State
@@ -96,9 +97,7 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     target = lane_aimed_at(n, p, st, k)
     if p.entity_motion[i] != MOTION_SCRIPTED:
         if i == p.ego[0] and target != 0:
-            st.path_road[0] = road
-            st.path_lane[0] = target
-            st.path_s[0] = st.s[i]
+            set_path(n, st, road, target, st.s[i])
             if offset != 0.0:
                 plan_shift(st, i, st.facing[i] * offset, shift_distance(st.v[i], offset, OFFSET_ACCELERATION))
         return

@@ -5,19 +5,19 @@ from __future__ import annotations
 from scenario_compiler.engine.failures import health_of_camera
 from scenario_compiler.engine.numbers import clip
 from scenario_compiler.engine.opcodes import ALL_MARKS
-from scenario_compiler.engine.path import advance_routed
+from scenario_compiler.engine.path import advance_path, section_holds
 from scenario_compiler.engine.slots import M_COVERAGE, M_FROM, M_QUALITY, M_QUALITY_TO, M_TO
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
-from scenario_compiler.engine.visibility import weather_visibility
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction
-from scenario_compiler.roads.marks import MARK_NONE, mark_at
+from scenario_compiler.roads.lanes import lane_direction, lane_row_in
+from scenario_compiler.roads.marks import MARK_NONE, mark_at, row_mark
 from scenario_compiler.roads.tables import RoadTables
 
 LOOK_FROM = 6.0
 LOOK_STEP = 3.0
 LOOK_COUNT = 5
+LOOK_TO = 18.0
 """The marks are looked at from 6 m to 18 m ahead of the rear axle, every 3 m."""
 
 
@@ -42,27 +42,91 @@ def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -
 
 
 @compiled
+def even_quality(n: RoadTables, row: int, low: float, high: float) -> float:
+    """Return the map's quality of the mark on the outer border of a lane's row, where all of [low, high] has the same.
+
+    0 without a mark, -1 where it changes.
+    """
+    if row < 0:
+        return 0.0
+    mark = row_mark(n, row, low)
+    if row_mark(n, row, high) != mark:
+        return -1.0
+    if mark < 0 or n.mark_type[mark] == MARK_NONE:
+        return 0.0
+    if n.mark_quality_to[mark] != n.mark_quality_from[mark]:
+        return -1.0
+    return clip(n.mark_quality_from[mark], 0.0, 1.0)
+
+
+@compiled
+def stretch_between(p: Program, road: int, low: float, high: float) -> int:
+    """Return 1 where the plan says something about marks on [low, high] of a road."""
+    for k in range(p.stretch_count[0]):
+        base = p.stretch_const[k]
+        if p.stretch_road[k] == road and p.const[base + M_FROM] <= high and p.const[base + M_TO] >= low:
+            return 1
+    return 0
+
+
+@compiled
+def even_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]:
+    """Return the qualities of the (left, right) mark where both are the same at all places that are looked at.
+
+    (-1, -1) where that cannot be told at once: another lane section begins, marks change, or the plan wears them.
+    """
+    row = st.path_row[0]
+    s = st.path_s[0]
+    end = s + st.path_sense[0] * LOOK_TO
+    if section_holds(n, row, end) == 0:
+        return -1.0, -1.0
+    low = min(s, end)
+    high = max(s, end)
+    if stretch_between(p, st.path_road[0], low, high) == 1:
+        return -1.0, -1.0
+    lane = st.path_lane[0]
+    outer = even_quality(n, row, low, high)
+    inner = even_quality(n, lane_row_in(n, n.lane_section[row], lane + 1 if lane < 0 else lane - 1), low, high)
+    if outer < 0.0 or inner < 0.0:
+        return -1.0, -1.0
+    if (lane > 0) == (st.path_sense[0] > 0):
+        return outer, inner
+    return inner, outer
+
+
+@compiled
+def looked_at_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]:
+    """Return the mean qualities of the (left, right) mark over the places that are looked at."""
+    left = 0.0
+    right = 0.0
+    for k in range(LOOK_COUNT):
+        ahead = LOOK_FROM + LOOK_STEP * k
+        road, lane, s, rest = advance_path(n, p, st, ahead)
+        if rest > 0.0:
+            continue
+        inner = lane + 1 if lane < 0 else lane - 1
+        outer_quality = mark_visibility(n, p, road, lane, s)
+        inner_quality = mark_visibility(n, p, road, inner, s)
+        if (lane > 0) == (lane_direction(n, road, lane) > 0):
+            left += outer_quality
+            right += inner_quality
+        else:
+            left += inner_quality
+            right += outer_quality
+    return left / LOOK_COUNT, right / LOOK_COUNT
+
+
+@compiled
 def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
     """Write the confidence of both sides of the path's lane and the sensor's health."""
     health = health_of_camera(p, st)
-    st.health[0] = health
     left = 0.0
     right = 0.0
     if st.path_found[0] == 1:
-        for k in range(LOOK_COUNT):
-            ahead = LOOK_FROM + LOOK_STEP * k
-            road, lane, s, rest = advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], ahead)
-            if rest > 0.0:
-                continue
-            inner = lane + 1 if lane < 0 else lane - 1
-            outer_quality = mark_visibility(n, p, road, lane, s)
-            inner_quality = mark_visibility(n, p, road, inner, s)
-            if (lane > 0) == (lane_direction(n, road, lane) > 0):
-                left += outer_quality
-                right += inner_quality
-            else:
-                left += inner_quality
-                right += outer_quality
-    seen = health * weather_visibility(st)
-    st.conf_left[0] = seen * left / LOOK_COUNT
-    st.conf_right[0] = seen * right / LOOK_COUNT
+        left, right = even_sides(n, p, st)
+        if left < 0.0:
+            left, right = looked_at_sides(n, p, st)
+    seen = health * st.paint_seen[0]
+    st.health[0] = health
+    st.conf_left[0] = seen * left
+    st.conf_right[0] = seen * right

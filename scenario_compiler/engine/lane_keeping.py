@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import atan, cos, pi, sin
 
 from scenario_compiler.engine.numbers import angle_between, bearing, clip, length_of, safe_sqrt
-from scenario_compiler.engine.path import advance_routed
+from scenario_compiler.engine.path import advance_path
 from scenario_compiler.engine.slots import E_MAX_ACCELERATION, E_MAX_DECELERATION, E_MAX_STEER, E_WHEELBASE
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -66,12 +66,11 @@ def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> 
 
     `most` bounds the lateral acceleration, m/s2.
     """
-    road = st.path_road[0]
-    if road < 0:
+    if st.path_road[0] < 0:
         return 0.0
     preview = clip(PREVIEW_TIME * st.v[i], PREVIEW_LEAST, PREVIEW_MOST)
-    road, lane, s, rest = advance_routed(n, p, st, road, st.path_lane[0], st.path_s[0], preview)
-    direction = lane_direction(n, road, lane)
+    road, lane, s, rest = advance_path(n, p, st, preview)
+    direction = st.path_sense[0] if road == st.path_road[0] else lane_direction(n, road, lane)
     x, y, _, h, _, _ = lane_pose(n, road, lane, s, direction * planned_offset(st, st.odometer[i] + preview))
     if rest > 0.0:
         x = x + direction * rest * cos(h)

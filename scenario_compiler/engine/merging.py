@@ -30,7 +30,7 @@ def start_merge(n: RoadTables, st: State, i: int) -> None:
     """Take the lane beside as the path and plan the move over to its centre."""
     st.merge_from_road[0] = st.path_road[0]
     st.merge_from_lane[0] = st.path_lane[0]
-    set_path(st, st.path_road[0], st.through_lane[0], st.path_s[0])
+    set_path(n, st, st.path_road[0], st.through_lane[0], st.path_s[0])
     measure_path(n, st, i)
     plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], MERGE_ACCELERATION))
     st.merging[0] = 1
@@ -40,7 +40,7 @@ def start_merge(n: RoadTables, st: State, i: int) -> None:
 @compiled
 def abort_merge(n: RoadTables, st: State, i: int) -> None:
     """Go back to the lane that the merge came from."""
-    set_path(st, st.path_road[0], st.merge_from_lane[0], st.path_s[0])
+    set_path(n, st, st.path_road[0], st.merge_from_lane[0], st.path_s[0])
     measure_path(n, st, i)
     plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], MERGE_ACCELERATION))
     st.merging[0] = 0

@@ -12,7 +12,16 @@ from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_reference
 from scenario_compiler.roads.lane_types import is_drivable
-from scenario_compiler.roads.lanes import lane_at, lane_centre, lane_direction, lane_exists, lane_type
+from scenario_compiler.roads.lanes import (
+    lane_at,
+    lane_centre,
+    lane_direction,
+    lane_exists,
+    lane_row,
+    lane_type,
+    row_centre,
+    row_width,
+)
 from scenario_compiler.roads.locate import project_on_road, track
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance
@@ -20,6 +29,9 @@ from scenario_compiler.roads.travel import advance
 HALF_TURN = 3.141592653589793
 STEP_OVER = 0.001
 """How far beyond a road's end the next road is asked for, m."""
+
+CLEARLY = 1.0e-3
+"""How far from a lane's borders a point is in the lane without a look at the lanes beside it, m."""
 
 
 @compiled
@@ -38,6 +50,24 @@ def advance_route(p: Program, st: State, road: int) -> None:
         if p.route_road[k] == road:
             st.route_at[0] = k
             return
+
+
+@compiled
+def section_holds(n: RoadTables, row: int, s: float) -> int:
+    """Return 1 where the lane section of a lane's row holds s; its end belongs to the next."""
+    if row < 0:
+        return 0
+    section = n.lane_section[row]
+    return 1 if s >= n.section_s[section] and s < n.section_end[section] else 0
+
+
+@compiled
+def advance_path(n: RoadTables, p: Program, st: State, ds: float) -> tuple[int, int, float, float]:
+    """Return what `advance_routed` does from the path's place, most often in its lane section."""
+    s = st.path_s[0] + st.path_sense[0] * ds
+    if section_holds(n, st.path_row[0], s) == 1:
+        return st.path_road[0], st.path_lane[0], s, 0.0
+    return advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], ds)
 
 
 @compiled
@@ -64,20 +94,31 @@ def advance_routed(
 
 
 @compiled
-def set_path(st: State, road: int, lane: int, s: float) -> None:
+def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
     """Put the path on a lane."""
     st.path_road[0] = road
     st.path_lane[0] = lane
     st.path_s[0] = s
+    st.path_row[0] = -1
+    st.path_sense[0] = 1
+    if road >= 0:
+        st.path_row[0] = lane_row(n, road, lane, s)
+        st.path_sense[0] = lane_direction(n, road, lane)
 
 
 @compiled
-def follow_path(n: RoadTables, p: Program, st: State, i: int) -> float:
-    """Move the path's place on to the ego's projection, over the road's end if need be; return t there."""
+def follow_path(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, float]:
+    """Move the path's place on to the ego's projection, over the road's end if need be; return (s, t) there.
+
+    s may lie beyond the ends of the path's road.
+    """
     road = st.path_road[0]
-    lane = st.path_lane[0]
     s, t = project_on_road(n, road, st.path_s[0], st.x[i], st.y[i])
-    direction = lane_direction(n, road, lane)
+    if section_holds(n, st.path_row[0], s) == 1:
+        st.path_s[0] = s
+        return s, t
+    lane = st.path_lane[0]
+    direction = st.path_sense[0]
     limit = n.road_length[road]
     beyond = s - limit if direction > 0 else -s
     inside = min(max(s, 0.0), limit)
@@ -88,14 +129,14 @@ def follow_path(n: RoadTables, p: Program, st: State, i: int) -> float:
         lane = lane_at(n, road, inside, t)
         if lane == 0:
             lane = st.path_lane[0]
-    set_path(st, road, lane, inside)
+    set_path(n, st, road, lane, inside)
     if beyond > 0.0:
         road, lane, at, rest = advance(n, road, lane, inside, beyond + STEP_OVER, preferred_road(p, st, road))
         if rest <= 0.0:
             s, t = project_on_road(n, road, at, st.x[i], st.y[i])
-            set_path(st, road, lane, min(max(s, 0.0), n.road_length[road]))
+            set_path(n, st, road, lane, min(max(s, 0.0), n.road_length[road]))
             advance_route(p, st, road)
-    return t
+    return s, t
 
 
 @compiled
@@ -122,32 +163,45 @@ def note_lane(n: RoadTables, st: State, i: int, road: int, s: float, t: float, l
 @compiled
 def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Find the ego's road, lane, s and offset from its point, first on its path, then anywhere."""
-    found = 0
-    road = st.path_road[0]
-    s = 0.0
-    t = 0.0
-    lane = 0
-    if road >= 0:
-        t = follow_path(n, p, st, i)
+    if st.path_road[0] >= 0:
+        beside, t = follow_path(n, p, st, i)
         road = st.path_road[0]
         s = st.path_s[0]
-        lane = lane_at(n, road, s, t)
-        beside, _ = project_on_road(n, road, s, st.x[i], st.y[i])
-        found = 1 if lane != 0 and beside > -1.0 and beside < n.road_length[road] + 1.0 else 0
-    if found == 0:
-        found, road, s, t = track(n, st.x[i], st.y[i], st.path_road[0], st.path_s[0])
-        if found == 1:
+        centre = measure_path_at(n, st, i, t)
+        lane = st.path_lane[0]
+        if within_row(n, st.path_row[0], s, t - centre) == 0:
             lane = lane_at(n, road, s, t)
-            if lane == 0:
-                found = 0
-        if found == 1 and is_drivable(lane_type(n, road, lane, s)) == 1:
-            set_path(st, road, lane, s)
-    if found == 0:
-        leave_road(st, i)
-    else:
-        note_lane(n, st, i, road, s, t, lane)
-    st.path_found[0] = found
+        if lane != 0 and beside > -1.0 and beside < n.road_length[road] + 1.0:
+            note_lane(n, st, i, road, s, t, lane)
+            st.path_found[0] = 1
+            return
+    locate_anew(n, st, i)
     measure_path(n, st, i)
+
+
+@compiled
+def within_row(n: RoadTables, row: int, s: float, off: float) -> int:
+    """Return 1 where an offset from the centre of a lane's row lies clearly inside the lane."""
+    if row < 0:
+        return 0
+    return 1 if abs(off) < 0.5 * row_width(n, row, s) - CLEARLY else 0
+
+
+@compiled
+def locate_anew(n: RoadTables, st: State, i: int) -> None:
+    """Find the ego anywhere; its path goes on from there where one may drive."""
+    found, road, s, t = track(n, st.x[i], st.y[i], st.path_road[0], st.path_s[0])
+    lane = 0
+    if found == 1:
+        lane = lane_at(n, road, s, t)
+    if lane == 0:
+        leave_road(st, i)
+        st.path_found[0] = 0
+        return
+    if is_drivable(lane_type(n, road, lane, s)) == 1:
+        set_path(n, st, road, lane, s)
+    note_lane(n, st, i, road, s, t, lane)
+    st.path_found[0] = 1
 
 
 @compiled
@@ -158,16 +212,27 @@ def measure_path(n: RoadTables, st: State, i: int) -> None:
         st.path_off[0] = 0.0
         st.path_heading[0] = 0.0
         return
-    lane = st.path_lane[0]
+    _, t = project_on_road(n, road, st.path_s[0], st.x[i], st.y[i])
+    measure_path_at(n, st, i, t)
+
+
+@compiled
+def measure_path_at(n: RoadTables, st: State, i: int, t: float) -> float:
+    """Do what `measure_path` does where the ego's t on the path's road is known; return t of the lane's centre."""
+    road = st.path_road[0]
     s = st.path_s[0]
-    direction = lane_direction(n, road, lane)
+    direction = st.path_sense[0]
     _rx, _ry, h, _ = road_reference(n, road, s)
-    centre, slope = lane_centre(n, road, lane, s)
-    _, t = project_on_road(n, road, s, st.x[i], st.y[i])
+    row = st.path_row[0]
+    if row >= 0:
+        centre, slope = row_centre(n, road, row, s)
+    else:
+        centre, slope = lane_centre(n, road, st.path_lane[0], s)
     st.path_off[0] = direction * (t - centre)
     along = h + slope if direction > 0 else h + slope + HALF_TURN
     st.path_heading[0] = angle_between(st.h[i], along)
     st.facing[i] = direction if abs(st.path_heading[0]) < 0.5 * HALF_TURN else -direction
+    return centre
 
 
 @compiled
@@ -179,4 +244,4 @@ def take_present_lane(n: RoadTables, st: State, i: int) -> None:
     lane = st.lane[i]
     same = lane_direction(n, road, lane) == lane_direction(n, road, st.path_lane[0])
     if same and lane_exists(n, road, lane, st.s[i]) == 1 and is_drivable(lane_type(n, road, lane, st.s[i])) == 1:
-        set_path(st, road, lane, st.s[i])
+        set_path(n, st, road, lane, st.s[i])

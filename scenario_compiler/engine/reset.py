@@ -179,6 +179,8 @@ def reset_run(p: Program, st: State) -> None:
     st.path_road[0] = NONE
     st.path_lane[0] = 0
     st.path_s[0] = 0.0
+    st.path_row[0] = NONE
+    st.path_sense[0] = 1
     st.path_off[0] = 0.0
     st.path_heading[0] = 0.0
     st.path_found[0] = 0

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, pi, sin
 
 from scenario_compiler.engine.ahead import measure_on_way, walk, walk_route
 from scenario_compiler.engine.lane_changes import neighbour_lane
-from scenario_compiler.engine.numbers import angle_between, bearing, length_of
+from scenario_compiler.engine.numbers import angle_between, bearing, clip, length_of
 from scenario_compiler.engine.opcodes import FAR, SEEN_BY_SENSORS
 from scenario_compiler.engine.path import preferred_road
 from scenario_compiler.engine.presence import there_for
@@ -45,17 +45,23 @@ LEAST_GAP = 2.0
 @compiled
 def ray_free(p: Program, st: State, i: int, j: int, px: float, py: float, qx: float, qy: float) -> int:
     """Return 1 where no box but those of i and j cuts the segment from P to Q (slab test in each box's axes)."""
+    rx = qx - px
+    ry = qy - py
+    squared = rx * rx + ry * ry
     for k in range(p.entity_count[0]):
+        dx = px - st.middle_x[k]
+        dy = py - st.middle_y[k]
+        beside = dx * ry - dy * rx
+        if beside * beside > st.reach[k] * st.reach[k] * squared:
+            continue
         if k in (i, j) or there_for(st, k, SEEN_BY_SENSORS) == 0:
             continue
         c = cos(st.h[k])
         s = sin(st.h[k])
-        dx = px - st.middle_x[k]
-        dy = py - st.middle_y[k]
         u = dx * c + dy * s
         v = dy * c - dx * s
-        du = (qx - px) * c + (qy - py) * s
-        dv = (qy - py) * c - (qx - px) * s
+        du = rx * c + ry * s
+        dv = ry * c - rx * s
         base = p.entity_const[k]
         long = 0.5 * p.const[base + E_LENGTH]
         wide = 0.5 * p.const[base + E_WIDTH]
@@ -79,37 +85,25 @@ def ray_free(p: Program, st: State, i: int, j: int, px: float, py: float, qx: fl
 
 
 @compiled
-def point_seen(p: Program, st: State, i: int, j: int, qx: float, qy: float, reach: float, half_view: float) -> int:
-    """Return 1 where a point of j lies in the sensor's range and field of view and nothing hides it."""
-    base = p.entity_const[i]
-    front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
-    px = st.x[i] + front * cos(st.h[i])
-    py = st.y[i] + front * sin(st.h[i])
-    if length_of(qx - px, qy - py) > reach:
-        return 0
-    if abs(angle_between(bearing(qx - px, qy - py), st.h[i])) > half_view:
-        return 0
-    return ray_free(p, st, i, j, px, py, qx, qy)
+def out_of_view(ahead: float, aside: float, reach: float, c_view: float, s_view: float) -> float:
+    """Return how far a point lies outside a sensor's range and field of view, m, no more; not above 0 within both.
+
+    The point is `ahead` of the sensor and `aside` of its axis; c_view and s_view are cosine and sine of half the angle.
+    """
+    beside = abs(aside) * c_view - ahead * s_view
+    beyond = length_of(ahead, aside) - reach
+    return beyond if beyond > beside else beside
 
 
 @compiled
-def sees(p: Program, st: State, i: int, j: int, reach: float, half_view: float) -> int:
-    """Return 1 where the centre of j's box or one of its two outermost corners is seen from i's front bumper."""
-    if there_for(st, j, SEEN_BY_SENSORS) == 0:
-        return 0
-    dx = st.middle_x[j] - st.x[i]
-    dy = st.middle_y[j] - st.y[i]
-    base = p.entity_const[i]
-    if length_of(dx, dy) > reach + st.reach[j] + p.const[base + E_CENTER] + p.const[base + E_LENGTH]:
-        return 0
-    if point_seen(p, st, i, j, st.middle_x[j], st.middle_y[j], reach, half_view) == 1:
-        return 1
-    towards = bearing(dx, dy)
+def outermost_corners(p: Program, st: State, i: int, j: int) -> tuple[float, float, float, float]:
+    """Return (x, y of the left, x, y of the right one) of the corners of j's box that i sees furthest apart."""
+    towards = bearing(st.middle_x[j] - st.x[i], st.middle_y[j] - st.y[i])
     c = cos(st.h[j])
     s = sin(st.h[j])
-    other = p.entity_const[j]
-    long = 0.5 * p.const[other + E_LENGTH]
-    wide = 0.5 * p.const[other + E_WIDTH]
+    base = p.entity_const[j]
+    long = 0.5 * p.const[base + E_LENGTH]
+    wide = 0.5 * p.const[base + E_WIDTH]
     most = -FAR
     least = FAR
     left_x = st.middle_x[j]
@@ -130,16 +124,49 @@ def sees(p: Program, st: State, i: int, j: int, reach: float, half_view: float) 
             least = aside
             right_x = x
             right_y = y
-    if point_seen(p, st, i, j, left_x, left_y, reach, half_view) == 1:
-        return 1
-    return point_seen(p, st, i, j, right_x, right_y, reach, half_view)
+    return left_x, left_y, right_x, right_y
 
 
 @compiled
-def foresee(p: Program, st: State, i: int, j: int, front: float) -> None:
+def sees(p: Program, st: State, i: int, j: int, reach: float, half_view: float) -> int:
+    """Return 1 where the centre of j's box or one of its two outermost corners is seen from i's front bumper."""
+    if there_for(st, j, SEEN_BY_SENSORS) == 0:
+        return 0
+    base = p.entity_const[i]
+    front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
+    c = cos(st.h[i])
+    s = sin(st.h[i])
+    view = clip(half_view, 0.0, pi)
+    c_view = cos(view)
+    s_view = sin(view)
+    px = st.x[i] + front * c
+    py = st.y[i] + front * s
+    dx = st.middle_x[j] - px
+    dy = st.middle_y[j] - py
+    aside = out_of_view(dx * c + dy * s, dy * c - dx * s, reach, c_view, s_view)
+    if aside > st.reach[j]:
+        return 0
+    if aside <= 0.0 and ray_free(p, st, i, j, px, py, px + dx, py + dy) == 1:
+        return 1
+    left_x, left_y, right_x, right_y = outermost_corners(p, st, i, j)
+    dx = left_x - px
+    dy = left_y - py
+    aside = out_of_view(dx * c + dy * s, dy * c - dx * s, reach, c_view, s_view)
+    if aside <= 0.0 and ray_free(p, st, i, j, px, py, left_x, left_y) == 1:
+        return 1
+    dx = right_x - px
+    dy = right_y - py
+    aside = out_of_view(dx * c + dy * s, dy * c - dx * s, reach, c_view, s_view)
+    if aside <= 0.0 and ray_free(p, st, i, j, px, py, right_x, right_y) == 1:
+        return 1
+    return 0
+
+
+@compiled
+def foresee(st: State, i: int, j: int, front: float) -> None:
     """Shift the box of a slow, crossing or oncoming entity to the side by what it moves until i is there."""
     gap = st.near[j] - front
-    if st.along[j] >= SLOW or gap <= 0.0:
+    if gap <= 0.0:
         return
     closing = max(st.v[i] - st.along[j], 1.0)
     shift = st.across[j] * gap / closing
@@ -149,17 +176,20 @@ def foresee(p: Program, st: State, i: int, j: int, front: float) -> None:
 
 @compiled
 def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
-    """Measure every entity on the ego's way and tell which are seen within a range and a full angle of view."""
+    """Measure every entity on the ego's way and tell which of those ahead are seen in a range and an angle of view."""
     base = p.entity_const[i]
     front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
-    walk_route(n, p, st, reach + 50.0)
+    far = reach + 50.0
+    walk_route(n, p, st, far)
     for j in range(p.entity_count[0]):
         st.seen[j] = 0
         st.on_way[j] = 0
-        if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < reach + 50.0:
+        dx = st.x[j] - st.x[i]
+        dy = st.y[j] - st.y[i]
+        if j != i and dx * dx + dy * dy < far * far and measure_on_way(n, p, st, j) == 1 and st.far[j] >= front:
+            if st.along[j] < SLOW:
+                foresee(st, i, j, front)
             st.seen[j] = sees(p, st, i, j, reach, 0.5 * view)
-            if measure_on_way(n, p, st, j) == 1:
-                foresee(p, st, i, j, front)
 
 
 @compiled

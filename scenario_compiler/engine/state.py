@@ -239,6 +239,8 @@ class State:
     """Camera noise now, grey levels."""
     noise: list[float]
     """Noise of the camera itself, without its failures."""
+    image_health: list[float]
+    """What noise, blackout, blur and dirt leave of the camera's health, 0 to 1."""
     failure_now: list[float]
     """By kind, how severe the camera's failures are, 0 to 1."""
     failure_since: list[float]
@@ -250,6 +252,8 @@ class State:
     """1 where the image before is delivered again."""
     weather: list[float]
     """The 14 numbers now."""
+    paint_seen: list[float]
+    """What the weather leaves of the confidence in a line, 0 to 1."""
     weather_from: list[float]
     """The numbers when the present change began."""
     weather_to: list[int]
@@ -261,6 +265,10 @@ class State:
     path_road: list[int]
     path_lane: list[int]
     path_s: list[float]
+    path_row: list[int]
+    """Row of that lane there, -1 where the road has no such lane."""
+    path_sense: list[int]
+    """1 where the path's lane is driven along s, else -1."""
     path_off: list[float]
     """Offset from the path lane's centre, positive to the left of the travel."""
     path_heading: list[float]
@@ -283,12 +291,14 @@ class State:
     # What lies ahead: the way, then each entity as seen along it.
     way_road: list[int]
     way_lane: list[int]
+    way_row: list[int]
+    """Row of that lane at the way's place, -1 where there is no such lane."""
     way_s: list[float]
     way_sign: list[int]
     way_from: list[float]
     way_count: list[int]
     seen: list[int]
-    """1 when the forward sensor (or the driver) sees the entity."""
+    """1 when the entity is ahead on the way and the forward sensor (or the driver) sees it."""
     on_way: list[int]
     near: list[float]
     """Distance along the way from the ego's reference point to the nearest part of the entity's box."""
@@ -482,7 +492,7 @@ _TRACK = [
     "track_bend",
     "track_bend_rate",
 ]
-_WAY = ["way_road", "way_lane", "way_s", "way_sign", "way_from"]
+_WAY = ["way_road", "way_lane", "way_row", "way_s", "way_sign", "way_from"]
 _LOG = ("log_time", "log_kind", "log_value")
 
 

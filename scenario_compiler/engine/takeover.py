@@ -77,6 +77,8 @@ def remembered(st: State, cause: int, raw: int, count: float, of: float) -> int:
     """Note whether a cause asks at this control step; return 1 where it did in `count` of the last `of`."""
     bits = (st.history[cause] * 2 + raw) & 0xFFFFFFFF
     st.history[cause] = bits
+    if bits == 0:
+        return 0
     asked = 0
     for k in range(HISTORY_SIZE):
         if k < of:

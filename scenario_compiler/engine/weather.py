@@ -8,6 +8,7 @@ from scenario_compiler.engine.opcodes import EVENT_WEATHER, NONE, WEATHER_SIZE
 from scenario_compiler.engine.slots import A_DYNAMICS
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.visibility import weather_visibility
 from scenario_compiler.marker import compiled
 
 
@@ -20,6 +21,7 @@ def reset_weather(p: Program, st: State) -> None:
     for k in range(WEATHER_SIZE):
         st.weather[k] = p.const[p.weather_const[0] + k] if p.weather_count[0] > 0 else 0.0
         st.weather_from[k] = st.weather[k]
+    st.paint_seen[0] = weather_visibility(st)
 
 
 @compiled
@@ -46,5 +48,6 @@ def update_weather(p: Program, st: State) -> None:
     base = p.weather_const[target]
     for k in range(WEATHER_SIZE):
         st.weather[k] = st.weather_from[k] + share * (p.const[base + k] - st.weather_from[k])
+    st.paint_seen[0] = weather_visibility(st)
     if share >= 1.0:
         st.weather_to[0] = NONE

@@ -64,6 +64,12 @@ def mark_row(n: RoadTables, road: int, lane: int, s: float) -> int:
     row = lane_row(n, road, lane, s)
     if row < 0:
         return -1
+    return row_mark(n, row, s)
+
+
+@compiled
+def row_mark(n: RoadTables, row: int, s: float) -> int:
+    """Return the row of the mark on the outer border of a lane's row at s, -1 where none is."""
     found = -1
     for mark in range(n.lane_mark[row], n.lane_mark[row + 1]):
         if n.mark_s[mark] <= s:
