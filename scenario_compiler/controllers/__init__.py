@@ -91,6 +91,8 @@ def check_controller(plan: Plan, sink: Diagnostics) -> None:
         sink.add(UNKNOWN_CONTROLLER, str(error), controller.place_of("model"), hint=hint)
         return
     words = {p.name: p for p in controller.properties}
+    if not words and not any(field.is_required() for field in found.Params.model_fields.values()):
+        return
     try:
         found.Params.model_validate({name: word.value for name, word in words.items()})
     except ValidationError as error:

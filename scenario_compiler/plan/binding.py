@@ -316,11 +316,7 @@ class Binder:
             return self._bind_listed(listed[drawn], position, center)
         bound = [self._bind_listed(one, position, center) for one in listed]
         places = tuple(one for one in bound if isinstance(one, LanePosition))
-        return (
-            AnyOfPosition.model_construct(places=places).written_at(position.origin)
-            if len(places) == len(listed)
-            else None
-        )
+        return AnyOfPosition(places=places).written_at(position.origin) if len(places) == len(listed) else None
 
     def _bind_random(self, position: RandomPosition) -> RandomPosition | None:
         known = [self.on_road(position, road, 0.0, "roads") for road in position.roads]

@@ -28,7 +28,7 @@ CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
 
 def complete_takeover(written: Takeover) -> Takeover:
     """Return the policy with all causes switched on when none is given, and every number filled in."""
-    causes = written.causes or tuple(Cause(kind=kind) for kind in CAUSE_DEFAULTS)
+    causes = written.causes or tuple(Cause.model_construct(kind=kind) for kind in CAUSE_DEFAULTS)
     return written.model_copy(update={"causes": tuple(_complete(cause) for cause in causes)})
 
 

@@ -91,7 +91,7 @@ class Draft:
     destination: LanePosition | None = None
     route: tuple[RouteLeg, ...] = ()
     storyboard: Storyboard = field(default_factory=Storyboard.model_construct)
-    takeover: Takeover = field(default_factory=Takeover)
+    takeover: Takeover = field(default_factory=Takeover.model_construct)
     parameters: tuple[Parameter, ...] = ()
     duration: float = DEFAULT_DURATION
     origins: dict[str, PlanOrigin] = field(default_factory=dict)
@@ -131,7 +131,7 @@ def lower(
         parameters=draft.parameters,
         weather=scenario.weather,
         entities=tuple(draft.entities),
-        camera=Camera() if ego is None else ego.camera,
+        camera=Camera.model_construct() if ego is None else ego.camera,
         controller=None if ego is None else ego.controller,
         perception="ideal" if ego is None else perception,
         destination=draft.destination,
@@ -229,7 +229,9 @@ def plan_routes(draft: Draft) -> None:
     if ego is not None and ego.destination is not None:
         goal, draft.route = find_way(draft, ego.id, ego.destination)
         if goal is not None:
-            draft.destination = LanePosition(road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset)
+            draft.destination = LanePosition.model_construct(
+                road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset
+            )
     for actor in draft.scenario.actors:
         if isinstance(actor, Dynamic) and actor.destination is not None:
             _, legs = find_way(draft, actor.id, actor.destination)

@@ -91,7 +91,7 @@ def _at_point(binder: Binder, x: float, y: float, z: float | None, heading: floa
     if found:
         _, _, height, _, _, _ = lane_pose(n, road, lane, s, offset)
         on_lane = FoundLane(network.road_ids[road], lane, s, offset)
-    return Standing(StartPose(x=x, y=y, z=height, heading=heading % (2 * math.pi)), on_lane)
+    return Standing(StartPose.model_construct(x=x, y=y, z=height, heading=heading % (2 * math.pi)), on_lane)
 
 
 def _beside_point(binder: Binder, position: RelativeObjectPosition | RelativeWorldPosition, base: Standing) -> Standing:
@@ -123,7 +123,8 @@ def _along_road(binder: Binder, position: LanesAwayPosition | RelativeRoadPositi
         return None
     x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
     heading = _heading(binder, position, along) % (2 * math.pi)
-    return Standing(StartPose(x=x, y=y, z=z, heading=heading), FoundLane(network.road_ids[road], lane, s, offset))
+    pose = StartPose.model_construct(x=x, y=y, z=z, heading=heading)
+    return Standing(pose, FoundLane(network.road_ids[road], lane, s, offset))
 
 
 def _heading(

@@ -5,10 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
+from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+from scenario_compiler.expressions import Expression
 from scenario_compiler.plan.model import Plan
 
 BAD_PLAN = Code(
@@ -22,9 +24,9 @@ BAD_PLAN = Code(
 
 def digest_of(plan: Plan) -> str:
     """Return the SHA-256 of the plan's canonical JSON, without provenance, derived values and the digest itself."""
-    content = plan.model_dump(mode="json", exclude={"origins", "derived", "digest"})
-    content["map"].pop("file")
-    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    content = {name: value for name, value in vars(plan).items() if name not in ("origins", "derived", "digest")}
+    content["map"] = {name: value for name, value in vars(plan.map).items() if name != "file"}
+    canonical = json.dumps(content, default=_plain, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
@@ -35,8 +37,13 @@ def sealed(plan: Plan) -> Plan:
 
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan as JSON."""
-    text = json.dumps(plan.model_dump(mode="json"), indent=1, ensure_ascii=False)
+    text = json.dumps(plan, default=_plain, indent=1, ensure_ascii=False)
     Path(path).write_text(text + "\n", encoding="utf-8")
+
+
+def _plain(value: BaseModel | Expression) -> dict[str, Any]:
+    """Return a model or an expression as JSON has it; pydantic's serializers of all words take longer to make."""
+    return {"expr": value.text} if isinstance(value, Expression) else vars(value)
 
 
 def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:

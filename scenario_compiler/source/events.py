@@ -45,7 +45,7 @@ def storyboard_of(entities: Sequence[str], happenings: Iterable[tuple[str, When 
         name = when.name or f"{entity}.when{len(events[entity]) + 1}"
         events[entity].append(_event(name, entity, when))
     groups = tuple(
-        ManeuverGroup(
+        ManeuverGroup.model_construct(
             name=entity,
             actors=(entity,),
             maneuvers=(Maneuver.model_construct(name=f"{entity}.whens", events=tuple(theirs)),),

@@ -234,12 +234,12 @@ class _Attempt:
         written = self.words.get("weather_numbers")
         if isinstance(written, Weather):
             return settled_weather(written, self.sink)
-        return weather or Weather()
+        return weather or Weather.model_construct()
 
     def _takeover(self) -> Takeover:
         """Return the policy with the driver taken from the catalog."""
         origin = self.reading.origin(self.part.element)
-        takeover: Takeover = self.words.get("takeover") or Takeover().written_at(origin)
+        takeover: Takeover = self.words.get("takeover") or Takeover.model_construct().written_at(origin)
         driver = takeover.driver
         return (
             takeover
@@ -327,7 +327,7 @@ def kept_vehicles(words: Iterable[Word], catalogs: Catalogs, sink: Diagnostics) 
     """Return the catalog's vehicles that actions on traffic below some words may let appear; report missing kinds."""
     found: dict[str, Vehicle] = {}
     for action in (one for word in words for one in walk(word) if isinstance(one, KeepsVehicles)):
-        for kind in action.kinds or (TrafficKind(category="car").written_at(action.origin),):
+        for kind in action.kinds or (TrafficKind.model_construct(category="car").written_at(action.origin),):
             some = [one for one in catalogs.vehicles.values() if one.category == kind.category]
             if not some and catalogs.complete:
                 message = f"the catalogs have no vehicle of the category '{kind.category}'"

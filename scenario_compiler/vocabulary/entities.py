@@ -92,8 +92,8 @@ class Ego(Word):
     )
     start: Position = child("Where it starts.", wrapper="start")
     destination: Position | None = child("Where the run ends.", default=None, wrapper="destination")
-    camera: Camera = child("Its forward camera.", default_factory=Camera)
-    controller: Controller = child("What drives it.", default_factory=Controller)
+    camera: Camera = child("Its forward camera.", default_factory=Camera.model_construct)
+    controller: Controller = child("What drives it.", default_factory=Controller.model_construct)
     whens: tuple[When, ...] = child("What happens to it.", default=())
 
 

@@ -97,6 +97,6 @@ class Scenario(Word):
     secondary_markings: tuple[SecondaryMarkings | LineBeside, ...] = child("Lines beside the map's paint.", default=())
     variables: tuple[Variable, ...] = child("Values that change while it runs.", default=())
     signal_controllers: tuple[SignalController, ...] = child("Controllers of traffic signals.", default=())
-    storyboard: Storyboard = child("What happens.", default_factory=Storyboard)
-    takeover: Takeover = child("The takeover policy.", default_factory=Takeover)
+    storyboard: Storyboard = child("What happens.", default_factory=Storyboard.model_construct)
+    takeover: Takeover = child("The takeover policy.", default_factory=Takeover.model_construct)
     criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=())

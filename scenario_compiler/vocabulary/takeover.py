@@ -165,5 +165,5 @@ class Takeover(Word):
         minimum=0,
     )
     causes: tuple[Cause, ...] = child("The causes that are switched on; all of them when none is given.", default=())
-    driver: Driver | DriverModel = child("Who answers.", default_factory=Driver)
+    driver: Driver | DriverModel = child("Who answers.", default_factory=Driver.model_construct)
     messages: tuple[Message, ...] = child("How the automation tells the driver.", default=())

@@ -7,7 +7,7 @@ those of the CARLA 0.9.15 and 0.9.16 clients.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 from scenario_compiler.vocabulary.word import Word, attribute
 
@@ -87,8 +87,8 @@ def weather_preset(name_or_index: str) -> Weather | None:
         name_or_index = names[int(name_or_index)]
     if name_or_index not in WEATHER_PRESETS:
         return None
-    numbers = dict(zip(_NUMBERS, WEATHER_PRESETS[name_or_index], strict=True))
-    return Weather.model_validate({"preset": name_or_index, **numbers})
+    numbers: dict[str, Any] = dict(zip(_NUMBERS, WEATHER_PRESETS[name_or_index], strict=True))
+    return Weather.model_construct(preset=name_or_index, **numbers)
 
 
 AnyWeather = TypeVar("AnyWeather", bound=Weather)

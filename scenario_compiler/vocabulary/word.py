@@ -11,8 +11,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PrivateAttr
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
 from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema, core_schema
 from typing_extensions import Self
 
 from scenario_compiler.diagnostics import FilePlace, Place
@@ -54,7 +55,25 @@ def _plain(value: float | Expression) -> float | dict[str, str]:
     return {"expr": value.text} if isinstance(value, Expression) else value
 
 
-Number = Annotated[float | Expression, BeforeValidator(_number), PlainSerializer(_plain)]
+class _NumberSchema:
+    """What pydantic is to do with a number: the words have hundreds, and working it out anew is half of their cost."""
+
+    validation = core_schema.no_info_before_validator_function(
+        _number,
+        core_schema.union_schema(
+            [core_schema.float_schema(allow_inf_nan=False), core_schema.is_instance_schema(Expression)]
+        ),
+        serialization=core_schema.plain_serializer_function_ser_schema(_plain),
+    )
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> CoreSchema:
+        return self.validation
+
+    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
+        return {"anyOf": [{"type": "number"}, {"additionalProperties": {"type": "string"}, "type": "object"}]}
+
+
+Number = Annotated[float | Expression, _NumberSchema()]
 """A literal, or an expression over the scenario's parameters that stays open until a run binds them. SI unit."""
 
 

@@ -279,7 +279,7 @@ def _variable_tag(version: Version) -> str:
 
 def _read_variable(node: Node) -> VariableCondition:
     named = "variableRef" if node.tag == "VariableCondition" else "parameterRef"
-    return VariableCondition(
+    return VariableCondition.model_construct(
         variable=node.text(named), rule=node.choice("rule", _RULES), value=node.text("value")
     ).written_at(node.origin)
 

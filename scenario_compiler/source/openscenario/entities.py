@@ -60,8 +60,8 @@ def read_entities(root: Node) -> Entities:
     for entity, reference in trailers:
         trailer = reference.entity("entityRef", "")
         if trailer in known.entities:
-            action = ConnectTrailerAction(trailer=trailer).written_at(reference.origin)
-            found.first.append(InitAction(entity=entity, action=action).written_at(reference.origin))
+            action = ConnectTrailerAction.model_construct(trailer=trailer).written_at(reference.origin)
+            found.first.append(InitAction.model_construct(entity=entity, action=action).written_at(reference.origin))
     return found
 
 
@@ -80,14 +80,16 @@ def _add_object(
         kind, vehicle = OBJECTS[described.tag], read_vehicle(described)
     known.entities[name] = kind
     model = found.add_vehicle(vehicle)
-    found.actors.append(Dynamic(id=name, model=model).written_at(node.origin))
+    found.actors.append(Dynamic.model_construct(id=name, model=model).written_at(node.origin))
     for trailer in [] if described is None else described.children("Trailer"):
         _add_trailer(name, trailer, found, known, trailers, depth)
     for held in node.children("ObjectController"):
         held.has("name")
         controller = given(held, "Controller", severity=Severity.WARNING)
         if controller is not None:
-            found.first.append(InitAction(entity=name, action=read_controller(controller)).written_at(held.origin))
+            found.first.append(
+                InitAction.model_construct(entity=name, action=read_controller(controller)).written_at(held.origin)
+            )
 
 
 def _add_trailer(
@@ -103,8 +105,8 @@ def _add_trailer(
         if hitched.reading.within is not None:
             name = f"{entity}+"
         _add_object(hitched, name, found, known, trailers, depth + 1)
-        action = ConnectTrailerAction(trailer=name).written_at(hitched.origin)
-        found.first.append(InitAction(entity=entity, action=action).written_at(hitched.origin))
+        action = ConnectTrailerAction.model_construct(trailer=name).written_at(hitched.origin)
+        found.first.append(InitAction.model_construct(entity=entity, action=action).written_at(hitched.origin))
 
 
 def _described(node: Node) -> Node | None:

@@ -143,15 +143,15 @@ def _scenario(
     variables = read_variables(root)
     entities = read_entities(root)
     written = root.required("Storyboard")
-    storyboard = Storyboard() if written is None else read_storyboard(written, entities.first)
+    storyboard = Storyboard.model_construct() if written is None else read_storyboard(written, entities.first)
     variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
     for one in (root, *root.reading.known.entries.values()):
         report_unread(one)
-    scenario = Scenario(
+    scenario = Scenario.model_construct(
         name=name,
         map=road,
         duration=LONGEST if storyboard.stop is not None else None,
-        weather=weather_preset(WEATHER) or Weather(),
+        weather=weather_preset(WEATHER) or Weather.model_construct(),
         actors=tuple(entities.actors),
         vehicles=tuple(entities.vehicles.values()),
         variables=variables_used,

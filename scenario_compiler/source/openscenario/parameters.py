@@ -187,4 +187,5 @@ def parameter_word(declaration: Node, value: Bound) -> Parameter:
         high = limit if one.text("rule") == "lessOrEqual" else high
     name = declared_name(declaration)
     text = format_value(literal_number(value.text) or 0.0)
-    return Parameter(name=name, type="number", default=text, min=low, max=high).written_at(declaration.origin)
+    found = Parameter.model_construct(name=name, type="number", default=text, min=low, max=high)
+    return found.written_at(declaration.origin)

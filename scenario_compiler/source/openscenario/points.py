@@ -139,7 +139,7 @@ class _Geographic:
 
 def _read_world(node: Node) -> FreePosition:
     check_tilt(node)
-    return FreePosition(
+    return FreePosition.model_construct(
         x=node.number("x"),
         y=node.number("y"),
         z=node.optional_number("z"),

@@ -46,7 +46,7 @@ def read_signal_controllers(root: Node) -> tuple[SignalController, ...]:
 
 
 def _controller(node: Node) -> SignalController:
-    return SignalController(
+    return SignalController.model_construct(
         name=node.text("name"),
         delay=node.number("delay", 0.0),
         reference=node.text("reference", ""),
@@ -56,9 +56,8 @@ def _controller(node: Node) -> SignalController:
 
 def _phase(node: Node) -> SignalPhase:
     states = [
-        SignalState(signal=one.text("trafficSignalId"), state=one.text("state")).written_at(one.origin)
+        SignalState.model_construct(signal=one.text("trafficSignalId"), state=one.text("state")).written_at(one.origin)
         for one in node.children("TrafficSignalState")
     ]
-    return SignalPhase(name=node.text("name"), duration=node.number("duration"), states=tuple(states)).written_at(
-        node.origin
-    )
+    name, duration = node.text("name"), node.number("duration")
+    return SignalPhase.model_construct(name=name, duration=duration, states=tuple(states)).written_at(node.origin)

@@ -77,7 +77,11 @@ class Forms:
 def regular(
     tag: str, word: type[AnyWord], *parts: Part, around: tuple[str, ...] = (), since: Version = _EVER
 ) -> Form[AnyWord]:
-    """Return the form of a word whose element is the sum of its parts."""
+    """Return the form of a word whose element is the sum of its parts.
+
+    Here and wherever a file is read, words are constructed without being validated again: the parts have read what
+    the fields take, and the validators of all words take longer to make than most files to read.
+    """
 
     def read(node: Node) -> AnyWord | None:
         fields: Fields = {}
@@ -86,7 +90,7 @@ def regular(
             found = part.read(node)
             complete = complete and found is not None
             fields.update(found or {})
-        return word(**fields).written_at(node.origin) if complete else None
+        return word.model_construct(**fields).written_at(node.origin) if complete else None
 
     def write(spoken: AnyWord, output: Output) -> etree._Element:
         element = etree.Element(tag)

@@ -39,7 +39,7 @@ def read_storyboard(node: Node, first: Iterable[InitAction] = ()) -> Storyboard:
     init = node.child("Init")
     actions = None if init is None else init.child("Actions")
     names = Siblings()
-    storyboard = Storyboard(
+    storyboard = Storyboard.model_construct(
         init=(*first, *([] if actions is None else _init(actions))),
         stories=tuple(_story(one, names) for one in node.children("Story")),
         stop=read_stop_trigger(node),
@@ -51,13 +51,13 @@ def _init(actions: Node) -> list[InitAction]:
     found: list[InitAction] = []
     for one in actions.elements():
         if one.tag in ACTIONS and one.tag != "PrivateAction":
-            found += [InitAction(action=action).written_at(one.origin) for action in read_actions(one)]
+            found += [InitAction.model_construct(action=action).written_at(one.origin) for action in read_actions(one)]
         elif one.tag == "Private":
             entities = one.entities("entityRef")
             for private in one.children("PrivateAction"):
                 words = read_actions(private)
                 found += [
-                    InitAction(entity=entity, action=action).written_at(private.origin)
+                    InitAction.model_construct(entity=entity, action=action).written_at(private.origin)
                     for entity in entities
                     for action in words
                 ]
@@ -67,14 +67,14 @@ def _init(actions: Node) -> list[InitAction]:
 def _story(node: Node, names: Siblings) -> Story:
     node = with_parameters(node)
     acts = Siblings()
-    return Story(name=names.name(node), acts=tuple(_act(one, acts) for one in node.children("Act"))).written_at(
-        node.origin
-    )
+    return Story.model_construct(
+        name=names.name(node), acts=tuple(_act(one, acts) for one in node.children("Act"))
+    ).written_at(node.origin)
 
 
 def _act(node: Node, names: Siblings) -> Act:
     groups = Siblings()
-    return Act(
+    return Act.model_construct(
         name=names.name(node),
         start=read_start_trigger(node),
         stop=read_stop_trigger(node),
@@ -89,7 +89,7 @@ def _group(node: Node, names: Siblings) -> ManeuverGroup:
         maneuver = with_parameters(one) if one.tag == "Maneuver" else entry_of(one, "Maneuver")
         if maneuver is not None:
             maneuvers.append(_maneuver(maneuver, inside))
-    return ManeuverGroup(
+    return ManeuverGroup.model_construct(
         name=names.name(node),
         maximum_execution_count=_count(node),
         actors=_actors(node, maneuvers),
@@ -117,7 +117,7 @@ def _triggering(trigger: Trigger | None) -> list[str]:
 
 def _maneuver(node: Node, names: Siblings) -> Maneuver:
     events = Siblings()
-    return Maneuver(
+    return Maneuver.model_construct(
         name=names.name(node), events=tuple(_event(one, events) for one in node.children("Event"))
     ).written_at(node.origin)
 
@@ -125,11 +125,11 @@ def _maneuver(node: Node, names: Siblings) -> Maneuver:
 def _event(node: Node, names: Siblings) -> Event:
     inside = Siblings()
     actions = [
-        StoryAction(name=name, action=action).written_at(one.origin)
+        StoryAction.model_construct(name=name, action=action).written_at(one.origin)
         for one in node.children("Action")
         for name, action in _named_actions(one, inside)
     ]
-    return Event(
+    return Event.model_construct(
         name=names.name(node),
         priority=PRIORITIES[node.choice("priority", tuple(PRIORITIES), "parallel")],
         maximum_execution_count=_count(node),

@@ -31,7 +31,7 @@ def read_stop_trigger(node: Node) -> Trigger | None:
 def read_trigger(node: Node) -> Trigger:
     """Return a trigger; groups that hold a condition that cannot be read are left out: they never become true."""
     groups = [_group(one) for one in node.children("ConditionGroup")]
-    return Trigger(groups=tuple(one for one in groups if one is not None)).written_at(node.origin)
+    return Trigger.model_construct(groups=tuple(one for one in groups if one is not None)).written_at(node.origin)
 
 
 def _group(node: Node) -> ConditionGroup | None:
@@ -39,7 +39,7 @@ def _group(node: Node) -> ConditionGroup | None:
     conditions = tuple(one for one in read if one is not None)
     if len(conditions) < len(read):
         return None
-    return ConditionGroup(conditions=conditions).written_at(node.origin)
+    return ConditionGroup.model_construct(conditions=conditions).written_at(node.origin)
 
 
 def _condition(node: Node) -> TriggerCondition | None:
@@ -63,7 +63,7 @@ def _condition(node: Node) -> TriggerCondition | None:
     edge, delay = _edge(node), _delay(node)
     if condition is None or (by_entity is not None and not entities):
         return None
-    return TriggerCondition(
+    return TriggerCondition.model_construct(
         name=name, condition=condition, entities=entities, every=every, edge=edge, delay=delay
     ).written_at(node.origin)
 

@@ -83,7 +83,7 @@ def read_vehicle(node: Node) -> Vehicle:
     base, steer = _axles(node)
     acceleration, deceleration, speed = _performance(node)
     ignore(node)
-    return Vehicle(
+    return Vehicle.model_construct(
         name=node.text("name", node.tag),
         category=_category(node),
         length=box.length,
@@ -103,7 +103,7 @@ def read_vehicle(node: Node) -> Vehicle:
 def usual_car(name: str) -> Vehicle:
     """Return a car of usual size, for what a file says nothing of."""
     box = USUAL_BOXES["external"]
-    return Vehicle(
+    return Vehicle.model_construct(
         name=name,
         length=box.length,
         width=box.width,

@@ -73,13 +73,14 @@ def read_controller(node: Node) -> AssignControllerAction:
     node.text("controllerType", "")
     properties = _properties(node, as_written=name == OWN)
     if name == OWN:
-        return AssignControllerAction(name=name, properties=properties).written_at(node.origin)
+        return AssignControllerAction.model_construct(name=name, properties=properties).written_at(node.origin)
     named = next((one.value for one in properties if one.name == CLASS), "")
     model = _model(named) or ("" if named else _model(name))
     if not model:
         message = f"the controller '{named or name}' has no counterpart here: the storyboard alone drives the entity"
         node.report(UNKNOWN_CONTROLLER, message, "name")
-    return AssignControllerAction(name=name, model=model or "default", properties=properties).written_at(node.origin)
+    found = AssignControllerAction.model_construct(name=name, model=model or "default", properties=properties)
+    return found.written_at(node.origin)
 
 
 def _model(name: str) -> str:
@@ -88,10 +89,12 @@ def _model(name: str) -> str:
 
 def _properties(node: Node, *, as_written: bool) -> tuple[ControllerProperty, ...]:
     found = [one for group in node.children("Properties") for one in group.children("Property")]
-    return tuple(
-        ControllerProperty(name=one.text("name"), value=_value(one, as_written=as_written)).written_at(one.origin)
-        for one in found
-    )
+    return tuple(_property(one, as_written=as_written) for one in found)
+
+
+def _property(node: Node, *, as_written: bool) -> ControllerProperty:
+    value = _value(node, as_written=as_written)
+    return ControllerProperty.model_construct(name=node.text("name"), value=value).written_at(node.origin)
 
 
 def _value(node: Node, *, as_written: bool) -> str:
@@ -150,8 +153,8 @@ _GEARS = {"p": 0.0, "r": -1.0, "n": 0.0, "d": 1.0}
 def read_overrides(node: Node) -> list[OverrideControllerAction]:
     """Return the actions of an <OverrideControllerValueAction>, one an input."""
     return [
-        OverrideControllerAction(
-            input=_INPUTS[one.tag],  # type: ignore[arg-type]  # the table's values are the choices
+        OverrideControllerAction.model_construct(
+            input=_INPUTS[one.tag],
             active=one.boolean("active"),
             **_input_value(one),
         ).written_at(one.origin)

@@ -33,7 +33,8 @@ class Transition:
         value = inner.number("value")
         if dimension == "time":
             return {"shape": shape, "over_time": value}
-        return {"shape": shape, "dynamics": AtRate(value=value) if dimension == "rate" else OverDistance(value=value)}
+        kind: type[AtRate | OverDistance] = AtRate if dimension == "rate" else OverDistance
+        return {"shape": shape, "dynamics": kind.model_construct(value=value)}
 
     def write(self, word: Any, element: etree._Element, output: Output) -> None:
         """Add the child."""

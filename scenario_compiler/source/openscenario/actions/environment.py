@@ -31,7 +31,6 @@ from scenario_compiler.source.openscenario.parameters import with_parameters
 from scenario_compiler.source.openscenario.spelling import Form, made
 from scenario_compiler.vocabulary.actions import EnvironmentAction, WeatherAction
 from scenario_compiler.vocabulary.weather import complete_weather, weather_numbers
-from scenario_compiler.vocabulary.word import Number
 
 SNOW = Code(
     "SC784",
@@ -83,7 +82,7 @@ def read_environment(node: Node) -> list[WeatherAction | EnvironmentAction]:
     actions: list[WeatherAction | EnvironmentAction] = []
     numbers = _weather(environment)
     if numbers:
-        actions.append(WeatherAction(**numbers).written_at(environment.origin))
+        actions.append(WeatherAction.model_construct(**numbers).written_at(environment.origin))
     other = _time_and_road(environment)
     return actions if other is None else [*actions, other]
 
@@ -153,14 +152,12 @@ def _percent(number: float) -> float:
 
 def _time_and_road(environment: Node) -> EnvironmentAction | None:
     time, road = environment.child("TimeOfDay"), environment.child("RoadCondition")
-    friction: Number | None = None
+    fields: dict[str, Any] = {}
     if road is not None:
-        friction = road.number("frictionScaleFactor", 1.0)
-    if time is None:
-        return None if road is None else EnvironmentAction(friction=friction).written_at(environment.origin)
-    return EnvironmentAction(
-        date_time=time.text("dateTime"), animated=time.boolean("animation"), friction=friction
-    ).written_at(environment.origin)
+        fields["friction"] = road.number("frictionScaleFactor", 1.0)
+    if time is not None:
+        fields |= {"date_time": time.text("dateTime"), "animated": time.boolean("animation")}
+    return EnvironmentAction.model_construct(**fields).written_at(environment.origin) if fields else None
 
 
 def _exact_weather(environment: Node) -> WeatherAction | None:
@@ -177,7 +174,7 @@ def _exact_weather(environment: Node) -> WeatherAction | None:
         return None
     environment.read_whole()
     over_time = numbers.pop("over_time", 0.0)
-    return WeatherAction(**numbers, over_time=over_time).written_at(environment.origin)
+    return WeatherAction.model_construct(**numbers, over_time=over_time).written_at(environment.origin)
 
 
 def _write_weather(word: WeatherAction, output: Output) -> etree._Element:

@@ -35,9 +35,9 @@ def _read_change(node: Node) -> LaneChangeAction | LaneChangeToAction | None:
     if inner is None:
         return None
     if inner.tag == "AbsoluteTargetLane":
-        return LaneChangeToAction(lane=inner.integer("value"), **fields).written_at(node.origin)
+        return LaneChangeToAction.model_construct(lane=inner.integer("value"), **fields).written_at(node.origin)
     of = inner.entity("entityRef")
-    return LaneChangeAction(by=inner.integer("value"), of=of, **fields).written_at(node.origin)
+    return LaneChangeAction.model_construct(by=inner.integer("value"), of=of, **fields).written_at(node.origin)
 
 
 def _write_change(word: LaneChangeAction, output: Output) -> etree._Element:

@@ -40,8 +40,8 @@ def _read_speed(node: Node) -> SpeedAction | RelativeSpeedAction | None:
     if inner is None:
         return None
     if inner.tag == "AbsoluteTargetSpeed":
-        return SpeedAction(to=inner.number("value"), **fields).written_at(node.origin)
-    return RelativeSpeedAction(
+        return SpeedAction.model_construct(to=inner.number("value"), **fields).written_at(node.origin)
+    return RelativeSpeedAction.model_construct(
         to=inner.entity("entityRef"),
         value=inner.number("value"),
         kind=inner.choice("speedTargetValueType", ("delta", "factor")),

@@ -124,7 +124,7 @@ class _FinalSpeed:
             fields["steady_time"] = time.number("time")
         if distance is not None:
             fields["steady_distance"] = distance.number("distance")
-        return {"final_speed": FinalSpeed(**fields).written_at(speed.origin)}
+        return {"final_speed": FinalSpeed.model_construct(**fields).written_at(speed.origin)}
 
     def write(self, word: SynchronizeAction, element: etree._Element, output: Output) -> None:
         final = word.final_speed
@@ -151,7 +151,7 @@ class _FinalSpeed:
 
 def _read_master_position(node: Node) -> MasterPosition | None:
     found = read_position(node)
-    return None if found is None else MasterPosition(position=found).written_at(node.origin)
+    return None if found is None else MasterPosition.model_construct(position=found).written_at(node.origin)
 
 
 _MASTER = Child(

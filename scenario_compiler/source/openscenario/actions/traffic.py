@@ -118,7 +118,7 @@ def _read_swarm(node: Node) -> TrafficSwarmAction | None:
         return None
     range_of = node.child("InitialSpeedRange")
     directions = node.child("DirectionOfTravelDistribution")
-    return TrafficSwarmAction(
+    return TrafficSwarmAction.model_construct(
         traffic=_name(node),
         entity=middle.entity("entityRef"),
         vehicles=node.integer("numberOfVehicles"),
@@ -131,7 +131,7 @@ def _read_swarm(node: Node) -> TrafficSwarmAction | None:
         opposite=1.0 if directions is None else directions.float("opposite"),
         speeds=None
         if range_of is None
-        else SpeedRange(low=range_of.float("lowerLimit"), high=range_of.float("upperLimit")),
+        else SpeedRange.model_construct(low=range_of.float("lowerLimit"), high=range_of.float("upperLimit")),
         kinds=read_kinds(node),
     ).written_at(node.origin)
 
@@ -164,7 +164,7 @@ def _read_source(node: Node) -> TrafficSourceAction | None:
     position = _position(node)
     if position is None:
         return None
-    return TrafficSourceAction(
+    return TrafficSourceAction.model_construct(
         traffic=_name(node),
         rate=node.float("rate"),
         radius=node.number("radius"),
@@ -191,7 +191,7 @@ def _read_sink(node: Node) -> TrafficSinkAction | None:
         definition.report(NO_MEANING_IN_TRAFFIC, "a sink takes vehicles of all kinds here")
     if position is None:
         return None
-    return TrafficSinkAction(
+    return TrafficSinkAction.model_construct(
         traffic=_name(node),
         radius=node.number("radius"),
         rate=node.optional_number("rate"),
@@ -207,7 +207,7 @@ def _write_sink(word: TrafficSinkAction, output: Output) -> etree._Element:
 
 
 def _read_stop(node: Node) -> StopTrafficAction:
-    return StopTrafficAction(traffic=_name(node)).written_at(node.origin)
+    return StopTrafficAction.model_construct(traffic=_name(node)).written_at(node.origin)
 
 
 def _write_stop(word: StopTrafficAction, output: Output) -> etree._Element:

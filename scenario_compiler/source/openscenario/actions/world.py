@@ -32,10 +32,12 @@ def _read_entity(node: Node) -> AddEntityAction | DeleteEntityAction | None:
         return None
     entity = node.entity("entityRef")
     if inner.tag == "DeleteEntityAction":
-        return DeleteEntityAction(entity=entity).written_at(node.origin)
+        return DeleteEntityAction.model_construct(entity=entity).written_at(node.origin)
     holder = inner.required("Position")
     position = None if holder is None else read_position(holder)
-    return None if position is None else AddEntityAction(entity=entity, position=position).written_at(node.origin)
+    if position is None:
+        return None
+    return AddEntityAction.model_construct(entity=entity, position=position).written_at(node.origin)
 
 
 def _write_add(word: AddEntityAction, output: Output) -> etree._Element:
@@ -53,7 +55,7 @@ def _read_variable(node: Node) -> SetVariableAction | ModifyVariableAction | Non
     if inner is None:
         return None
     if inner.tag == "SetAction":
-        return SetVariableAction(variable=name, value=inner.text("value")).written_at(node.origin)
+        return SetVariableAction.model_construct(variable=name, value=inner.text("value")).written_at(node.origin)
     rule = inner.required("Rule")
     change = None if rule is None else rule.first()
     if change is None or change.tag not in ("AddValue", "MultiplyByValue"):
@@ -61,13 +63,13 @@ def _read_variable(node: Node) -> SetVariableAction | ModifyVariableAction | Non
         return None
     value = change.number("value")
     if change.tag == "AddValue":
-        return ModifyVariableAction(variable=name, by="add", value=value).written_at(node.origin)
-    return ModifyVariableAction(variable=name, by="multiply", value=value).written_at(node.origin)
+        return ModifyVariableAction.model_construct(variable=name, by="add", value=value).written_at(node.origin)
+    return ModifyVariableAction.model_construct(variable=name, by="multiply", value=value).written_at(node.origin)
 
 
 def _read_monitor(node: Node) -> SetVariableAction:
     value = "true" if node.boolean("value") else "false"
-    return SetVariableAction(variable=node.text("monitorRef"), value=value).written_at(node.origin)
+    return SetVariableAction.model_construct(variable=node.text("monitorRef"), value=value).written_at(node.origin)
 
 
 def _write_set(word: SetVariableAction, output: Output) -> etree._Element:
@@ -88,7 +90,7 @@ def _variable_action(name: str, inner: etree._Element, output: Output) -> etree.
 
 def _read_command(node: Node) -> CommandAction:
     content = (node.element.text or "").strip()
-    return CommandAction(type=node.text("type", ""), content=content).written_at(node.origin)
+    return CommandAction.model_construct(type=node.text("type", ""), content=content).written_at(node.origin)
 
 
 def _write_command(word: CommandAction, output: Output) -> etree._Element:
