@@ -95,9 +95,14 @@ def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None
 @compiled
 def run_actions(n: RoadTables, p: Program, st: State, dt: float) -> None:
     """Step all running actions: the init's, then the story's in document order, below running elements."""
-    for c in range(p.init_count[0]):
-        if st.action_state[p.init_action[c]] == RUNNING:
-            step_action(n, p, st, p.init_action[c], dt)
+    if st.init_acting[0] == 1:
+        st.init_acting[0] = 0
+        for c in range(p.init_count[0]):
+            if st.action_state[p.init_action[c]] == RUNNING:
+                st.init_acting[0] = 1
+                step_action(n, p, st, p.init_action[c], dt)
+    if st.acting[0] == 0:
+        return
     e = 0
     while e < p.element_count[0]:
         if st.element_state[e] != RUNNING:

@@ -69,13 +69,13 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
     """Return 1 where the boxes of two present entities overlap (separating axis theorem), none above the other."""
     if st.present[i] == 0 or st.present[j] == 0:
         return 0
-    above = st.z[j] - st.z[i]
-    if above > p.const[p.entity_const[i] + E_HEIGHT] or -above > p.const[p.entity_const[j] + E_HEIGHT]:
-        return 0
     dx = st.middle_x[j] - st.middle_x[i]
     dy = st.middle_y[j] - st.middle_y[i]
     reach = st.reach[i] + st.reach[j]
     if dx * dx + dy * dy > reach * reach:
+        return 0
+    above = st.z[j] - st.z[i]
+    if above > p.const[p.entity_const[i] + E_HEIGHT] or -above > p.const[p.entity_const[j] + E_HEIGHT]:
         return 0
     if separated(p, st, i, j) == 1 or separated(p, st, j, i) == 1:
         return 0

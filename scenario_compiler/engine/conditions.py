@@ -112,12 +112,10 @@ def side_confidence(p: Program, st: State, c: int) -> float:
 
 @compiled
 def holds_of_run(p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition on the time or on the run as a whole holds."""
+    """Return 1 where a condition on the run as a whole holds."""
     op = p.condition_op[c]
     limit = p.const[p.condition_const[c] + C_VALUE]
     other = p.condition_other[c]
-    if op == CONDITION_TIME:
-        return compare(st, p.condition_rule[c], st.clock[0], limit)
     if op == CONDITION_ELEMENT_STATE:
         return element_state_holds(p, st, c)
     if op == CONDITION_TRANSITION:
@@ -142,25 +140,9 @@ def holds_of_run(p: Program, st: State, c: int) -> int:
 
 
 @compiled
-def holds_now(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition holds on the states of now, before edge and delay."""
-    op = p.condition_op[c]
-    if op >= CONDITIONS_OF_RUN or op == CONDITION_TIME:
-        return holds_of_run(p, st, c)
-    every = p.condition_all[c]
-    for k in range(p.condition_first[c], p.condition_first[c + 1]):
-        held = holds_for(n, p, st, c, p.condition_entity[k])
-        if held != every:
-            return held
-    return every
-
-
-@compiled
 def edge_of(p: Program, st: State, c: int, now: int) -> int:
     """Return 1 where the wanted change of a condition's value has come; the first evaluation is never a change."""
     edge = p.condition_edge[c]
-    if edge == EDGE_NONE:
-        return now
     if edge > EDGE_BOTH:
         fault(st, FAULT_UNKNOWN_EDGE, c)
         return 0
@@ -214,7 +196,18 @@ def delayed(p: Program, st: State, c: int, now: int) -> int:
 @compiled
 def condition_fires(n: RoadTables, p: Program, st: State, c: int) -> int:
     """Return 1 where a condition's value, edge and delay say so in this frame."""
-    result = holds_now(n, p, st, c)
+    op = p.condition_op[c]
+    if op == CONDITION_TIME:
+        result = compare(st, p.condition_rule[c], st.clock[0], p.const[p.condition_const[c] + C_VALUE])
+    elif op >= CONDITIONS_OF_RUN:
+        result = holds_of_run(p, st, c)
+    else:
+        every = p.condition_all[c]
+        result = every
+        for k in range(p.condition_first[c], p.condition_first[c + 1]):
+            result = holds_for(n, p, st, c, p.condition_entity[k])
+            if result != every:
+                break
     if p.condition_edge[c] != EDGE_NONE:
         result = edge_of(p, st, c, result)
     if p.condition_ring[c] >= 0:

@@ -24,9 +24,7 @@ from scenario_compiler.engine.opcodes import (
     CONDITION_COLLISION,
     CONDITION_DISTANCE,
     CONDITION_END_OF_ROAD,
-    CONDITION_OFF_ROAD,
     CONDITION_POSITION_DISTANCE,
-    CONDITION_REACH_POSITION,
     CONDITION_RELATIVE_ANGLE,
     CONDITION_RELATIVE_SPEED,
     CONDITION_SPEED,
@@ -34,11 +32,15 @@ from scenario_compiler.engine.opcodes import (
     CONDITION_TIME_HEADWAY,
     CONDITION_TIME_TO_COLLISION,
     CONDITION_TRAVELED_DISTANCE,
+    CONDITIONS_BETWEEN,
+    CONDITIONS_OF_STATE,
     FAR,
     FAULT_UNKNOWN_CONDITION,
+    FIRST_TIME_MEASURED,
     FRAME_ENTITY,
     FRAME_ROAD,
     FRAME_WORLD,
+    LAST_TIME_MEASURED,
     PART_ACROSS,
     PART_ALONG,
     PART_TOTAL,
@@ -105,14 +107,6 @@ def part_of(st: State, i: int, x: float, y: float, z: float, part: int) -> float
 
 
 @compiled
-def speed_of(st: State, i: int, part: int) -> float:
-    """Return an entity's speed, or the part of its velocity that is asked for."""
-    if part == PART_TOTAL:
-        return st.v[i]
-    return part_of(st, i, st.velocity_x[i], st.velocity_y[i], st.velocity_z[i], part)
-
-
-@compiled
 def relative_speed(st: State, i: int, j: int, part: int) -> float:
     """Return how much faster i is than j: by their speeds, or by a part of the relative velocity in i's axes."""
     if part == PART_TOTAL:
@@ -171,9 +165,6 @@ def angle_holds(p: Program, c: int, angle: float) -> int:
 def state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
     """Return 1 where a condition on an entity that compares no single number holds for entity i."""
     op = p.condition_op[c]
-    other = p.condition_other[c]
-    if op in (CONDITION_COLLISION, CONDITION_RELATIVE_ANGLE) and other >= 0 and st.present[other] == 0:
-        return 0
     if op == CONDITION_COLLISION:
         return touches(p, st, c, i)
     if op == CONDITION_CLEARANCE:
@@ -181,6 +172,9 @@ def state_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
     if op == CONDITION_ANGLE:
         return angle_holds(p, c, angle_of(n, st, i, p.condition_mode[c] % 4, p.condition_mode[c] // 4))
     if op == CONDITION_RELATIVE_ANGLE:
+        other = p.condition_other[c]
+        if st.present[other] == 0:
+            return 0
         kind = p.condition_mode[c]
         return angle_holds(p, c, own_angle(st, other, kind) - own_angle(st, i, kind))
     fault(st, FAULT_UNKNOWN_CONDITION, c)
@@ -216,7 +210,9 @@ def measured_between(n: RoadTables, p: Program, st: State, c: int, i: int) -> fl
 def measured_of(st: State, op: int, mode: int, i: int) -> float:
     """Return what a condition measures of entity i alone; times are -1 while what they count is not so."""
     if op == CONDITION_SPEED:
-        return speed_of(st, i, mode)
+        if mode == PART_TOTAL:
+            return st.v[i]
+        return part_of(st, i, st.velocity_x[i], st.velocity_y[i], st.velocity_z[i], mode)
     if op == CONDITION_TRAVELED_DISTANCE:
         return st.odometer[i]
     if op == CONDITION_ACCELERATION:
@@ -229,43 +225,20 @@ def measured_of(st: State, op: int, mode: int, i: int) -> float:
 
 
 @compiled
-def is_time(op: int) -> int:
-    """Return 1 for a condition on a time that may be undefined, and is then -1."""
-    if op in (CONDITION_TIME_HEADWAY, CONDITION_TIME_TO_COLLISION, CONDITION_STANDSTILL):
-        return 1
-    return 1 if op in (CONDITION_END_OF_ROAD, CONDITION_OFF_ROAD) else 0
-
-
-@compiled
-def is_between(op: int) -> int:
-    """Return 1 for a condition that measures to another entity or a position."""
-    if op in (CONDITION_TIME_HEADWAY, CONDITION_TIME_TO_COLLISION, CONDITION_DISTANCE):
-        return 1
-    return 1 if op in (CONDITION_POSITION_DISTANCE, CONDITION_RELATIVE_SPEED, CONDITION_REACH_POSITION) else 0
-
-
-@compiled
-def is_of_one(op: int) -> int:
-    """Return 1 for a condition that measures something of one entity alone."""
-    if op in (CONDITION_SPEED, CONDITION_TRAVELED_DISTANCE, CONDITION_ACCELERATION):
-        return 1
-    return 1 if op in (CONDITION_STANDSTILL, CONDITION_END_OF_ROAD, CONDITION_OFF_ROAD) else 0
-
-
-@compiled
 def holds_for(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
     """Return 1 where a condition on an entity holds for entity i; where it or the other is not there, none does."""
-    op = p.condition_op[c]
     if st.present[i] == 0:
         return 0
-    if is_of_one(op) == 1:
+    op = p.condition_op[c]
+    if op < CONDITIONS_BETWEEN:
         value = measured_of(st, op, p.condition_mode[c], i)
-    elif is_between(op) == 1:
-        if p.condition_other[c] >= 0 and st.present[p.condition_other[c]] == 0:
+    elif op < CONDITIONS_OF_STATE:
+        other = p.condition_other[c]
+        if other >= 0 and st.present[other] == 0:
             return 0
         value = measured_between(n, p, st, c, i)
     else:
         return state_holds(n, p, st, c, i)
-    if value < 0.0 and is_time(op) == 1:
+    if value < 0.0 and op >= FIRST_TIME_MEASURED and op <= LAST_TIME_MEASURED:
         return 0
     return compare(st, p.condition_rule[c], value, p.const[p.condition_const[c] + C_VALUE])

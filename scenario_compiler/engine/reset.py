@@ -79,6 +79,8 @@ def reset_entities(p: Program, st: State) -> None:
 @compiled
 def reset_story(p: Program, st: State) -> None:
     """Put the storyboard and its memories back to the start."""
+    st.acting[0] = 0
+    st.init_acting[0] = 1
     for e in range(p.element_count[0]):
         st.element_state[e] = STANDBY
         st.element_runs[e] = 0

@@ -153,6 +153,10 @@ class State:
     held_value: list[float]
 
     # Storyboard.
+    acting: list[int]
+    """1 where an event runs in this frame; one element."""
+    init_acting: list[int]
+    """1 until no action of the init runs any more; one element."""
     element_state: list[int]
     element_runs: list[int]
     """Executions so far."""

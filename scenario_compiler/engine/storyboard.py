@@ -14,7 +14,6 @@ from scenario_compiler.engine.domains import holds_lane, holds_speed
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.opcodes import (
     COMPLETE,
-    ELEMENT_ACT,
     ELEMENT_ACTION,
     ELEMENT_EVENT,
     ELEMENT_GROUP,
@@ -34,24 +33,19 @@ from scenario_compiler.roads.tables import RoadTables
 
 
 @compiled
-def group_fires(n: RoadTables, p: Program, st: State, g: int) -> int:
-    """Return 1 where all conditions of a group fire.
-
-    After a false one the later ones are not evaluated, so their memory of edges grows stale, unless they have a delay.
-    """
-    fires = 1
-    for c in range(p.group_first[g], p.group_first[g + 1]):
-        if (fires == 1 or p.condition_ring[c] >= 0) and condition_fires(n, p, st, c) == 0:
-            fires = 0
-    return fires
-
-
-@compiled
 def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
-    """Return 1 where any group of a trigger fires; all groups are evaluated, and one without groups never fires."""
+    """Return 1 where all conditions of any group of a trigger fire; one without groups never fires.
+
+    All groups are evaluated. After a false condition the later ones of its group are not, so their memory of edges
+    grows stale, unless they have a delay.
+    """
     fires = 0
     for g in range(p.trigger_first[trigger], p.trigger_first[trigger + 1]):
-        if group_fires(n, p, st, g) == 1:
+        all_fire = 1
+        for c in range(p.group_first[g], p.group_first[g + 1]):
+            if (all_fire == 1 or p.condition_ring[c] >= 0) and condition_fires(n, p, st, c) == 0:
+                all_fire = 0
+        if all_fire == 1:
             fires = 1
     return fires
 
@@ -215,26 +209,18 @@ def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 
 
 @compiled
-def run_element(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
-    """Bring one element of a running parent from standby to running, or stop an act whose stop trigger fires.
+def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
+    """Stop a running act whose stop trigger fires.
 
     That stop is an end of the act too (esmini 3.6): conditions see both transitions.
     """
-    kind = p.element_kind[e]
-    if st.element_state[e] == STANDBY:
-        if kind == ELEMENT_EVENT:
-            try_event(n, p, st, e, mark)
-        elif kind != ELEMENT_ACTION:
-            trigger = p.element_start[e]
-            if trigger < 0 or trigger_fires(n, p, st, trigger) == 1:
-                start_element(p, st, e, mark)
-    stops = kind == ELEMENT_ACT and st.element_state[e] == RUNNING and p.element_stop[e] >= 0
-    if stops and trigger_fires(n, p, st, p.element_stop[e]) == 1:
-        stop_below(p, st, e, mark)
-        st.element_ended[e] = mark
-        parent = parent_done(p, st, e)
-        if parent >= 0:
-            complete_element(p, st, parent, mark)
+    if trigger_fires(n, p, st, p.element_stop[e]) == 0:
+        return
+    stop_below(p, st, e, mark)
+    st.element_ended[e] = mark
+    parent = parent_done(p, st, e)
+    if parent >= 0:
+        complete_element(p, st, parent, mark)
 
 
 @compiled
@@ -242,12 +228,20 @@ def run_triggers(n: RoadTables, p: Program, st: State) -> None:
     """Go through all elements in document order; what stands below an element that does not run is passed over."""
     e = 0
     mark = 2 * st.frame[0] + 1
+    st.acting[0] = 0
     while e < p.element_count[0]:
         kind = p.element_kind[e]
-        state = st.element_state[e]
-        if state == STANDBY or (state == RUNNING and kind == ELEMENT_ACT):
-            run_element(n, p, st, e, mark)
-        if st.element_state[e] == RUNNING and kind != ELEMENT_EVENT:
-            e = e + 1
-        else:
+        if st.element_state[e] == STANDBY:
+            if kind == ELEMENT_EVENT:
+                try_event(n, p, st, e, mark)
+            elif p.element_start[e] < 0 or trigger_fires(n, p, st, p.element_start[e]) == 1:
+                start_element(p, st, e, mark)
+        if st.element_state[e] == RUNNING and p.element_stop[e] >= 0:
+            try_stop(n, p, st, e, mark)
+        if st.element_state[e] != RUNNING:
             e = p.element_end[e]
+        elif kind == ELEMENT_EVENT:
+            st.acting[0] = 1
+            e = p.element_end[e]
+        else:
+            e = e + 1
