@@ -192,7 +192,7 @@ def _pictures(page: SweepPage) -> dict[str, Any]:
         if all(isinstance(value, float) for value in taken) and sound.any() and len(set(taken)) > 1:
             axes[name] = _numbers(taken)[sound]
     for name, values in axes.items():
-        hits = [("collision", collided), ("takeover request", requested)]
+        hits = [("collision", collided), *([("takeover request", requested)] if page.automated else [])]
         pictures["along"].append((name, sweep_plots.rate_plot((name, values), hits, f"rate-{name}")))
     for first, second in list(combinations(axes, 2))[:MOST_MAPS]:
         both = (first, axes[first]), (second, axes[second])

@@ -1,0 +1,35 @@
+"""A sweep's page says what its runs can have, and nothing of what they cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from scenario_compiler.report.run import Run
+from scenario_compiler.report.sweep_page import SHOWN, Case, SweepPage, write_sweep_report
+
+ROWS: dict[str, Sequence[Any]] = {
+    "variant": [0, 1, 2],
+    "result": ["pass", "fail", "pass"],
+    "resolution": ["no_request", "driver", "no_request"],
+    "collision_time": [None, 3.0, None],
+    "collision_with": [None, "parked", None],
+    "error": [None, None, None],
+    "parameter.gap": [1.0, 2.0, 3.0],
+    **{name: [1.0, 0.5, 2.0] for name in SHOWN},
+}
+
+
+@pytest.mark.parametrize("automated", [True, False])
+def test_requests_are_shown_of_automated_vehicles_alone(finished: Run, tmp_path: Path, automated: bool) -> None:
+    plan = finished.plan if automated else finished.plan.model_copy(update={"controller": None})
+    cases = [Case(1, {"gap": 2.0}, "scenario-compiler run", replace(finished, plan=plan))]
+    page = SweepPage("it", "It happens", ROWS, {"gap": "uniform(1, 3)"}, [], cases, "scenario-compiler sweep")
+    text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
+    along = text.partition("Rates along each parameter")[2].partition("Distributions")[0]
+    assert "Runs with a collision" in along
+    assert ("takeover request" in along) == automated
