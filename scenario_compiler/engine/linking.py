@@ -1,4 +1,4 @@
-"""The compiled engine as one module of machine code: all functions are linked first and optimised once, with the entry.
+"""The compiled engine as one file of machine code: all functions are linked first and optimised once, with the entry.
 
 On its own numba optimises and emits every function together with all that it calls, so that what lies deep in the
 engine is compiled again for each function above it: four times the work.
@@ -6,15 +6,16 @@ engine is compiled again for each function above it: four times the work.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
+from llvmlite import binding as llvm
 from numba.core import codegen
 from numba.core.registry import cpu_target
 
-ENTRY_NAME = "entry"
-"""The function whose library is optimised and emitted, with all others."""
+from scenario_compiler.engine.build import ENTRY_NAME
+
+NOTHING_IS_FREED = "define void @NRT_MemInfo_call_dtor(ptr %owner) { unreachable }"
+"""What numba's code calls for an array without users: never, as the engine's arrays have no owner that counts them."""
 
 
 def libraries_below(library: Any) -> list[Any]:
@@ -33,11 +34,17 @@ class LinkedOnce(codegen.JITCodeLibrary):
     """The code of a function alone; what it calls is linked where the entry is finalized."""
 
     def finalize(self) -> None:
-        """Link, optimise and emit the entry; leave any other function as it is."""
+        """Link, optimise and emit the entry; leave any other function as it is. None of them is loaded."""
         if self.name == ENTRY_NAME:
-            link_below(self, self._final_module)
-            self._linking_libraries = []
-            super().finalize()  # type: ignore[no-untyped-call]
+            module = self._final_module
+            (mangled,) = defined_in(module)
+            module.get_function(mangled).name = ENTRY_NAME
+            link_below(self, module)
+            module.link_in(llvm.parse_assembly(NOTHING_IS_FREED))
+            self._optimize_final_module()  # type: ignore[no-untyped-call]
+            module.verify()
+            made: Any = self._codegen
+            made.machine_code = made._tm.emit_object(module)
         self._finalized = True
 
     def _get_module_for_linking(self) -> Any:
@@ -79,24 +86,27 @@ def link_below(library: LinkedOnce, module: Any) -> set[str]:
 
 
 class LinkedOnceCodegen(codegen.JITCPUCodegen):
-    """Makes such libraries; the environments of functions that are not emitted alone stay empty, as from a cache."""
+    """Makes such libraries.
+
+    Attributes:
+        machine_code: The entry's, as the bytes of an object file; empty until it is emitted.
+    """
 
     _library_class = LinkedOnce
+    machine_code = b""
 
     def set_env(self, env_name: str, env: Any) -> None:
-        """Set a function's environment where the function has been emitted."""
-        engine: Any = self._engine
-        if engine.is_symbol_defined(env_name):
-            super().set_env(env_name, env)  # type: ignore[no-untyped-call]
+        """Leave a function's environment empty: no function is loaded, and none of ours looks into it."""
 
 
-@contextmanager
-def linked_once() -> Iterator[None]:
-    """Let numba compile what it is asked to in this context into one module."""
+def machine_code_of(text: str) -> bytes:
+    """Return a generated module's machine code, as the bytes of an object file that has `ENTRY_NAME`."""
     context = cpu_target.target_context
     usual = context.codegen()
-    context._internal_codegen = LinkedOnceCodegen("scenario_compiler.engine")  # type: ignore[no-untyped-call]
+    made = LinkedOnceCodegen("scenario_compiler.engine")  # type: ignore[no-untyped-call]
+    context._internal_codegen = made
     try:
-        yield
+        exec(compile(text, "<compiled engine>", "exec"), {"__name__": "scenario_compiler.engine.compiled"})
     finally:
         context._internal_codegen = usual
+    return made.machine_code
