@@ -7,7 +7,6 @@ group of commands: each has `add(commands)`, which declares them, and the functi
 from __future__ import annotations
 
 import argparse
-import atexit
 import gc
 import os
 import sys
@@ -40,12 +39,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 def start_lightly() -> None:
     """Leave out what a command does not need: pydantic's search for plug-ins, and most rounds of the garbage collector.
 
-    Both count in `validate` of one file; what a command loads and makes stays until its end anyhow, and at its end
-    the collector need not look through all of it to find that it goes with the process.
+    Both count in `validate` of one file; what a command loads and makes stays until its end anyhow.
     """
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     gc.set_threshold(100_000, 50, 50)
-    atexit.register(gc.freeze)
 
 
 def make_parser() -> argparse.ArgumentParser:

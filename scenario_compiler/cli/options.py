@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -104,11 +105,20 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
     return settings
 
 
+def keep_loaded() -> None:
+    """Spare the garbage collector what has been loaded: looking through it as the process ends takes 40 ms and more.
+
+    Called before anything of the user's is loaded: of that, what is not closed is closed by the collector in the end.
+    """
+    gc.freeze()
+
+
 def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
     """Compile what a command names, with the changes that its options make."""
     from scenario_compiler.compiler import Overrides, compile_target
     from scenario_compiler.source import ScenarioNameNeededError
 
+    keep_loaded()
     overrides = Overrides(
         perception=options.perception, controller=options.controller, step=options.dt, duration=options.duration
     )

@@ -7,7 +7,17 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_diagnostics, add_maps, judged, show
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    judged,
+    keep_loaded,
+    show,
+)
 from scenario_compiler.diagnostics import Diagnostic, Severity
 from scenario_compiler.structure.schemas import Schemas
 
@@ -43,6 +53,7 @@ def validate_command(options: argparse.Namespace) -> int:
     """Check files, or all files of folders."""
     from scenario_compiler.compiler import files_below, validate_files
 
+    keep_loaded()
     if not options.paths:
         raise WrongUse("name the files or folders to check, before --xsd if that names no folder")
     files = list(dict.fromkeys(file for path in options.paths for file in files_below(path)))
