@@ -129,18 +129,21 @@ def ego_ttc(p: Program, st: State, ego: int, j: int, c: float, s: float) -> floa
     ahead = dx * c + dy * s
     if ahead <= 0.0 or ahead > TTC_RANGE:
         return -1.0
+    aside = abs(dy * c - dx * s)
     turned = st.h[j] - st.h[ego]
+    a = p.entity_const[ego]
+    b = p.entity_const[j]
+    half = 0.5 * p.const[a + E_WIDTH]
+    long = 0.5 * p.const[b + E_LENGTH]
+    wide = 0.5 * p.const[b + E_WIDTH]
+    if aside >= half + long * abs(turned) + wide:  # no sine is greater than its angle
+        return -1.0
     c_turned = cos(turned)
     closing = st.v[ego] - st.v[j] * c_turned
     if closing < 0.01:
         return -1.0
     s_turned = abs(sin(turned))
-    a = p.entity_const[ego]
-    b = p.entity_const[j]
-    long = 0.5 * p.const[b + E_LENGTH]
-    wide = 0.5 * p.const[b + E_WIDTH]
-    side = 0.5 * p.const[a + E_WIDTH] + long * s_turned + wide * abs(c_turned)
-    if abs(dy * c - dx * s) >= side:
+    if aside >= half + long * s_turned + wide * abs(c_turned):
         return -1.0
     gap = ahead - 0.5 * p.const[a + E_LENGTH] - long * abs(c_turned) - wide * s_turned
     return max(gap, 0.0) / closing

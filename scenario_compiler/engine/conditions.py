@@ -30,6 +30,7 @@ from scenario_compiler.engine.opcodes import (
     FAULT_DELAY_OVERFLOW,
     FAULT_UNKNOWN_CONDITION,
     FAULT_UNKNOWN_EDGE,
+    NONE,
     SIDE_EITHER,
     SIDE_LEFT,
     SIDE_RIGHT,
@@ -146,19 +147,12 @@ def edge_of(p: Program, st: State, c: int, now: int) -> int:
     if edge > EDGE_BOTH:
         fault(st, FAULT_UNKNOWN_EDGE, c)
         return 0
-    known = st.condition_known[c]
     before = st.condition_before[c]
-    st.condition_known[c] = 1
     st.condition_before[c] = now
-    fires = 0
-    if known == 1 and before != now:
-        if now == 1 and edge != EDGE_FALLING:
-            fires = 1
-        if now == 0 and edge != EDGE_RISING:
-            fires = 1
-    if fires == 1:
-        st.condition_known[c] = 0
-    return fires
+    if before == 1 - now and edge != (EDGE_FALLING if now == 1 else EDGE_RISING):
+        st.condition_before[c] = NONE
+        return 1
+    return 0
 
 
 @compiled

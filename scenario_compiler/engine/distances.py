@@ -28,7 +28,7 @@ from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.geometry import road_heading
 from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_row_in
 from scenario_compiler.roads.locate import locate_lane
 from scenario_compiler.roads.tables import RoadTables
@@ -216,7 +216,7 @@ def along_roads(
 @compiled
 def turned_against(n: RoadTables, road: int, s: float, direction: int, h: float) -> float:
     """Return a heading relative to a road's direction at s, as it is travelled."""
-    _, _, along, _ = road_reference(n, road, s)
+    along = road_heading(n, road, s)
     return angle_between(h, along if direction > 0 else along + pi)
 
 

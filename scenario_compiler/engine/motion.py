@@ -36,7 +36,7 @@ from scenario_compiler.engine.slots import (
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.surroundings import grip
 from scenario_compiler.engine.tables import Program
-from scenario_compiler.engine.watching import watch_entity
+from scenario_compiler.engine.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import piece_curvature, road_piece_at, road_pose
 from scenario_compiler.roads.lane_end import lane_after_end
@@ -283,4 +283,7 @@ def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
         st.last_v[i] = v
         st.moved[i] = 0
         if watches != 0 and st.present[i] == 1:
-            watch_entity(n, st, i, watches, dt)
+            if watches & WATCH_MOTION != 0:
+                measure_motion(st, i, watches, dt)
+            if watches >= WATCH_STILL:
+                watch_entity(n, st, i, watches, dt)

@@ -90,8 +90,7 @@ def reset_story(p: Program, st: State) -> None:
         st.element_stopped[e] = -1
         st.element_skipped[e] = -1
     for c in range(p.condition_count[0]):
-        st.condition_known[c] = 0
-        st.condition_before[c] = 0
+        st.condition_before[c] = NONE
     for r in range(p.ring_count[0]):
         st.ring_first[r] = 0
         st.ring_size[r] = 0

@@ -167,9 +167,8 @@ class State:
     element_ended: list[int]
     element_stopped: list[int]
     element_skipped: list[int]
-    condition_known: list[int]
-    """1 when `condition_before` holds an earlier evaluation."""
     condition_before: list[int]
+    """What a condition with an edge was at its last evaluation, NONE before the first and after the edge has fired."""
     ring_time: list[float]
     ring_value: list[int]
     ring_first: list[int]
@@ -470,7 +469,7 @@ _ELEMENT = [
     "element_stopped",
     "element_skipped",
 ]
-_CONDITION = ("condition_known", "condition_before")
+_CONDITION = ("condition_before",)
 _RING_ROWS = ("ring_time", "ring_value")
 _RING = ("ring_first", "ring_size")
 _ACTION = [

@@ -229,16 +229,20 @@ def run_triggers(n: RoadTables, p: Program, st: State) -> None:
     e = 0
     mark = 2 * st.frame[0] + 1
     st.acting[0] = 0
-    while e < p.element_count[0]:
+    count = p.element_count[0]
+    while e < count:
         kind = p.element_kind[e]
-        if st.element_state[e] == STANDBY:
+        state = st.element_state[e]
+        if state == STANDBY:
             if kind == ELEMENT_EVENT:
                 try_event(n, p, st, e, mark)
             elif p.element_start[e] < 0 or trigger_fires(n, p, st, p.element_start[e]) == 1:
                 start_element(p, st, e, mark)
-        if st.element_state[e] == RUNNING and p.element_stop[e] >= 0:
+            state = st.element_state[e]
+        if state == RUNNING and p.element_stop[e] >= 0:
             try_stop(n, p, st, e, mark)
-        if st.element_state[e] != RUNNING:
+            state = st.element_state[e]
+        if state != RUNNING:
             e = p.element_end[e]
         elif kind == ELEMENT_EVENT:
             st.acting[0] = 1

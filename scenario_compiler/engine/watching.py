@@ -83,11 +83,7 @@ def measure_motion(st: State, i: int, watches: int, dt: float) -> None:
 
 @compiled
 def watch_entity(n: RoadTables, st: State, i: int, watches: int, dt: float) -> None:
-    """Take the measures of an entity that is there; it is at its road's end from the step that took it there."""
-    if watches & WATCH_MOTION != 0:
-        measure_motion(st, i, watches, dt)
-    if watches < WATCH_STILL:
-        return
+    """Take the times of an entity that is there; it is at its road's end from the step that took it there."""
     if watches & WATCH_STILL != 0:
         st.still[i] = held_for(1 if abs(st.v[i]) < AT_REST else 0, st.still[i], dt)
     if watches & WATCH_AT_END != 0:

@@ -140,6 +140,17 @@ def piece_curvature(n: RoadTables, piece: int, s: float) -> float:
 
 
 @compiled
+def road_heading(n: RoadTables, road: int, s: float) -> float:
+    """Return the heading of the reference line at s, not wrapped."""
+    piece = road_piece_at(n, road, s)
+    d = s - n.piece_s[piece]
+    if n.piece_kind[piece] == POLYNOMIAL:
+        _, _, h, _, _ = polynomial_point(n, piece, d)
+        return h
+    return n.piece_h[piece] + (n.piece_k[piece] + 0.5 * n.piece_dk[piece] * d) * d
+
+
+@compiled
 def road_curvature(n: RoadTables, road: int, s: float) -> float:
     """Return the curvature of the reference line, 1/m, positive to the left."""
     return piece_curvature(n, road_piece_at(n, road, s), s)

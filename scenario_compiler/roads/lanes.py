@@ -7,6 +7,7 @@ from math import atan, cos, sin
 
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import (
+    TAU,
     cubic_slope,
     cubic_value,
     piece_point,
@@ -267,9 +268,12 @@ def row_place(
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return what `lane_place` does, on a known row of the lane (-1: it does not exist) and piece of the road."""
     x, y, h, _, _ = piece_point(n, piece, s)
+    slope = 0.0
     if row < 0:
         centre = lane_offset(n, road, s)
         slope = cubic_slope(n, n.road_offset_first[road], n.road_offset_last[road], s)
+    elif n.lane_steady[row] == 1:
+        centre = n.lane_middle[row]
     else:
         centre, slope = row_centre(n, road, row, s)
     t = centre + offset
@@ -286,12 +290,14 @@ def row_place(
     heading = h
     if slope != 0.0:
         heading = h + atan(slope)
+    if heading <= 0.0 or heading >= TAU:
+        heading = wrap_heading(heading)
     c = n.piece_cos[piece]
     w = n.piece_sin[piece]
     if h != n.piece_h[piece]:
         c = cos(h)
         w = sin(h)
-    return x + along * c - across * w, y + along * w + across * c, z, wrap_heading(heading), pitch, roll, t
+    return x + along * c - across * w, y + along * w + across * c, z, heading, pitch, roll, t
 
 
 @compiled
