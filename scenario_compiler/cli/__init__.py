@@ -13,10 +13,10 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from scenario_compiler.cli import authoring, coverage, engine, explain, export, maps, run, sweep, validate
+from scenario_compiler.cli import authoring, compare, coverage, engine, explain, export, maps, run, sweep, validate
 from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse
 
-GROUPS = (validate, run, sweep, authoring, export, maps, explain, coverage, engine)
+GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage, engine)
 """Groups of commands, in the order of the help."""
 
 

@@ -22,6 +22,7 @@ from scenario_compiler.cli.options import (
     show,
     suggestion,
 )
+from scenario_compiler.cli.tables import print_table
 from scenario_compiler.diagnostics import Diagnostics
 
 if TYPE_CHECKING:
@@ -69,26 +70,14 @@ def list_command(options: argparse.Namespace) -> int:
 
 def _print_tables(listed: list[Listed]) -> None:
     """Print a table of the conflicts, one of the templates and one of what varies, those that have a row."""
-    from rich import box
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Column, Table
 
     def rows_of(kind: str) -> list[tuple[str, ...]]:
         return [(one.name, one.gold, one.map, one.summary) for one in listed if one.kind == kind]
 
-    tables: list[tuple[tuple[str, ...], list[tuple[str, ...]]]] = [
-        (("conflict", "Gold", "map", "what happens"), rows_of("conflict")),
-        (("template", "Gold", "map", "what happens"), rows_of("template")),
-        (("conflict", "varied", "values"), [(one.name, *varied) for one in listed for varied in one.varied]),
-    ]
-    for heading, rows in tables:
-        columns = [Column(header, overflow="fold") for header in heading]
-        table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
-        for row in rows:
-            table.add_row(*map(escape, row))
-        if rows:
-            Console().print(table)
+    what = ("Gold", "map", "what happens")
+    print_table(("conflict", *what), rows_of("conflict"))
+    print_table(("template", *what), rows_of("template"))
+    print_table(("conflict", "varied", "values"), [(one.name, *varied) for one in listed for varied in one.varied])
 
 
 def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:

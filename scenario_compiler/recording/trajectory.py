@@ -1,14 +1,22 @@
-"""The trajectories as CSV, for other programs."""
+"""The trajectories as CSV, for and from other programs."""
 
 from __future__ import annotations
 
 import csv
+import math
+from itertools import pairwise
 from pathlib import Path
 
 from scenario_compiler.recording.decimals import shortest
-from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 
 TRAJECTORY_COLUMNS = ("t", "name", "x", "y", "h", "v", "road", "lane", "s", "off")
+
+_NUMBERS = ("x", "y", "h", "v", "s", "off")
+
+
+class TrajectoryError(ValueError):
+    """The file holds no trajectories."""
 
 
 def write_trajectory(recording: Recording, path: Path) -> None:
@@ -18,14 +26,62 @@ def write_trajectory(recording: Recording, path: Path) -> None:
     are the shortest decimals that read back to the same bits.
     """
     names, roads = recording.header.entities, (*recording.roads, "-1")
-    numbers = ("x", "y", "h", "v", "s", "off")
-    columns = {name: getattr(recording, name).tolist() for name in (*numbers, "road", "lane", "present")}
+    columns = {name: getattr(recording, name).tolist() for name in (*_NUMBERS, "road", "lane", "present")}
     with path.open("w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(TRAJECTORY_COLUMNS)
         for k, t in enumerate(recording.t.tolist()):
             for i, name in enumerate(names):
                 if columns["present"][k][i]:
-                    x, y, h, v, s, off = (shortest(columns[number][k][i]) for number in numbers)
+                    x, y, h, v, s, off = (shortest(columns[number][k][i]) for number in _NUMBERS)
                     road, lane = roads[columns["road"][k][i]], columns["lane"][k][i]
                     rows.writerow((shortest(t), name, x, y, h, v, road, lane, s, off))
+
+
+def read_trajectory(path: Path) -> Recording:
+    """Read trajectories as `write_trajectory` writes them: a recording without plan and events.
+
+    Raises:
+        TrajectoryError: The file holds none.
+        OSError: It cannot be read.
+    """
+    rows: dict[float, dict[str, dict[str, str]]] = {}
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file, strict=True):
+                rows.setdefault(_finite(row["t"]), {})[row["name"]] = row
+        return _recorded(path.stem, rows)
+    except (csv.Error, KeyError, TypeError, ValueError, OverflowError) as problem:
+        raise TrajectoryError(f"{path} holds no trajectories: {problem!r}") from problem
+
+
+def _recorded(name: str, rows: dict[float, dict[str, dict[str, str]]]) -> Recording:
+    entities = tuple(dict.fromkeys(entity for there in rows.values() for entity in there))
+    if not entities:
+        raise TrajectoryError("it has no row")
+    times = sorted(rows)
+    step = min((after - before for before, after in pairwise(times)), default=0.0)
+    roads = tuple(
+        dict.fromkeys(row["road"] for there in rows.values() for row in there.values() if row["road"] != "-1")
+    )
+    number = {road: index for index, road in enumerate(roads)} | {"-1": -1}
+    header = Header(plan_digest="", plan_name=name, seed=0, step=step, entities=entities, perception="ideal")
+    columns: dict[str, list[float]] = {at: [0.0] * len(entities) for at in (*_NUMBERS, "road", "lane", "present")}
+    builder = RecordingBuilder(header, roads, columns)
+    for t in times:
+        columns["present"][:] = [entity in rows[t] for entity in entities]
+        for i, entity in enumerate(entities):
+            if entity in rows[t]:
+                row = rows[t][entity]
+                for at in _NUMBERS:
+                    columns[at][i] = _finite(row[at])
+                columns["road"][i], columns["lane"][i] = number[row["road"]], int(row["lane"])
+        builder.append(t)
+    return builder.finish("")
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is no finite number")
+    return number

@@ -1,0 +1,146 @@
+"""`compare`: two runs side by side."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, astuple
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse
+from scenario_compiler.cli.tables import print_table
+
+if TYPE_CHECKING:
+    from scenario_compiler.recording.comparison import Comparison
+    from scenario_compiler.recording.outcome import Outcome
+    from scenario_compiler.recording.recording import Recording
+
+MOST_EVENTS = 40
+"""Events that are printed, at most; --format json has all."""
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "compare",
+        help="compare two runs: where they part, how far apart they get, what happened in one alone",
+        description="Compare two runs. Exit 0 when the same happened in both, 1 when not: plans, seeds and versions "
+        "are shown, but may differ.",
+    )
+    for name in ("first", "second"):
+        parser.add_argument(
+            name, type=Path, metavar="RUN", help="folder of a run, its recording.parquet, or a trajectory as .csv"
+        )
+    parser.add_argument(
+        "--tolerance",
+        type=distance,
+        metavar="X",
+        help="positions may be X m apart, events and ends a step; without it all is equal to the bit",
+    )
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="format of what is printed")
+    parser.set_defaults(command=compare_command)
+
+
+def distance(text: str) -> float:
+    """Return a distance in metres that an option gives."""
+    value = float(text)
+    if not 0.0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is not a distance in metres")
+    return value
+
+
+def compare_command(options: argparse.Namespace) -> int:
+    """Print two runs side by side."""
+    from scenario_compiler.recording.comparison import compare
+
+    (first, outcome), (second, other) = read_run(options.first), read_run(options.second)
+    outcomes = None if outcome is None or other is None else (outcome, other)
+    found = compare(first, second, outcomes, tolerance=options.tolerance)
+    if options.format == "json":
+        print(as_json(found))
+    else:
+        print_comparison(found, options.tolerance)
+    return FINE if found.equal else AT_FAULT
+
+
+def read_run(path: Path) -> tuple[Recording, Outcome | None]:
+    """Return the recording of a run and, where there is one, its outcome; WrongUse when it is none."""
+    from scenario_compiler.recording.outcome import OutcomeError, read_outcome
+    from scenario_compiler.recording.store import RecordingError, read_recording
+    from scenario_compiler.recording.trajectory import TrajectoryError, read_trajectory
+
+    try:
+        if path.suffix == ".csv":
+            return read_trajectory(path), None
+        judged = path / "outcome.json"
+        recording = read_recording(path / "recording.parquet" if path.is_dir() else path)
+        return recording, read_outcome(judged) if judged.exists() else None
+    except (RecordingError, TrajectoryError, OutcomeError, OSError) as fault:
+        raise WrongUse(str(fault)) from None
+
+
+def as_json(found: Comparison) -> str:
+    """Return a comparison as JSON."""
+    return json.dumps({"equal": found.equal, **asdict(found)}, indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def print_comparison(found: Comparison, tolerance: float | None) -> None:
+    """Print a comparison as tables, without those that would be empty."""
+    print_table(
+        ("", "first", "second"),
+        [
+            (one.what, one.first, "=" if one.first == one.second else one.second)
+            for one in found.facts
+            if one.first or one.second
+        ],
+    )
+    print_table(
+        ("entity", "rows", "alone", "apart, m", "at, s", "x, m", "y, m", "h, rad", "v, m/s"),
+        [
+            (entity, str(rows), str(alone), *map(_number, greatest))
+            for entity, rows, alone, *greatest in map(astuple, found.apart)
+        ],
+    )
+    print_table(
+        ("event", "entity", "cause", "message", "first, s", "second, s"),
+        [
+            (one.kind, one.entity, one.cause, one.message, _number(one.first), _number(one.second))
+            for one in found.events[:MOST_EVENTS]
+        ],
+    )
+    if len(found.events) > MOST_EVENTS:
+        print(f"and {len(found.events) - MOST_EVENTS} more events\n")
+    print_table(
+        ("measure", "unit", "first", "second", "difference"),
+        [
+            (one.name, one.unit, _number(one.first), _number(one.second), _number(one.difference))
+            for one in found.measures
+            if one.first is not None or one.second is not None
+        ],
+    )
+    print("\n".join(verdict(found, tolerance)))
+
+
+def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
+    """Yield what the comparison comes to, in sentences."""
+    parting = found.parting
+    if parting is not None:
+        whose = f"{parting.entity}'s {parting.column}" if parting.entity else parting.column
+        told = f"{parting.first} in the first, {parting.second} in the second"
+        yield f"They part at {parting.t:.6g} s: {whose} is {told}."
+    if not found.same_times:
+        yield f"They do not have the same rows: {found.rows} are at times that both have."
+    for fact in found.facts:
+        if fact.counts and fact.first != fact.second:
+            yield f"They differ in: {fact.what}."
+    if found.events:
+        yield f"Events that are not alike: {len(found.events)}."
+    within = "" if tolerance is None else f" within {tolerance:g} m"
+    yield f"The same happened in both{within}." if found.equal else "The runs differ."
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else f"{value:.4g}"
