@@ -140,7 +140,7 @@ def test_triggers_are_told_in_words(swerving: Compilation, crossing: Compilation
     assert [one.time for one in happenings_of(swerving.plan)] == [3.0, 5.5, 8.0, 10.5]
     (crosses,) = happenings_of(crossing.plan)
     assert crosses.time is None
-    assert crosses.trigger == "time gap of ego to crossing_pedestrian1.walker < 3 s"
+    assert crosses.trigger == "time gap of ego to crossing_pedestrian1.walker below 3 s"
     assert crosses.label.startswith("crossing_pedestrian1.walker: speed to 1.4 m/s and lane change by 5")
 
 

@@ -148,10 +148,18 @@ def said(word: Word, values: Mapping[str, Value], *, who: str = "") -> str:
 
 def _name(word: Word) -> str:
     """Return the name of the element that the author wrote: ASAM's without its kind, or our own."""
+    element = _element_of_openscenario(word)
+    if element is None:
+        return word.tag().replace("_", " ")
+    return _local(element).removesuffix("Action").removesuffix("Condition")
+
+
+def _element_of_openscenario(word: Word) -> etree._Element | None:
+    """Return the element of OpenSCENARIO that a word was read from; None for a word of our language."""
     origin = word.origin
     if isinstance(origin, Origin) and _local(origin.document.root).lower() == "openscenario":
-        return _local(origin.element).removesuffix("Action").removesuffix("Condition")
-    return word.tag().replace("_", " ")
+        return origin.element
+    return None
 
 
 def _local(element: etree._Element) -> str:
@@ -181,6 +189,12 @@ def _attribute(word: Word, rule: AttributeRule, values: Mapping[str, Value]) -> 
         value = " ".join(map(str, value))
     elif rule.field == "element":
         return str(value).rpartition("::")[2]
-    compared = getattr(word, "rule", None) if rule.field in COMPARED else None
-    lead = SIGNS[compared] if compared else LEADS.get(rule.field, rule.name.replace("_", " "))
-    return f"{lead} {value}".lstrip()
+    lead = _comparison(word) if rule.field in COMPARED else ""
+    return f"{lead or LEADS.get(rule.field, rule.name.replace('_', ' '))} {value}".lstrip()
+
+
+def _comparison(word: Word) -> str:
+    """Return the sign of a condition's rule; empty where there is none, or our language says `below` or `after`."""
+    rule = grammar_of(type(word)).attributes.get("rule")
+    unsaid = rule is None or (rule.default == getattr(word, "rule", "") and _element_of_openscenario(word) is None)
+    return "" if unsaid else SIGNS[getattr(word, "rule", "")]
