@@ -175,27 +175,24 @@ def _is_filled(folder: Path) -> bool:
 
 def print_run(run: Run, folder: Path | None) -> None:
     """Print what a run came to."""
-    from rich.console import Console
-    from rich.table import Table
-
     from scenario_compiler.report.wording import summary_of
 
     summary = summary_of(run)
-    table = Table(show_header=False, box=None, pad_edge=False)
     of_takeover = (
         ("cause of the request", summary.cause),
         ("time of the request", _seconds(summary.request_time)),
         ("takeover time", _seconds(summary.takeover_time)),
     )
-    for label, value in (
+    rows = (
         ("conflict", summary.name),
         ("result", summary.result),
         ("outcome", summary.outcome),
         *(() if run.plan.controller is None else of_takeover),
         ("minimum time to collision", _seconds(summary.minimum_ttc)),
-    ):
-        table.add_row(label, value)
-    Console().print(table)
+    )
+    width = max(len(label) for label, _ in rows)
+    for label, value in rows:
+        print(f"{label:<{width}}  {value}")
     if folder is not None:
         print(f"report: {folder / 'report.html'}")
 

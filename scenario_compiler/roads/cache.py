@@ -24,8 +24,7 @@ from pathlib import Path
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, FilePlace, Severity
 from scenario_compiler.resources import cache_folder
-from scenario_compiler.roads.parse import ParsedNetwork
-from scenario_compiler.roads.tables import FLOAT_COLUMNS, RoadTables
+from scenario_compiler.roads.tables import FLOAT_COLUMNS, ParsedNetwork, RoadTables
 
 MAGIC = b"SCROADS1"
 DIGEST_SIZE = 32
@@ -54,6 +53,8 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
         column.frombytes(raw[start:end])
         setattr(parsed.tables, name, column.tolist())
         start = end
+    if head["findings"]:
+        from scenario_compiler.roads import parse  # noqa: F401  # makes the codes of its findings known
     for code, severity, message, hint, line, at, length, source in head["findings"]:
         place = FilePlace(path, line, at, length, source)
         sink.found.append(Diagnostic(CODES[code], message, place, hint, Severity(severity)))

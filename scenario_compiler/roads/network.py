@@ -16,9 +16,7 @@ from scenario_compiler.roads import geometry, lanes, locate, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
 from scenario_compiler.roads.lane_details import LaneDetails
 from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES, is_drivable
-from scenario_compiler.roads.model import RoadModel, read_model
 from scenario_compiler.roads.nearest import nearest_lane
-from scenario_compiler.roads.parse import ParsedNetwork, drop_namespace, read_network
 from scenario_compiler.roads.positions import (
     LaneAt,
     LanePosition,
@@ -31,12 +29,13 @@ from scenario_compiler.roads.positions import (
 )
 from scenario_compiler.roads.quality import with_mark_quality
 from scenario_compiler.roads.routing import find_route
-from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, RoadTables
+from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, ParsedNetwork, RoadTables
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from scenario_compiler.roads.locate_many import BatchLocator, Floats, Ints
+    from scenario_compiler.roads.model import RoadModel
 
 CHANGED_FILE = Code(
     "SC315",
@@ -99,6 +98,9 @@ class Network:
             CompileError: When the file can no longer be read as what it was.
         """
         if self._model is None:
+            from scenario_compiler.roads.model import read_model
+            from scenario_compiler.roads.parse import drop_namespace
+
             findings = Diagnostics()
             raw = _read(Path(self.path), findings)
             document = None if raw is None else parse_document(raw, self.path, findings)
@@ -443,6 +445,8 @@ def _parse(raw: bytes, path: str, sink: Diagnostics, cache: bool) -> ParsedNetwo
     parsed = read_cached(sha256, path, sink) if cache else None
     if parsed is not None:
         return parsed
+    from scenario_compiler.roads.parse import read_network
+
     findings = Diagnostics()
     document = parse_document(raw, path, findings)
     parsed = read_network(document, findings) if document is not None else None

@@ -10,7 +10,6 @@ header) is read by
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from lxml import etree
 
@@ -24,7 +23,7 @@ from scenario_compiler.roads.model import report_repeats
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
 from scenario_compiler.roads.steady import note_steady_lanes
-from scenario_compiler.roads.tables import NO_SPEED, RoadTables
+from scenario_compiler.roads.tables import NO_SPEED, ParsedNetwork, RoadTables
 from scenario_compiler.roads.topology import build_links
 
 NOT_OPENDRIVE = Code(
@@ -56,15 +55,6 @@ UNKNOWN_WORD = Code(
     "is used in its place.",
     Severity.WARNING,
 )
-
-
-@dataclass
-class ParsedNetwork:
-    """The tables of a network and the names that its indices stand for."""
-
-    tables: RoadTables = field(default_factory=RoadTables)
-    road_ids: list[str] = field(default_factory=list)
-    junction_ids: list[str] = field(default_factory=list)
 
 
 def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:

@@ -9,6 +9,7 @@ Lengths are in metres, angles in radians, OpenDRIVE axes (x east, y north, z up)
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -314,3 +315,12 @@ class RoadTables:
 
 FLOAT_COLUMNS = frozenset(name for name, kind in RoadTables.__annotations__.items() if "float" in str(kind))
 """Names of the columns that hold floats; the others hold ints."""
+
+
+@dataclass
+class ParsedNetwork:
+    """The tables of a network and the names that its indices stand for."""
+
+    tables: RoadTables = field(default_factory=RoadTables)
+    road_ids: list[str] = field(default_factory=list)
+    junction_ids: list[str] = field(default_factory=list)

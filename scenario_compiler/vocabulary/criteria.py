@@ -1,7 +1,5 @@
 """Criteria: what a run is judged by."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.takeover import CauseKind

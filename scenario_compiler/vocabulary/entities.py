@@ -1,7 +1,5 @@
 """Entities: the ego vehicle, static and dynamic actors, groups of them, traffic, and the vehicles they are."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions.path import Path

@@ -4,8 +4,6 @@ An element has attributes in any order and children in the order of the word's f
 kinds of words, or any number of them, these may be mixed.
 """
 
-from __future__ import annotations
-
 import types
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Markings: the road's paint where the scenario overrides the map by stretch, and paint that it adds."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, same_as

@@ -1,7 +1,5 @@
 """The language's reference as a page of Markdown, made from the declarations of its words."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 from scenario_compiler.expressions import FUNCTIONS, format_value

@@ -1,7 +1,5 @@
 """The scenario: what both languages end in once templates, catalogs and structural parameters are gone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Literal
 

@@ -5,8 +5,6 @@ expression. What a word's reader accepts and what the schema accepts is the same
 expressions aside.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr

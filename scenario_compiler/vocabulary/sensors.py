@@ -1,7 +1,5 @@
 """Sensors of the ego vehicle, and how they fail."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child

@@ -1,7 +1,5 @@
 """Controllers of traffic signals: phases that follow one another, each with the states of its signals."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child

@@ -3,8 +3,6 @@
 Both languages end here. `When` is our spelling of an event: no edge, once, parallel.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Literal
 

@@ -4,8 +4,6 @@ Defaults: warning and request thresholds are the AISA toolkit's; escalation afte
 after the request and its 4 m/s2 are after UN R157; the budget of 7 s is the most studied one.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child

@@ -1,7 +1,5 @@
 """Walks over words: every word below a word, the names in it, and a copy with some words replaced."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 

@@ -1,7 +1,5 @@
 """Variables: values with a name and a type that actions change and conditions read while a scenario runs."""
 
-from __future__ import annotations
-
 from datetime import datetime, timezone
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Variation: which parameters of a scenario a sweep varies, how each is distributed, and what every variant fulfils."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal

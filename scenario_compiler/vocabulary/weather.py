@@ -4,8 +4,6 @@ The presets' values and their order (the sorted names, which is the index that t
 those of the CARLA 0.9.15 and 0.9.16 clients.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, Literal, TypeVar
 

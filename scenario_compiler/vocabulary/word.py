@@ -5,8 +5,6 @@ element (or several), always of another word's type. Reading, the XSD, the JSON 
 these declarations.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias

@@ -1,7 +1,5 @@
 """Actions on who drives an entity, and on its lights and looks."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child

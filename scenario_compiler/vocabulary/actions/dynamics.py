@@ -1,7 +1,5 @@
 """How values change: shapes, and what a change is bounded or timed by."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute

@@ -1,7 +1,5 @@
 """Actions on what surrounds the vehicles."""
 
-from __future__ import annotations
-
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import Number, attribute
 

@@ -1,7 +1,5 @@
 """Actions across the lanes."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape

@@ -1,7 +1,5 @@
 """Actions on an entity's speed, and on its distance to another along the road."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDistance, Shape

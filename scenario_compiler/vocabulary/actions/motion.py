@@ -1,7 +1,5 @@
 """Actions on where an entity is and which way it goes."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.positions import Position, Route, Trajectory

@@ -1,7 +1,5 @@
 """Actions along a path of one's own: over points, off the lanes if need be."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.positions import Position

@@ -1,7 +1,5 @@
 """Actions on the run as a whole."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.takeover import Modality

@@ -1,7 +1,5 @@
 """Actions on the ego vehicle's sensors."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.sensors import FailureKind

@@ -1,7 +1,5 @@
 """Actions on background traffic: swarms around an entity, sources, sinks, and their end."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.positions import Position

@@ -1,7 +1,5 @@
 """Actions on the world at large: entities that come and go, parameters, variables, traffic lights, other programs."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.positions import Position

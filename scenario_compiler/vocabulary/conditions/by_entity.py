@@ -1,7 +1,5 @@
 """Conditions on an entity: `entity` is the triggering one; inside `<when>` it defaults to the actor that holds it."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.conditions.measuring import (

@@ -1,7 +1,5 @@
 """Conditions on the run as a whole."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.conditions.measuring import Rule

@@ -1,7 +1,5 @@
 """How conditions measure and compare: ASAM's rules, coordinate systems and directions."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 Rule = Literal["lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo"]

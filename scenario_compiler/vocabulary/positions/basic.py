@@ -1,7 +1,5 @@
 """Positions on the map's roads: in lanes, beside reference lines, at spawn points, at random, ahead of an entity."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child

@@ -4,8 +4,6 @@ The names and meanings are ASAM OpenSCENARIO's (Position and its kinds). `turn` 
 position itself gives (the lane, the road, the entity); `heading`, where given, is absolute and takes its place.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute

@@ -1,7 +1,5 @@
 """Routes and trajectories, and positions measured along them."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.positions.basic import (

@@ -1,7 +1,5 @@
 """The scenario's own spawn points."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from scenario_compiler.vocabulary.positions.routes import Point
