@@ -24,11 +24,19 @@ def reported_entity(p: Program) -> int:
 
 @compiled
 def update_boxes(p: Program, st: State) -> None:
-    """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted)."""
+    """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted).
+
+    Most drive straight on: cosine and sine of a heading are kept.
+    """
     for i in range(p.entity_count[0]):
+        h = st.h[i]
+        if h != st.box_h[i]:
+            st.box_h[i] = h
+            st.box_cos[i] = cos(h)
+            st.box_sin[i] = sin(h)
         center = p.const[p.entity_const[i] + E_CENTER]
-        st.middle_x[i] = st.x[i] + center * cos(st.h[i])
-        st.middle_y[i] = st.y[i] + center * sin(st.h[i])
+        st.middle_x[i] = st.x[i] + center * st.box_cos[i]
+        st.middle_y[i] = st.y[i] + center * st.box_sin[i]
     before = -FAR
     for k in range(p.entity_count[0]):
         i = st.order[k]
@@ -155,8 +163,8 @@ def watch_ttc(p: Program, st: State) -> None:
     ego = reported_entity(p)
     if p.entity_count[0] < 2 or st.present[ego] == 0:
         return
-    c = cos(st.h[ego])
-    s = sin(st.h[ego])
+    c = st.box_cos[ego]
+    s = st.box_sin[ego]
     for j in range(p.entity_count[0]):
         if j != ego and st.present[j] == 1:
             time = ego_ttc(p, st, ego, j, c, s)
@@ -172,6 +180,9 @@ def prepare_boxes(p: Program, st: State) -> None:
         long = p.const[base + E_LENGTH]
         wide = p.const[base + E_WIDTH]
         st.reach[i] = 0.5 * safe_sqrt(long * long + wide * wide)
+        st.box_h[i] = 0.0
+        st.box_cos[i] = 1.0
+        st.box_sin[i] = 0.0
         st.order[i] = i
         st.contact[i] = 0
     st.collision_a[0] = NONE

@@ -123,7 +123,12 @@ class State:
     reach: list[float]
     """Half diagonal of the entity's box."""
     middle_x: list[float]
+    """Centre of the entity's box."""
     middle_y: list[float]
+    box_h: list[float]
+    """Heading of the box, its cosine and its sine."""
+    box_cos: list[float]
+    box_sin: list[float]
 
     # Positions of the plan.
     position_x: list[float]
@@ -435,6 +440,9 @@ _ENTITY = (
         "reach",
         "middle_x",
         "middle_y",
+        "box_h",
+        "box_cos",
+        "box_sin",
         "seen",
         "on_way",
         "near",
