@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from scenario_compiler.engine.numbers import angle_between
 from scenario_compiler.engine.opcodes import WAY_SIZE
-from scenario_compiler.engine.path import HALF_TURN, STEP_OVER, preferred_road, section_holds
+from scenario_compiler.engine.path import STEP_OVER, preferred_road, section_holds
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.geometry import road_heading
 from scenario_compiler.roads.lanes import lane_direction, lane_offset, lane_row, row_centre, row_width
 from scenario_compiler.roads.locate import project_on_road
 from scenario_compiler.roads.tables import RoadTables
@@ -147,10 +146,9 @@ def measure_on_way(n: RoadTables, p: Program, st: State, j: int) -> int:
     else:
         lane_t = lane_offset(n, road, s)
         half = 0.0
-    _, _, h, _ = road_reference(n, road, s)
-    relative = angle_between(st.h[j], h if sign > 0 else h + HALF_TURN)
-    c = cos(relative)
-    w_side = sin(relative)
+    relative = st.h[j] - road_heading(n, road, s)
+    c = sign * cos(relative)
+    w_side = sign * sin(relative)
     base = p.entity_const[j]
     half_length = 0.5 * p.const[base + E_LENGTH]
     half_width = 0.5 * p.const[base + E_WIDTH]

@@ -29,7 +29,7 @@ from scenario_compiler.engine.opcodes import (
     MANOEUVRE_MERGE,
     STREAM_STEERING,
 )
-from scenario_compiler.engine.path import advance_path
+from scenario_compiler.engine.path import path_ahead
 from scenario_compiler.engine.sensor import gap_between, gap_is_free, look_ahead
 from scenario_compiler.engine.slots import E_CENTER, E_LENGTH, E_MAX_STEER, E_WIDTH, K_STEP
 from scenario_compiler.engine.state import State
@@ -196,7 +196,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     front = p.const[base + E_CENTER] + 0.5 * size
     need = p.const[base + E_WIDTH] + 2.0 * CLEARANCE
     distance = st.blocked_distance[0]
-    road, lane, s, _ = advance_path(n, p, st, distance + front)
+    road, lane, _, s, _ = path_ahead(n, p, st, distance + front)
     for choice in range(3):
         side = 0 if choice == 0 else 3 - 2 * choice
         left = st.border_left[blocker]

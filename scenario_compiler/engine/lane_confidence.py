@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from scenario_compiler.engine.failures import health_of_camera
 from scenario_compiler.engine.numbers import clip
-from scenario_compiler.engine.opcodes import ALL_MARKS
-from scenario_compiler.engine.path import advance_path, section_holds
+from scenario_compiler.engine.opcodes import ALL_MARKS, NONE
+from scenario_compiler.engine.path import path_ahead
 from scenario_compiler.engine.slots import M_COVERAGE, M_FROM, M_QUALITY, M_QUALITY_TO, M_TO
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -42,17 +42,21 @@ def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -
 
 
 @compiled
-def even_quality(n: RoadTables, row: int, low: float, high: float) -> float:
-    """Return the map's quality of the mark on the outer border of a lane's row, where all of [low, high] has the same.
+def keeps_quality(n: RoadTables, st: State, row: int, s: float) -> float:
+    """Return the map's quality of the mark on the outer border of a lane's row at s, -1 where it changes along s.
 
-    0 without a mark, -1 where it changes.
+    What is known to stay as it is ends where the mark does.
     """
     if row < 0:
         return 0.0
-    mark = row_mark(n, row, low)
-    if row_mark(n, row, high) != mark:
-        return -1.0
-    if mark < 0 or n.mark_type[mark] == MARK_NONE:
+    mark = row_mark(n, row, s)
+    following = n.lane_mark[row] if mark < 0 else mark + 1
+    if following < n.lane_mark[row + 1]:
+        st.even_to[0] = min(st.even_to[0], n.mark_s[following])
+    if mark < 0:
+        return 0.0
+    st.even_from[0] = max(st.even_from[0], n.mark_s[mark])
+    if n.mark_type[mark] == MARK_NONE:
         return 0.0
     if n.mark_quality_to[mark] != n.mark_quality_from[mark]:
         return -1.0
@@ -60,38 +64,48 @@ def even_quality(n: RoadTables, row: int, low: float, high: float) -> float:
 
 
 @compiled
-def stretch_between(p: Program, road: int, low: float, high: float) -> int:
-    """Return 1 where the plan says something about marks on [low, high] of a road."""
+def keep_off_stretches(p: Program, st: State, s: float) -> None:
+    """End what is known to stay as it is where the plan says something else about marks."""
     for k in range(p.stretch_count[0]):
         base = p.stretch_const[k]
-        if p.stretch_road[k] == road and p.const[base + M_FROM] <= high and p.const[base + M_TO] >= low:
-            return 1
-    return 0
+        if p.stretch_road[k] == st.path_road[0]:
+            if p.const[base + M_TO] < s:
+                st.even_from[0] = max(st.even_from[0], p.const[base + M_TO])
+            else:
+                st.even_to[0] = min(st.even_to[0], p.const[base + M_FROM])
 
 
 @compiled
-def even_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]:
-    """Return the qualities of the (left, right) mark where both are the same at all places that are looked at.
-
-    (-1, -1) where that cannot be told at once: another lane section begins, marks change, or the plan wears them.
-    """
+def note_even_marks(n: RoadTables, p: Program, st: State) -> None:
+    """Note between which s about the path's place the marks on both sides stay as they are, and their qualities."""
     row = st.path_row[0]
     s = st.path_s[0]
-    end = s + st.path_sense[0] * LOOK_TO
-    if section_holds(n, row, end) == 0:
-        return -1.0, -1.0
-    low = min(s, end)
-    high = max(s, end)
-    if stretch_between(p, st.path_road[0], low, high) == 1:
-        return -1.0, -1.0
     lane = st.path_lane[0]
-    outer = even_quality(n, row, low, high)
-    inner = even_quality(n, lane_row_in(n, n.lane_section[row], lane + 1 if lane < 0 else lane - 1), low, high)
+    section = n.lane_section[row]
+    st.even_row[0] = row
+    st.even_from[0] = n.section_s[section]
+    st.even_to[0] = n.section_end[section]
+    outer = keeps_quality(n, st, row, s)
+    inner = keeps_quality(n, st, lane_row_in(n, section, lane + 1 if lane < 0 else lane - 1), s)
+    keep_off_stretches(p, st, s)
     if outer < 0.0 or inner < 0.0:
-        return -1.0, -1.0
-    if (lane > 0) == (st.path_sense[0] > 0):
-        return outer, inner
-    return inner, outer
+        st.even_row[0] = NONE
+    elif (lane > 0) == (st.path_sense[0] > 0):
+        st.even_left[0] = outer
+        st.even_right[0] = inner
+    else:
+        st.even_left[0] = inner
+        st.even_right[0] = outer
+
+
+@compiled
+def marks_stay(st: State) -> int:
+    """Return 1 where the marks are known to stay as they are up to the furthest place that is looked at."""
+    s = st.path_s[0]
+    end = s + st.path_sense[0] * LOOK_TO
+    if st.path_row[0] != st.even_row[0] or min(s, end) <= st.even_from[0] or max(s, end) >= st.even_to[0]:
+        return 0
+    return 1
 
 
 @compiled
@@ -101,7 +115,7 @@ def looked_at_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]
     right = 0.0
     for k in range(LOOK_COUNT):
         ahead = LOOK_FROM + LOOK_STEP * k
-        road, lane, s, rest = advance_path(n, p, st, ahead)
+        road, lane, _, s, rest = path_ahead(n, p, st, ahead)
         if rest > 0.0:
             continue
         inner = lane + 1 if lane < 0 else lane - 1
@@ -122,9 +136,13 @@ def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
     health = health_of_camera(p, st)
     left = 0.0
     right = 0.0
-    if st.path_found[0] == 1:
-        left, right = even_sides(n, p, st)
-        if left < 0.0:
+    if st.path_found[0] == 1 and st.path_row[0] >= 0:
+        if marks_stay(st) == 0:
+            note_even_marks(n, p, st)
+        if marks_stay(st) == 1:
+            left = st.even_left[0]
+            right = st.even_right[0]
+        else:
             left, right = looked_at_sides(n, p, st)
     seen = health * st.paint_seen[0]
     st.health[0] = health

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from math import atan, cos, pi, sin
 
-from scenario_compiler.engine.numbers import angle_between, bearing, clip, length_of, safe_sqrt
-from scenario_compiler.engine.path import advance_path
+from scenario_compiler.engine.numbers import clip, safe_sqrt
+from scenario_compiler.engine.path import path_ahead
 from scenario_compiler.engine.slots import E_MAX_ACCELERATION, E_MAX_DECELERATION, E_MAX_STEER, E_WHEELBASE
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.geometry import road_piece_at
+from scenario_compiler.roads.lanes import lane_direction, row_place
 from scenario_compiler.roads.tables import RoadTables
 
 PREVIEW_TIME = 0.8
@@ -69,20 +70,26 @@ def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> 
     if st.path_road[0] < 0:
         return 0.0
     preview = clip(PREVIEW_TIME * st.v[i], PREVIEW_LEAST, PREVIEW_MOST)
-    road, lane, s, rest = advance_path(n, p, st, preview)
+    road, lane, row, s, rest = path_ahead(n, p, st, preview)
     direction = st.path_sense[0] if road == st.path_road[0] else lane_direction(n, road, lane)
-    x, y, _, h, _, _ = lane_pose(n, road, lane, s, direction * planned_offset(st, st.odometer[i] + preview))
+    off = direction * planned_offset(st, st.odometer[i] + preview)
+    x, y, _, h, _, _, _ = row_place(n, road, row, road_piece_at(n, road, s), s, off)
     if rest > 0.0:
         x = x + direction * rest * cos(h)
         y = y + direction * rest * sin(h)
-    away = length_of(x - st.x[i], y - st.y[i])
-    if away < 0.5:
+    dx = x - st.x[i]
+    dy = y - st.y[i]
+    squared = dx * dx + dy * dy
+    if squared < 0.25:
         return 0.0
-    alpha = angle_between(bearing(x - st.x[i], y - st.y[i]), st.h[i])
-    base = p.entity_const[i]
-    bend = 2.0 * sin(clip(alpha, -0.5 * pi, 0.5 * pi)) / away
+    c = cos(st.h[i])
+    w = sin(st.h[i])
+    aside = dy * c - dx * w
+    if dx * c + dy * w < 0.0:
+        aside = safe_sqrt(squared) if aside > 0.0 else -safe_sqrt(squared)
     sharpest = most / max(st.v[i] * st.v[i], 1.0)
-    angle = atan(p.const[base + E_WHEELBASE] * clip(bend, -sharpest, sharpest))
+    base = p.entity_const[i]
+    angle = atan(p.const[base + E_WHEELBASE] * clip(2.0 * aside / squared, -sharpest, sharpest))
     return clip(angle, -p.const[base + E_MAX_STEER], p.const[base + E_MAX_STEER])
 
 

@@ -10,7 +10,7 @@ from scenario_compiler.engine.numbers import angle_between
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.geometry import road_heading
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import (
     lane_at,
@@ -62,12 +62,13 @@ def section_holds(n: RoadTables, row: int, s: float) -> int:
 
 
 @compiled
-def advance_path(n: RoadTables, p: Program, st: State, ds: float) -> tuple[int, int, float, float]:
-    """Return what `advance_routed` does from the path's place, most often in its lane section."""
+def path_ahead(n: RoadTables, p: Program, st: State, ds: float) -> tuple[int, int, int, float, float]:
+    """Return (road, lane, the lane's row or -1, s, left over) ds >= 0 ahead of the path's place, along the route."""
     s = st.path_s[0] + st.path_sense[0] * ds
     if section_holds(n, st.path_row[0], s) == 1:
-        return st.path_road[0], st.path_lane[0], s, 0.0
-    return advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], ds)
+        return st.path_road[0], st.path_lane[0], st.path_row[0], s, 0.0
+    road, lane, s, rest = advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], ds)
+    return road, lane, lane_row(n, road, lane, s), s, rest
 
 
 @compiled
@@ -222,7 +223,7 @@ def measure_path_at(n: RoadTables, st: State, i: int, t: float) -> float:
     road = st.path_road[0]
     s = st.path_s[0]
     direction = st.path_sense[0]
-    _rx, _ry, h, _ = road_reference(n, road, s)
+    h = road_heading(n, road, s)
     row = st.path_row[0]
     if row >= 0:
         centre, slope = row_centre(n, road, row, s)

@@ -181,6 +181,8 @@ def reset_run(p: Program, st: State) -> None:
     st.path_lane[0] = 0
     st.path_s[0] = 0.0
     st.path_row[0] = NONE
+    st.even_row[0] = NONE
+    st.clear_row[0] = NONE
     st.path_sense[0] = 1
     st.path_off[0] = 0.0
     st.path_heading[0] = 0.0

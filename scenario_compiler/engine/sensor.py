@@ -6,7 +6,7 @@ from math import cos, pi, sin
 
 from scenario_compiler.engine.ahead import measure_on_way, walk, walk_route
 from scenario_compiler.engine.lane_changes import neighbour_lane
-from scenario_compiler.engine.numbers import angle_between, bearing, clip, length_of
+from scenario_compiler.engine.numbers import clip, length_of, safe_sqrt
 from scenario_compiler.engine.opcodes import FAR, SEEN_BY_SENSORS
 from scenario_compiler.engine.path import preferred_road
 from scenario_compiler.engine.presence import there_for
@@ -32,6 +32,9 @@ SLOW = 2.0
 LANE_END_HORIZON = 300.0
 """How far ahead the end of the lane is looked for, m."""
 
+LOOK_AGAIN = 50.0
+"""Way after which it is looked for again, m."""
+
 THROUGH_MORE = 20.0
 """How much further than an ending lane the lane beside must go on, m."""
 
@@ -43,123 +46,102 @@ LEAST_GAP = 2.0
 
 
 @compiled
-def ray_free(p: Program, st: State, i: int, j: int, px: float, py: float, qx: float, qy: float) -> int:
-    """Return 1 where no box but those of i and j cuts the segment from P to Q (slab test in each box's axes)."""
-    rx = qx - px
-    ry = qy - py
-    squared = rx * rx + ry * ry
+def open_eye(p: Program, st: State, i: int, reach: float, view: float) -> None:
+    """Let i look from its front bumper along its heading, within a range and a full angle of view."""
+    base = p.entity_const[i]
+    front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
+    c = cos(st.h[i])
+    s = sin(st.h[i])
+    st.eye_x[0] = st.x[i] + front * c
+    st.eye_y[0] = st.y[i] + front * s
+    st.eye_cos[0] = c
+    st.eye_sin[0] = s
+    st.eye_reach[0] = reach
+    st.eye_edge[0] = cos(clip(0.5 * view, 0.0, pi))
+
+
+@compiled
+def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int:
+    """Return 1 where no box but those of i and j cuts the segment by (dx, dy) from the eye.
+
+    The axes that may divide them are the segment's normal, first by the box's circle, and those of the box.
+    """
+    squared = dx * dx + dy * dy
     for k in range(p.entity_count[0]):
-        dx = px - st.middle_x[k]
-        dy = py - st.middle_y[k]
-        beside = dx * ry - dy * rx
-        if beside * beside > st.reach[k] * st.reach[k] * squared:
+        if k in (i, j):
             continue
-        if k in (i, j) or there_for(st, k, SEEN_BY_SENSORS) == 0:
+        x = st.eye_x[0] - st.middle_x[k]
+        y = st.eye_y[0] - st.middle_y[k]
+        beside = x * dy - y * dx
+        if beside * beside > st.reach[k] * st.reach[k] * squared or there_for(st, k, SEEN_BY_SENSORS) == 0:
             continue
         c = cos(st.h[k])
         s = sin(st.h[k])
-        u = dx * c + dy * s
-        v = dy * c - dx * s
-        du = rx * c + ry * s
-        dv = ry * c - rx * s
+        u = 0.5 * (dx * c + dy * s)
+        v = 0.5 * (dy * c - dx * s)
         base = p.entity_const[k]
         long = 0.5 * p.const[base + E_LENGTH]
         wide = 0.5 * p.const[base + E_WIDTH]
-        enter = 0.0
-        leave = 1.0
-        if abs(du) < 1.0e-9:
-            if abs(u) > long:
-                continue
-        else:
-            enter = max(enter, min((-long - u) / du, (long - u) / du))
-            leave = min(leave, max((-long - u) / du, (long - u) / du))
-        if abs(dv) < 1.0e-9:
-            if abs(v) > wide:
-                continue
-        else:
-            enter = max(enter, min((-wide - v) / dv, (wide - v) / dv))
-            leave = min(leave, max((-wide - v) / dv, (wide - v) / dv))
-        if enter < leave:
+        if 0.5 * abs(beside) >= long * abs(v) + wide * abs(u):
+            continue
+        if abs(x * c + y * s + u) < long + abs(u) and abs(y * c - x * s + v) < wide + abs(v):
             return 0
     return 1
 
 
 @compiled
-def out_of_view(ahead: float, aside: float, reach: float, c_view: float, s_view: float) -> float:
-    """Return how far a point lies outside a sensor's range and field of view, m, no more; not above 0 within both.
-
-    The point is `ahead` of the sensor and `aside` of its axis; c_view and s_view are cosine and sine of half the angle.
-    """
-    beside = abs(aside) * c_view - ahead * s_view
-    beyond = length_of(ahead, aside) - reach
-    return beyond if beyond > beside else beside
+def point_seen(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int:
+    """Return 1 where a point of j at (dx, dy) from i's eye is in range and in view and nothing hides it."""
+    squared = dx * dx + dy * dy
+    if squared > st.eye_reach[0] * st.eye_reach[0]:
+        return 0
+    if dx * st.eye_cos[0] + dy * st.eye_sin[0] < safe_sqrt(squared) * st.eye_edge[0]:
+        return 0
+    return ray_free(p, st, i, j, dx, dy)
 
 
 @compiled
-def outermost_corners(p: Program, st: State, i: int, j: int) -> tuple[float, float, float, float]:
-    """Return (x, y of the left, x, y of the right one) of the corners of j's box that i sees furthest apart."""
-    towards = bearing(st.middle_x[j] - st.x[i], st.middle_y[j] - st.y[i])
+def outermost_corners(p: Program, st: State, j: int, dx: float, dy: float) -> tuple[float, float, float, float]:
+    """Return the ways (x, y, x, y) from the eye to the two corners that bound j's box for it, by that to its centre.
+
+    They are those of one side where the eye is within that side's strip, else two opposite ones.
+    """
     c = cos(st.h[j])
     s = sin(st.h[j])
     base = p.entity_const[j]
     long = 0.5 * p.const[base + E_LENGTH]
     wide = 0.5 * p.const[base + E_WIDTH]
-    most = -FAR
-    least = FAR
-    left_x = st.middle_x[j]
-    left_y = st.middle_y[j]
-    right_x = left_x
-    right_y = left_y
-    for corner in range(4):
-        u = long if corner < 2 else -long
-        v = wide if corner % 2 == 0 else -wide
-        x = st.middle_x[j] + u * c - v * s
-        y = st.middle_y[j] + u * s + v * c
-        aside = angle_between(bearing(x - st.x[i], y - st.y[i]), towards)
-        if aside > most:
-            most = aside
-            left_x = x
-            left_y = y
-        if aside < least:
-            least = aside
-            right_x = x
-            right_y = y
-    return left_x, left_y, right_x, right_y
+    u = -dx * c - dy * s
+    v = dx * s - dy * c
+    first_u = long if u > 0.0 else -long
+    first_v = -wide if v > 0.0 else wide
+    second_u = -first_u
+    second_v = -first_v
+    if abs(u) <= long:
+        first_v = second_v
+    elif abs(v) <= wide:
+        second_u = first_u
+    return (
+        dx + first_u * c - first_v * s,
+        dy + first_u * s + first_v * c,
+        dx + second_u * c - second_v * s,
+        dy + second_u * s + second_v * c,
+    )
 
 
 @compiled
-def sees(p: Program, st: State, i: int, j: int, reach: float, half_view: float) -> int:
-    """Return 1 where the centre of j's box or one of its two outermost corners is seen from i's front bumper."""
+def sees(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 where the centre of j's box or one of its two outermost corners is seen by i's open eye."""
     if there_for(st, j, SEEN_BY_SENSORS) == 0:
         return 0
-    base = p.entity_const[i]
-    front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
-    c = cos(st.h[i])
-    s = sin(st.h[i])
-    view = clip(half_view, 0.0, pi)
-    c_view = cos(view)
-    s_view = sin(view)
-    px = st.x[i] + front * c
-    py = st.y[i] + front * s
-    dx = st.middle_x[j] - px
-    dy = st.middle_y[j] - py
-    aside = out_of_view(dx * c + dy * s, dy * c - dx * s, reach, c_view, s_view)
-    if aside > st.reach[j]:
-        return 0
-    if aside <= 0.0 and ray_free(p, st, i, j, px, py, px + dx, py + dy) == 1:
+    dx = st.middle_x[j] - st.eye_x[0]
+    dy = st.middle_y[j] - st.eye_y[0]
+    if point_seen(p, st, i, j, dx, dy) == 1:
         return 1
-    left_x, left_y, right_x, right_y = outermost_corners(p, st, i, j)
-    dx = left_x - px
-    dy = left_y - py
-    aside = out_of_view(dx * c + dy * s, dy * c - dx * s, reach, c_view, s_view)
-    if aside <= 0.0 and ray_free(p, st, i, j, px, py, left_x, left_y) == 1:
+    first_x, first_y, second_x, second_y = outermost_corners(p, st, j, dx, dy)
+    if point_seen(p, st, i, j, first_x, first_y) == 1:
         return 1
-    dx = right_x - px
-    dy = right_y - py
-    aside = out_of_view(dx * c + dy * s, dy * c - dx * s, reach, c_view, s_view)
-    if aside <= 0.0 and ray_free(p, st, i, j, px, py, right_x, right_y) == 1:
-        return 1
-    return 0
+    return point_seen(p, st, i, j, second_x, second_y)
 
 
 @compiled
@@ -180,6 +162,7 @@ def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view:
     base = p.entity_const[i]
     front = p.const[base + E_CENTER] + 0.5 * p.const[base + E_LENGTH]
     far = reach + 50.0
+    open_eye(p, st, i, reach, view)
     walk_route(n, p, st, far)
     for j in range(p.entity_count[0]):
         st.seen[j] = 0
@@ -189,7 +172,7 @@ def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view:
         if j != i and dx * dx + dy * dy < far * far and measure_on_way(n, p, st, j) == 1 and st.far[j] >= front:
             if st.along[j] < SLOW:
                 foresee(st, i, j, front)
-            st.seen[j] = sees(p, st, i, j, reach, 0.5 * view)
+            st.seen[j] = sees(p, st, i, j)
 
 
 @compiled
@@ -271,22 +254,29 @@ def find_block(p: Program, st: State, i: int) -> int:
 
 @compiled
 def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Write how far the path's lane goes on, and which lane beside it goes on further, where one does."""
+    """Write how far the path's lane goes on, and which lane beside it goes on further, where one does.
+
+    A look reaches further than it has to, so that there is none for a while where the lane does not end.
+    """
     st.lane_end_distance[0] = FAR
     st.through_lane[0] = 0
     st.through_side[0] = 0
     road = st.path_road[0]
     if road < 0:
         return
-    lane = st.path_lane[0]
     s = st.path_s[0]
+    direction = st.path_sense[0]
+    if st.path_row[0] == st.clear_row[0] and direction * (st.clear_s[0] - s) > 0.0:
+        return
+    lane = st.path_lane[0]
     turns = preferred_road(p, st, road)
-    rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON, turns)
+    rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN, turns)
     if rest >= LANE_END_HORIZON:
+        st.clear_row[0] = st.path_row[0]
+        st.clear_s[0] = s + direction * (rest - LANE_END_HORIZON)
         return
     base = p.entity_const[i]
     st.lane_end_distance[0] = max(rest - p.const[base + E_CENTER] - 0.5 * p.const[base + E_LENGTH], 0.0)
-    direction = lane_direction(n, road, lane)
     for side in range(1, -2, -2):
         beside = neighbour_lane(n, road, lane, s, side, direction)
         if beside == 0 or lane_direction(n, road, beside) != direction:

@@ -232,7 +232,14 @@ class State:
     """Where the entity was when it began to follow a path."""
     action_y: list[float]
 
-    # Inputs from outside: the controller and the detector.
+    # Inputs from outside: the controller and the detector, or ideal perception.
+    even_row: list[int]
+    """Row of the path's lane whose marks on both sides are known to stay as they are for a while, or NONE."""
+    even_from: list[float]
+    """Between which s on that row, and the marks' qualities."""
+    even_to: list[float]
+    even_left: list[float]
+    even_right: list[float]
     conf_left: list[float]
     conf_right: list[float]
     health: list[float]
@@ -305,6 +312,15 @@ class State:
     way_sign: list[int]
     way_from: list[float]
     way_count: list[int]
+    eye_x: list[float]
+    """The sensor of the present look: where it is, cosine and sine of its heading, its range and its edge, the cosine
+    of half its angle of view.
+    """
+    eye_y: list[float]
+    eye_cos: list[float]
+    eye_sin: list[float]
+    eye_reach: list[float]
+    eye_edge: list[float]
     seen: list[int]
     """1 when the entity is ahead on the way and the forward sensor (or the driver) sees it."""
     on_way: list[int]
@@ -325,6 +341,10 @@ class State:
     """From the front bumper to where the path is blocked, FAR when it is free."""
     blocked_far: list[float]
     """From the front bumper to the far end of what blocks the path."""
+    clear_row: list[int]
+    """Row of the path's lane that has been seen not to end soon, NONE without one."""
+    clear_s: list[float]
+    """Up to where on that row this is known."""
     lane_end_distance: list[float]
     """From the front bumper to the end of the driving lane, FAR when none is near."""
     through_lane: list[int]
@@ -348,6 +368,8 @@ class State:
     """Number of requests so far."""
     history: list[int]
     """By cause, the last 32 control steps as bits, the latest lowest."""
+    asking: list[int]
+    """By cause, 1 where it asks for a takeover at this control step."""
     time_warning: list[float]
     """Time of the first of each, -1 before."""
     time_request: list[float]
@@ -527,7 +549,7 @@ def new_state(program: Program) -> State:
     sizes |= dict.fromkeys(_LOG, LOG_SIZE)
     sizes |= dict.fromkeys(("failure_since", "failure_active"), p.failure_count[0])
     sizes |= {"failure_now": FAILURES, "weather": WEATHER_SIZE, "weather_from": WEATHER_SIZE}
-    sizes |= {"draw": DRAWS_PER_RUN, "history": len(p.cause_on)}
+    sizes |= {"draw": DRAWS_PER_RUN, "history": len(p.cause_on), "asking": len(p.cause_on)}
     columns: dict[str, list[float] | list[int]] = {}
     for column in fields(State):
         zero = 0.0 if "float" in str(column.type) else 0

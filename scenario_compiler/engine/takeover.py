@@ -73,32 +73,24 @@ HISTORY_SIZE = 32
 
 
 @compiled
-def remembered(st: State, cause: int, raw: int, count: float, of: float) -> int:
-    """Note whether a cause asks at this control step; return 1 where it did in `count` of the last `of`."""
+def remember(st: State, cause: int, raw: int, count: float, of: float) -> None:
+    """Note whether there is a reason for a cause at this control step; it asks where there was in `count` of `of`."""
     bits = (st.history[cause] * 2 + raw) & 0xFFFFFFFF
     st.history[cause] = bits
-    if bits == 0:
-        return 0
-    asked = 0
-    for k in range(HISTORY_SIZE):
-        if k < of:
-            asked += (bits >> k) & 1
-    return 1 if asked > 0 and asked >= count else 0
+    st.asking[cause] = 0
+    if bits != 0:
+        found = 0
+        for k in range(HISTORY_SIZE):
+            if k < of:
+                found += (bits >> k) & 1
+        st.asking[cause] = 1 if found > 0 and found >= count else 0
 
 
 @compiled
-def asks_confidence(p: Program, st: State) -> int:
-    """Return 1 where the lane confidence of both sides has been too low."""
+def lacks_confidence(p: Program, st: State) -> int:
+    """Return 1 where the lane confidence of both sides is too low."""
     limit = p.const[K_CONFIDENCE_REQUEST]
-    raw = 1 if st.conf_left[0] < limit and st.conf_right[0] < limit else 0
-    return remembered(st, CAUSE_LANE_CONFIDENCE, raw, p.const[K_CONFIDENCE_COUNT], p.const[K_CONFIDENCE_OF])
-
-
-@compiled
-def asks_health(p: Program, st: State) -> int:
-    """Return 1 where the sensor's health has been too low."""
-    raw = 1 if st.health[0] < p.const[K_HEALTH_REQUEST] else 0
-    return remembered(st, CAUSE_SENSOR_HEALTH, raw, p.const[K_HEALTH_COUNT], p.const[K_HEALTH_OF])
+    return 1 if st.conf_left[0] < limit and st.conf_right[0] < limit else 0
 
 
 @compiled
@@ -108,43 +100,28 @@ def budget_distance(p: Program, st: State, i: int) -> float:
 
 
 @compiled
-def asks_path(p: Program, st: State, i: int) -> int:
-    """Return 1 where the path has been seen blocked within the budget."""
-    raw = 1 if st.blocked_distance[0] <= budget_distance(p, st, i) else 0
-    return remembered(st, CAUSE_PATH_BLOCKED, raw, p.const[K_BLOCKED_COUNT], p.const[K_BLOCKED_OF])
-
-
-@compiled
-def asks_lane_end(p: Program, st: State, i: int) -> int:
-    """Return 1 where the lane has been ending within the budget and the gap beside it was not free."""
-    raw = 0
+def lane_ends(st: State, budget: float) -> int:
+    """Return 1 where the lane ends within the budget and the gap beside it is not free."""
     if st.through_lane[0] != 0 and st.gap_free[0] == 0 and st.merging[0] == 0:
-        raw = 1 if st.lane_end_distance[0] <= budget_distance(p, st, i) else 0
-    return remembered(st, CAUSE_LANE_ENDS, raw, p.const[K_LANE_END_COUNT], p.const[K_LANE_END_OF])
+        return 1 if st.lane_end_distance[0] <= budget else 0
+    return 0
 
 
 @compiled
 def asking_cause(p: Program, st: State, i: int) -> int:
     """Return the cause that asks for a takeover now, CAUSE_NONE without one; every history is brought up to date."""
-    confidence = asks_confidence(p, st)
-    health = asks_health(p, st)
-    path = asks_path(p, st, i)
-    lane_end = asks_lane_end(p, st, i)
+    budget = budget_distance(p, st, i)
+    unwell = 1 if st.health[0] < p.const[K_HEALTH_REQUEST] else 0
+    blocked = 1 if st.blocked_distance[0] <= budget else 0
+    low = lacks_confidence(p, st)
+    remember(st, CAUSE_LANE_CONFIDENCE, low, p.const[K_CONFIDENCE_COUNT], p.const[K_CONFIDENCE_OF])
+    remember(st, CAUSE_SENSOR_HEALTH, unwell, p.const[K_HEALTH_COUNT], p.const[K_HEALTH_OF])
+    remember(st, CAUSE_PATH_BLOCKED, blocked, p.const[K_BLOCKED_COUNT], p.const[K_BLOCKED_OF])
+    remember(st, CAUSE_LANE_ENDS, lane_ends(st, budget), p.const[K_LANE_END_COUNT], p.const[K_LANE_END_OF])
+    st.asking[CAUSE_CONTROLLER] = st.auto_request[0]
     for k in range(p.cause_count[0]):
-        cause = p.cause_order[k]
-        asks = 0
-        if cause == CAUSE_LANE_CONFIDENCE:
-            asks = confidence
-        elif cause == CAUSE_SENSOR_HEALTH:
-            asks = health
-        elif cause == CAUSE_PATH_BLOCKED:
-            asks = path
-        elif cause == CAUSE_LANE_ENDS:
-            asks = lane_end
-        elif cause == CAUSE_CONTROLLER:
-            asks = st.auto_request[0]
-        if asks == 1:
-            return cause
+        if st.asking[p.cause_order[k]] == 1:
+            return p.cause_order[k]
     return CAUSE_NONE
 
 

@@ -46,7 +46,7 @@ def road_piece_at(n: RoadTables, road: int, s: float) -> int:
     first = n.road_cell[road]
     cells = n.road_cell[road + 1] - first
     c = 0
-    if s > 0.0:
+    if cells > 1 and s > 0.0:
         at = s * n.road_cell_scale[road]
         c = cells - 1
         if at < c:

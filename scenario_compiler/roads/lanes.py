@@ -63,6 +63,8 @@ def lane_row(n: RoadTables, road: int, lane: int, s: float) -> int:
 @compiled
 def row_width(n: RoadTables, row: int, s: float) -> float:
     """Return the width of a lane's row at s, m, never below 0."""
+    if n.lane_steady[row] == 1:
+        return n.lane_wide[row]
     w = cubic_value(n, n.lane_width_first[row], n.lane_width_last[row], s)
     if w < 0.0:
         w = 0.0

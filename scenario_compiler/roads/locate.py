@@ -272,7 +272,12 @@ def project_on_road(n: RoadTables, road: int, hint: float, x: float, y: float) -
     t = 0.0
     rolled = n.road_superelevation_first[road] < n.road_superelevation_last[road]
     for _ in range(NEWTON_LIMIT):
-        px, py, a, k, speed = piece_point(n, road_piece_at(n, road, s), s)
+        piece = road_piece_at(n, road, s)
+        if n.piece_kind[piece] == LINE and not rolled:
+            foot, t = project_on_piece(n, piece, s, s, x, y)
+            if foot >= n.piece_s[piece] and (piece + 1 == n.road_piece[road + 1] or foot < n.piece_s[piece + 1]):
+                return min(foot, length + 10.0), t
+        px, py, a, k, speed = piece_point(n, piece, s)
         c = cos(a)
         w = sin(a)
         t = (y - py) * c - (x - px) * w

@@ -71,6 +71,7 @@ class RoadTables:
         lane_width_first, lane_width_last: Range of cubics over absolute s, m.
         lane_steady: 1 where t of the lane's centre is the same all along its section.
         lane_middle: That t, m; 0 elsewhere.
+        lane_wide: Width of such a lane, which is the same all along too, m; 0 elsewhere.
         lane_height: CSR into the height records.
         lane_speed: CSR into the lane's speed records.
         lane_mark: CSR into the marks on the lane's outer border.
@@ -155,7 +156,7 @@ class RoadTables:
             "lane_id",
         ),
         *("lane_type", "lane_section", "lane_level", "lane_direction", "lane_width_first", "lane_width_last"),
-        *("lane_steady", "lane_middle"),
+        *("lane_steady", "lane_middle", "lane_wide"),
         *("lane_height", "lane_speed", "lane_mark", "lane_link", "link_lane", "link_contact", "link_turn"),
         *("height_s", "height_inner", "height_outer", "type_s", "type_code", "type_speed", "speed_s"),
         *("speed_max", "mark_s", "mark_end", "mark_type", "mark_colour", "mark_change", "mark_width"),
@@ -247,6 +248,7 @@ class RoadTables:
     lane_width_last: list[int]
     lane_steady: list[int]
     lane_middle: list[float]
+    lane_wide: list[float]
     lane_height: list[int]
     lane_speed: list[int]
     lane_mark: list[int]

@@ -14,7 +14,7 @@ from scenario_compiler.engine.build import Compiled, Interpreted
 from scenario_compiler.engine.opcodes import FAULT_NONE, SEEN_BY_SENSORS, STOP_NONE
 from scenario_compiler.engine.presence import there_for
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.sensor import sees
+from scenario_compiler.engine.sensor import open_eye, sees
 from scenario_compiler.engine.state import State, make_draws, new_state
 from scenario_compiler.engine.step import reset, step
 from scenario_compiler.plan.model import Plan
@@ -92,12 +92,13 @@ def test_entities_come_hide_tow_and_go() -> None:
     truck, trailer, late = (run.numbers[name] for name in ("truck", "trailer", "late"))
     st = run.until(0.5)
     assert (st.present[late], st.v[trailer]) == (0, 0.0)
-    assert sees(run.program, st, 0, truck, 300.0, pi) == 1
+    open_eye(run.program, st, 0, 300.0, 2.0 * pi)
+    assert sees(run.program, st, 0, truck) == 1
     st = run.until(1.5)
     assert st.present[late] == 1
     assert run.place("late")[0] == pytest.approx(200.0 + 5.0 * 1.0 + 30.0 + 3.0 * 0.5)
     assert there_for(st, truck, SEEN_BY_SENSORS) == 0
-    assert sees(run.program, st, 0, truck, 300.0, pi) == 0
+    assert sees(run.program, st, 0, truck) == 0
     assert st.v[trailer] == 5.0
     gap = run.place("truck")[0] - run.place("trailer")[0]
     st = run.until(2.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 
 import pytest
@@ -10,6 +11,8 @@ from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
 from scenario_compiler.engine.camera_health import noise_health
 from scenario_compiler.engine.opcodes import FAR
+from scenario_compiler.engine.sensor import open_eye, sees
+from scenario_compiler.randomness import uniform
 from tests.engine.make import CAR, Draft, Run, highway, ramp
 
 FRONT = 1.4 + 2.25
@@ -116,3 +119,74 @@ def test_health_is_one_half_at_30_grey_levels() -> None:
     assert noise_health(0.0) > 0.999
     assert noise_health(60.0) < 0.001
     assert noise_health(1.0e9) >= 0.0
+
+
+def crowd(number: int) -> Draft:
+    """Return a draft with an ego and vehicles that stand anywhere about it, turned anyhow."""
+    draft = standing_ego(K_SENSOR_RANGE=between(20.0, 90.0, number, "range"))
+    draft.program.const[slots.K_FIELD_OF_VIEW] = between(0.3, 2.0 * math.pi, number, "view")
+    for k in range(8):
+        s, offset = between(20.0, 130.0, number, f"s{k}"), between(-12.0, 12.0, number, f"offset{k}")
+        draft.parked(s, -1, offset, between(0.0, 2.0 * math.pi, number, f"turn{k}"))
+    return draft
+
+
+def between(low: float, high: float, number: int, what: str) -> float:
+    """Return a number between two that depends on the others alone."""
+    return low + (high - low) * uniform(12, number, what)
+
+
+def corners(run: Run, j: int) -> list[complex]:
+    """Return the corners of an entity's box, in turn."""
+    st, base = run.st, run.p.entity_const[j]
+    long, wide = (0.5 * run.p.const[base + slot] for slot in (slots.E_LENGTH, slots.E_WIDTH))
+    turn = complex(math.cos(st.h[j]), math.sin(st.h[j]))
+    centre = complex(st.middle_x[j], st.middle_y[j])
+    return [centre + turn * complex(u, v) for u, v in ((long, wide), (long, -wide), (-long, -wide), (-long, wide))]
+
+
+def cuts(box: list[complex], a: complex, b: complex) -> bool:
+    """Tell whether the segment from a to b comes into a convex box, by cutting it off at each side in turn."""
+    enter, leave = 0.0, 1.0
+    for k in range(4):
+        side, from_a, along = box[k] - box[k - 1], a - box[k - 1], b - a
+        distance, rate = (side.conjugate() * from_a).imag, (side.conjugate() * along).imag
+        if rate == 0.0 and distance > 0.0:
+            return False
+        if rate > 0.0:
+            leave = min(leave, -distance / rate)
+        elif rate < 0.0:
+            enter = max(enter, -distance / rate)
+    return enter < leave
+
+
+def lines_of_sight(run: Run, j: int) -> tuple[complex, list[complex]]:
+    """Return the ego's eye, and the ways from it to an entity's centre and to the two corners furthest apart for it."""
+    st, p = run.st, run.p
+    front = p.const[p.entity_const[0] + slots.E_CENTER] + 0.5 * p.const[p.entity_const[0] + slots.E_LENGTH]
+    eye = complex(st.x[0] + front * math.cos(st.h[0]), st.y[0] + front * math.sin(st.h[0]))
+    centre = complex(st.middle_x[j], st.middle_y[j]) - eye
+    ends = sorted((corner - eye for corner in corners(run, j)), key=lambda end: cmath.phase(end / centre))
+    return eye, [centre, ends[0], ends[-1]]
+
+
+def test_what_is_seen_is_what_straight_lines_of_sight_reach() -> None:
+    found = []
+    for number in range(60):
+        run = look(crowd(number))
+        st, p = run.st, run.p
+        reach, half_view = p.const[slots.K_SENSOR_RANGE], 0.5 * p.const[slots.K_FIELD_OF_VIEW]
+        open_eye(p, st, 0, reach, 2.0 * half_view)
+        for j in range(1, 9):
+            eye, ways = lines_of_sight(run, j)
+            others = [corners(run, k) for k in range(1, 9) if k != j]
+            seen = any(
+                abs(way) <= reach
+                and abs(cmath.phase(way / cmath.exp(1j * st.h[0]))) <= half_view
+                and not any(cuts(box, eye, eye + way) for box in others)
+                for way in ways
+            )
+            if not cuts(corners(run, j), eye, eye + 0.01):
+                found.append(seen)
+                assert sees(p, st, 0, j) == seen, (number, j)
+    assert 0.2 < sum(found) / len(found) < 0.8
