@@ -253,3 +253,28 @@ def test_validate_loads_no_heavy_package(repository: Path, folder: str) -> None:
     loaded = done.stderr.splitlines()[-1].split()
     assert NAME in loaded
     assert sorted(set(loaded) & set(HEAVY)) == []
+
+
+ONE_FILE_PROBE = """
+import sys
+from scenario_compiler.cli import main
+sys.argv = ["scenario-compiler", "validate", *sys.argv[1:]]
+try:
+    main()
+except SystemExit as end:
+    assert end.code == 0
+from scenario_compiler.vocabulary.word import Word
+built, words = [], [Word]
+while words:
+    word = words.pop()
+    words += word.__subclasses__()
+    built += [word.__name__] if word.__pydantic_complete__ else []
+print("built:", *sorted(built), file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize("file", ["library/conflicts/obstacle_ahead.xml", "tests/benchmarks/scripted.xosc"])
+def test_validate_builds_no_validator_of_words(repository: Path, file: str) -> None:
+    probe = [sys.executable, "-c", ONE_FILE_PROBE, str(repository / file)]
+    done = subprocess.run(probe, capture_output=True, text=True, check=True, timeout=120)
+    assert done.stderr.splitlines()[-1] == "built:"

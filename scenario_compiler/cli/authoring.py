@@ -18,6 +18,7 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     compiled,
+    keep_loaded,
     new_sink,
     show,
     suggestion,
@@ -84,6 +85,7 @@ def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
     from scenario_compiler.resources import library_folder
     from scenario_compiler.source.listing import list_library
 
+    keep_loaded()
     for path in options.paths or [library_folder()]:
         if not path.exists():
             raise WrongUse(f"there is no file or folder '{path}'")

@@ -128,9 +128,11 @@ class Waypoint(Word):
 
 
 _PARAMETERS: tuple[Parameter, ...] = (
-    Parameter(name="town", type="text", summary="Name of the map."),
-    Parameter(name="WeatherId", type="text", default="1", summary="Index or name of the weather preset."),
-    Parameter(
+    Parameter.model_construct(name="town", type="text", summary="Name of the map."),
+    Parameter.model_construct(
+        name="WeatherId", type="text", default="1", summary="Index or name of the weather preset."
+    ),
+    Parameter.model_construct(
         name="sensor_noise",
         type="grey_levels",
         default="0",
@@ -138,15 +140,21 @@ _PARAMETERS: tuple[Parameter, ...] = (
         max=255.0,
         summary="Standard deviation of the camera's noise.",
     ),
-    Parameter(name="npc_vehicles", type="integer", default="0", min=0.0, summary="Not executed."),
-    Parameter(name="npc_pedestrians", type="integer", default="0", min=0.0, summary="Not executed."),
+    Parameter.model_construct(name="npc_vehicles", type="integer", default="0", min=0.0, summary="Not executed."),
+    Parameter.model_construct(name="npc_pedestrians", type="integer", default="0", min=0.0, summary="Not executed."),
 )
 """The attributes of a scenario, each of which can be set."""
 
 _SETTINGS: tuple[Parameter, ...] = (
-    Parameter(name="start", type="text", default="", summary="Start in place of the file's, X,Y,YAW in CARLA's axes."),
-    Parameter(name="dest", type="text", default="", summary="Destination in place of the file's, X,Y,YAW."),
-    Parameter(name="obstacles", type="boolean", default="true", summary="Whether the code's obstacles are placed."),
+    Parameter.model_construct(
+        name="start", type="text", default="", summary="Start in place of the file's, X,Y,YAW in CARLA's axes."
+    ),
+    Parameter.model_construct(
+        name="dest", type="text", default="", summary="Destination in place of the file's, X,Y,YAW."
+    ),
+    Parameter.model_construct(
+        name="obstacles", type="boolean", default="true", summary="Whether the code's obstacles are placed."
+    ),
 )
 """What can be set besides."""
 
