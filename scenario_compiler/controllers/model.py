@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 class ControllerParams(BaseModel):
     """Parameters of a controller; subclasses declare fields, which are checked when a scenario is compiled."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 @dataclass(frozen=True, slots=True)
