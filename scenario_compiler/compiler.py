@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -277,13 +278,19 @@ def validate_files(
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=_spare_collector) as pool:
         for task, found in [(task, pool.submit(_findings, task, maps, xsd, insisted)) for task in tasks]:
             try:
                 yield from found.result()
             except BrokenProcessPool:
                 message = "a process that checked this file, or one beside it, was ended by the system"
                 yield from ([_unchecked(file, message)] for file in task)
+
+
+def _spare_collector() -> None:
+    """Let the garbage collector of a process that checks files look seldom, and never at what is loaded by now."""
+    gc.set_threshold(100_000, 50, 50)
+    gc.freeze()
 
 
 def _findings(

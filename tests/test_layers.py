@@ -237,7 +237,7 @@ def _house(folder: Path, files: dict[str, str]) -> Path:
 PROBE = """
 import sys
 from scenario_compiler.cli import main
-sys.argv = ["scenario-compiler", "validate", sys.argv[1]]
+sys.argv[0] = "scenario-compiler"
 try:
     main()
 except SystemExit:
@@ -248,11 +248,23 @@ print(*sorted({name.split(".")[0] for name in sys.modules}), file=sys.stderr)
 
 @pytest.mark.parametrize("folder", ["library", "maps"])
 def test_validate_loads_no_heavy_package(repository: Path, folder: str) -> None:
-    probe = [sys.executable, "-c", PROBE, str(repository / folder)]
+    assert heavy_packages_of("validate", str(repository / folder)) == []
+
+
+def test_a_run_that_writes_a_trajectory_loads_no_heavy_package(repository: Path, tmp_path: Path) -> None:
+    scenario, trajectory = repository / "tests" / "benchmarks" / "cut_in.xml", tmp_path / "trajectory.csv"
+    wanted = ("--perception", "ideal", "--duration", "1", "--trajectory", str(trajectory))
+    assert heavy_packages_of("run", str(scenario), *wanted) == []
+    assert trajectory.is_file()
+
+
+def heavy_packages_of(*arguments: str) -> list[str]:
+    """Return the packages of HEAVY that a command loads."""
+    probe = [sys.executable, "-c", PROBE, *arguments]
     done = subprocess.run(probe, capture_output=True, text=True, check=True, timeout=120)
     loaded = done.stderr.splitlines()[-1].split()
     assert NAME in loaded
-    assert sorted(set(loaded) & set(HEAVY)) == []
+    return sorted(set(loaded) & set(HEAVY))
 
 
 ONE_FILE_PROBE = """
