@@ -52,15 +52,14 @@ def update_boxes(p: Program, st: State) -> None:
 
 
 @compiled
-def separated(p: Program, st: State, i: int, j: int) -> int:
-    """Return 1 where an axis of box i divides it from box j."""
-    dx = st.middle_x[j] - st.middle_x[i]
-    dy = st.middle_y[j] - st.middle_y[i]
-    c = cos(st.h[i])
-    s = sin(st.h[i])
-    turned = st.h[j] - st.h[i]
-    c_turned = abs(cos(turned))
-    s_turned = abs(sin(turned))
+def separated(p: Program, st: State, i: int, j: int, dx: float, dy: float, c_turned: float, s_turned: float) -> int:
+    """Return 1 where an axis of box i divides it from box j.
+
+    From centre to centre it is (dx, dy); the boxes are turned against each other by an angle of which the absolute
+    cosine and sine are given.
+    """
+    c = st.box_cos[i]
+    s = st.box_sin[i]
     a = p.entity_const[i]
     b = p.entity_const[j]
     long = 0.5 * p.const[b + E_LENGTH]
@@ -85,7 +84,10 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
     above = st.z[j] - st.z[i]
     if above > p.const[p.entity_const[i] + E_HEIGHT] or -above > p.const[p.entity_const[j] + E_HEIGHT]:
         return 0
-    if separated(p, st, i, j) == 1 or separated(p, st, j, i) == 1:
+    turned = st.box_h[j] - st.box_h[i]
+    c = abs(cos(turned))
+    s = abs(sin(turned))
+    if separated(p, st, i, j, dx, dy, c, s) == 1 or separated(p, st, j, i, dx, dy, c, s) == 1:
         return 0
     return 1
 

@@ -59,8 +59,8 @@ def gap_beyond(centre: float, reach: float) -> float:
 def distance_to_box(p: Program, st: State, i: int, x: float, y: float) -> float:
     """Return the distance of a point from an entity's box, 0 inside it."""
     base = p.entity_const[i]
-    c = cos(st.h[i])
-    s = sin(st.h[i])
+    c = st.box_cos[i]
+    s = st.box_sin[i]
     ahead = (x - st.middle_x[i]) * c + (y - st.middle_y[i]) * s
     left = (y - st.middle_y[i]) * c - (x - st.middle_x[i]) * s
     return length_of(gap_beyond(ahead, 0.5 * p.const[base + E_LENGTH]), gap_beyond(left, 0.5 * p.const[base + E_WIDTH]))
@@ -70,8 +70,8 @@ def distance_to_box(p: Program, st: State, i: int, x: float, y: float) -> float:
 def nearest_corner(p: Program, st: State, i: int, j: int) -> float:
     """Return the least distance of a corner of j's box from i's box."""
     base = p.entity_const[j]
-    c = cos(st.h[j])
-    s = sin(st.h[j])
+    c = st.box_cos[j]
+    s = st.box_sin[j]
     least = FAR
     for corner in range(4):
         along = p.const[base + E_LENGTH] * (0.5 if corner < 2 else -0.5)
