@@ -137,9 +137,11 @@ def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
     left = 0.0
     right = 0.0
     if st.path_found[0] == 1 and st.path_row[0] >= 0:
-        if marks_stay(st) == 0:
+        stay = marks_stay(st)
+        if stay == 0:
             note_even_marks(n, p, st)
-        if marks_stay(st) == 1:
+            stay = marks_stay(st)
+        if stay == 1:
             left = st.even_left[0]
             right = st.even_right[0]
         else:

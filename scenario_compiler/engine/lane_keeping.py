@@ -71,7 +71,7 @@ def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> 
         return 0.0
     preview = clip(PREVIEW_TIME * st.v[i], PREVIEW_LEAST, PREVIEW_MOST)
     road, lane, row, s, rest = path_ahead(n, p, st, preview)
-    direction = st.path_sense[0] if road == st.path_road[0] else lane_direction(n, road, lane)
+    direction = st.path_sense[0] if row == st.path_row[0] else lane_direction(n, road, lane)
     off = direction * planned_offset(st, st.odometer[i] + preview)
     x, y, _, h, _, _, _ = row_place(n, road, row, road_piece_at(n, road, s), s, off)
     if rest > 0.0:

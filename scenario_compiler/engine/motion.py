@@ -234,6 +234,11 @@ def settle(n: RoadTables, st: State, i: int) -> None:
     road = st.road[i]
     if road < 0:
         return
+    if n.road_flat[road] == 1:
+        st.z[i] = 0.0
+        st.pitch[i] = 0.0
+        st.roll[i] = 0.0
+        return
     _, _, z, h, pitch, roll = road_pose(n, road, st.s[i], st.t[i])
     forward = cos(st.h[i] - h)
     side = sin(st.h[i] - h)

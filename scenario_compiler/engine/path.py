@@ -10,7 +10,7 @@ from scenario_compiler.engine.numbers import angle_between
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import road_heading
+from scenario_compiler.roads.geometry import piece_heading, road_piece_at
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import (
     lane_at,
@@ -22,8 +22,8 @@ from scenario_compiler.roads.lanes import (
     row_centre,
     row_width,
 )
-from scenario_compiler.roads.locate import project_on_road, track
-from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.locate import project_on_piece, project_on_road, track
+from scenario_compiler.roads.tables import LINE, RoadTables
 from scenario_compiler.roads.travel import advance
 
 HALF_TURN = 3.141592653589793
@@ -96,15 +96,37 @@ def advance_routed(
 
 @compiled
 def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
-    """Put the path on a lane."""
+    """Put the path on a lane, and find what holds about this place: the lane's row, its sense, the road's piece."""
     st.path_road[0] = road
     st.path_lane[0] = lane
     st.path_s[0] = s
     st.path_row[0] = -1
     st.path_sense[0] = 1
-    if road >= 0:
-        st.path_row[0] = lane_row(n, road, lane, s)
-        st.path_sense[0] = lane_direction(n, road, lane)
+    st.path_from[0] = 0.0
+    st.path_to[0] = 0.0
+    if road < 0:
+        return
+    row = lane_row(n, road, lane, s)
+    piece = road_piece_at(n, road, s)
+    st.path_row[0] = row
+    st.path_piece[0] = piece
+    st.path_sense[0] = lane_direction(n, road, lane)
+    if row >= 0:
+        end = n.piece_s[piece + 1] if piece + 1 < n.road_piece[road + 1] else n.road_length[road]
+        st.path_from[0] = max(n.piece_s[piece], n.section_s[n.lane_section[row]])
+        st.path_to[0] = min(end, n.section_end[n.lane_section[row]])
+
+
+@compiled
+def project_on_path(n: RoadTables, st: State, x: float, y: float) -> tuple[float, float]:
+    """Return (s, t) of a point near the path's place on its road's reference line, continued beyond its ends."""
+    road = st.path_road[0]
+    piece = st.path_piece[0]
+    if n.piece_kind[piece] == LINE and n.road_superelevation_first[road] >= n.road_superelevation_last[road]:
+        s, t = project_on_piece(n, piece, 0.0, 0.0, x, y)
+        if s >= st.path_from[0] and s < st.path_to[0]:
+            return s, t
+    return project_on_road(n, road, st.path_s[0], x, y)
 
 
 @compiled
@@ -114,8 +136,8 @@ def follow_path(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, fl
     s may lie beyond the ends of the path's road.
     """
     road = st.path_road[0]
-    s, t = project_on_road(n, road, st.path_s[0], st.x[i], st.y[i])
-    if section_holds(n, st.path_row[0], s) == 1:
+    s, t = project_on_path(n, st, st.x[i], st.y[i])
+    if s >= st.path_from[0] and s < st.path_to[0]:
         st.path_s[0] = s
         return s, t
     lane = st.path_lane[0]
@@ -154,11 +176,17 @@ def leave_road(st: State, i: int) -> None:
 def note_lane(n: RoadTables, st: State, i: int, road: int, s: float, t: float, lane: int) -> None:
     """Write an entity's place on the road."""
     centre, _ = lane_centre(n, road, lane, s)
+    note_place(st, i, road, s, t, lane, t - centre)
+
+
+@compiled
+def note_place(st: State, i: int, road: int, s: float, t: float, lane: int, off: float) -> None:
+    """Write an entity's place on the road, its offset in the lane too."""
     st.road[i] = road
     st.lane[i] = lane
     st.s[i] = s
     st.t[i] = t
-    st.off[i] = t - centre
+    st.off[i] = off
 
 
 @compiled
@@ -168,11 +196,14 @@ def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         beside, t = follow_path(n, p, st, i)
         road = st.path_road[0]
         s = st.path_s[0]
-        centre = measure_path_at(n, st, i, t)
-        lane = st.path_lane[0]
-        if within_row(n, st.path_row[0], s, t - centre) == 0:
-            lane = lane_at(n, road, s, t)
-        if lane != 0 and beside > -1.0 and beside < n.road_length[road] + 1.0:
+        off = t - measure_path_at(n, st, i, t)
+        inside = 1 if beside > -1.0 and beside < n.road_length[road] + 1.0 else 0
+        if inside == 1 and within_row(n, st.path_row[0], s, off) == 1:
+            note_place(st, i, road, s, t, st.path_lane[0], off)
+            st.path_found[0] = 1
+            return
+        lane = lane_at(n, road, s, t)
+        if inside == 1 and lane != 0:
             note_lane(n, st, i, road, s, t, lane)
             st.path_found[0] = 1
             return
@@ -213,7 +244,7 @@ def measure_path(n: RoadTables, st: State, i: int) -> None:
         st.path_off[0] = 0.0
         st.path_heading[0] = 0.0
         return
-    _, t = project_on_road(n, road, st.path_s[0], st.x[i], st.y[i])
+    _, t = project_on_path(n, st, st.x[i], st.y[i])
     measure_path_at(n, st, i, t)
 
 
@@ -223,7 +254,7 @@ def measure_path_at(n: RoadTables, st: State, i: int, t: float) -> float:
     road = st.path_road[0]
     s = st.path_s[0]
     direction = st.path_sense[0]
-    h = road_heading(n, road, s)
+    h = piece_heading(n, st.path_piece[0], s)
     row = st.path_row[0]
     if row >= 0:
         centre, slope = row_centre(n, road, row, s)

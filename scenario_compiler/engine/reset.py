@@ -124,6 +124,7 @@ def reset_takeover(p: Program, st: State) -> None:
     st.takeover_state[0] = TAKEOVER_AUTOMATED
     st.cause[0] = 0
     st.requests[0] = 0
+    st.quiet[0] = 0
     for c in range(CAUSES):
         st.history[c] = 0
     st.time_warning[0] = -1.0
@@ -181,6 +182,9 @@ def reset_run(p: Program, st: State) -> None:
     st.path_lane[0] = 0
     st.path_s[0] = 0.0
     st.path_row[0] = NONE
+    st.path_piece[0] = 0
+    st.path_from[0] = 0.0
+    st.path_to[0] = 0.0
     st.even_row[0] = NONE
     st.clear_row[0] = NONE
     st.path_sense[0] = 1

@@ -282,6 +282,11 @@ class State:
     path_s: list[float]
     path_row: list[int]
     """Row of that lane there, -1 where the road has no such lane."""
+    path_piece: list[int]
+    """Piece of the road's reference line there."""
+    path_from: list[float]
+    """Between which s that row and that piece hold."""
+    path_to: list[float]
     path_sense: list[int]
     """1 where the path's lane is driven along s, else -1."""
     path_off: list[float]
@@ -368,6 +373,8 @@ class State:
     """Number of requests so far."""
     history: list[int]
     """By cause, the last 32 control steps as bits, the latest lowest."""
+    quiet: list[int]
+    """Number of control steps for which no cause has had a reason."""
     asking: list[int]
     """By cause, 1 where it asks for a takeover at this control step."""
     time_warning: list[float]

@@ -114,10 +114,14 @@ def asking_cause(p: Program, st: State, i: int) -> int:
     unwell = 1 if st.health[0] < p.const[K_HEALTH_REQUEST] else 0
     blocked = 1 if st.blocked_distance[0] <= budget else 0
     low = lacks_confidence(p, st)
+    ending = lane_ends(st, budget)
+    st.quiet[0] = st.quiet[0] + 1 if low + unwell + blocked + ending + st.auto_request[0] == 0 else 0
+    if st.quiet[0] > HISTORY_SIZE:
+        return CAUSE_NONE
     remember(st, CAUSE_LANE_CONFIDENCE, low, p.const[K_CONFIDENCE_COUNT], p.const[K_CONFIDENCE_OF])
     remember(st, CAUSE_SENSOR_HEALTH, unwell, p.const[K_HEALTH_COUNT], p.const[K_HEALTH_OF])
     remember(st, CAUSE_PATH_BLOCKED, blocked, p.const[K_BLOCKED_COUNT], p.const[K_BLOCKED_OF])
-    remember(st, CAUSE_LANE_ENDS, lane_ends(st, budget), p.const[K_LANE_END_COUNT], p.const[K_LANE_END_OF])
+    remember(st, CAUSE_LANE_ENDS, ending, p.const[K_LANE_END_COUNT], p.const[K_LANE_END_OF])
     st.asking[CAUSE_CONTROLLER] = st.auto_request[0]
     for k in range(p.cause_count[0]):
         if st.asking[p.cause_order[k]] == 1:

@@ -140,14 +140,19 @@ def piece_curvature(n: RoadTables, piece: int, s: float) -> float:
 
 
 @compiled
-def road_heading(n: RoadTables, road: int, s: float) -> float:
-    """Return the heading of the reference line at s, not wrapped."""
-    piece = road_piece_at(n, road, s)
+def piece_heading(n: RoadTables, piece: int, s: float) -> float:
+    """Return the heading of a piece at s, not wrapped."""
     d = s - n.piece_s[piece]
     if n.piece_kind[piece] == POLYNOMIAL:
         _, _, h, _, _ = polynomial_point(n, piece, d)
         return h
     return n.piece_h[piece] + (n.piece_k[piece] + 0.5 * n.piece_dk[piece] * d) * d
+
+
+@compiled
+def road_heading(n: RoadTables, road: int, s: float) -> float:
+    """Return the heading of the reference line at s, not wrapped."""
+    return piece_heading(n, road_piece_at(n, road, s), s)
 
 
 @compiled
