@@ -8,9 +8,13 @@ import pytest
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
-from scenario_compiler.engine.collision import overlap
+from scenario_compiler.engine.collision import TTC_RANGE, ego_ttc, overlap, update_boxes
 from scenario_compiler.engine.step import begin_step, finish_step
+from scenario_compiler.randomness import uniform
+from scenario_compiler.roads.lanes import lane_pose, lane_row
 from tests.engine.make import CAR, Draft, bend, highway, lane, network_of, road
+from tests.roads.make import road as road_of
+from tests.roads.make import section
 
 
 def test_a_scripted_car_on_a_bend_keeps_its_lane_and_its_speed() -> None:
@@ -177,3 +181,67 @@ def test_a_box_on_a_bridge_does_not_overlap_the_one_below() -> None:
     assert overlap(run.p, run.st, 0, 1) == 1
     run.st.z[1] = 5.0
     assert (overlap(run.p, run.st, 0, 1), overlap(run.p, run.st, 1, 0)) == (0, 0)
+
+
+def winding_road() -> str:
+    """Return a road of four pieces and three sections, in the second of which its lane widens."""
+    onward = '<predecessor id="-1"/><successor id="-1"/>'
+    plan = (
+        '<geometry s="0" x="0" y="0" hdg="0" length="40"><line/></geometry>'
+        '<geometry s="40" x="40" y="0" hdg="0" length="60"><spiral curvStart="0" curvEnd="0.01"/></geometry>'
+        '<geometry s="100" x="99" y="6" hdg="0.3" length="50"><arc curvature="0.01"/></geometry>'
+        '<geometry s="150" x="140" y="33" hdg="0.8" length="50"><line/></geometry>'
+    )
+    lanes = (
+        section(right=lane(-1, link=onward))
+        + section(right=lane(-1, b=0.02, link=onward), s=70.0)
+        + section(right=lane(-1, a=4.5, link=onward), s=120.0)
+    )
+    return road_of(length=200.0, plan=plan, lanes=lanes)
+
+
+@pytest.mark.parametrize(("s", "speed"), [(5.0, 13.0), (195.0, -11.0)])
+def test_what_is_kept_of_a_place_is_what_the_map_says(s: float, speed: float) -> None:
+    draft = Draft(network_of(winding_road()))
+    draft.moving(-1, s, speed)
+    run = draft.start()
+    st, rows = run.st, set()
+    while st.clock[0] < 13.0:
+        begin_step(run.n, run.p, st)
+        finish_step(run.n, run.p, st)
+        pose = lane_pose(run.n, 0, -1, st.s[0], st.kept_off[0])
+        assert pose == (st.x[0], st.y[0], st.z[0], st.h[0], st.pitch[0], st.roll[0])
+        assert st.here_row[0] == lane_row(run.n, 0, -1, st.s[0])
+        rows.add((st.here_row[0], st.here_piece[0]))
+    assert len(rows) >= 6
+    assert st.s[0] > 140.0 if speed > 0.0 else st.s[0] < 60.0
+
+
+def plain_ttc(gap: float, aside: float, turned: float, speeds: tuple[float, float]) -> float:
+    """Return the time to collision with a car whose centre is `gap` ahead and `aside`, by the plain formula."""
+    length, width = CAR[:2]
+    across = 0.5 * (width + length * abs(math.sin(turned)) + width * abs(math.cos(turned)))
+    free = gap - 0.5 * (length + length * abs(math.cos(turned)) + width * abs(math.sin(turned)))
+    closing = speeds[0] - speeds[1] * math.cos(turned)
+    meets = 0.0 < gap <= TTC_RANGE and abs(aside) < across and closing >= 0.01
+    return max(free, 0.0) / closing if meets else -1.0
+
+
+def test_the_time_to_collision_leaves_no_vehicle_out_that_is_in_the_way() -> None:
+    draft = Draft(highway())
+    draft.moving(-1, 100.0, 20.0)
+    draft.moving(-2, 150.0, 10.0)
+    run = draft.start()
+    st, found = run.st, 0
+    for k in range(2000):
+        gap, aside, turned, speed = (uniform(3, k, name) for name in ("gap", "aside", "turned", "speed"))
+        gap, aside, speed = 130.0 * gap - 10.0, 8.0 * aside - 4.0, 40.0 * speed - 10.0
+        st.h[1] = (2.0 * math.pi * turned if k % 2 else 0.2 * turned - 0.1) % (2.0 * math.pi)
+        st.v[1] = speed
+        st.x[1] = st.middle_x[0] + gap - CAR[4] * math.cos(st.h[1])
+        st.y[1] = st.middle_y[0] + aside - CAR[4] * math.sin(st.h[1])
+        update_boxes(run.p, st)
+        time = ego_ttc(run.p, st, 0, 1, 1.0, 0.0)
+        assert time == pytest.approx(plain_ttc(gap, aside, st.h[1], (st.v[0], speed)), rel=1e-6, abs=1e-9)
+        found += time > 0.0
+    assert found > 200
