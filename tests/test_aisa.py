@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from lxml import etree
 
@@ -113,6 +114,34 @@ def test_unmarked_junction_makes_the_car_ask(file: Path, maps: Path) -> None:
     row = int(at / (1 / 30))
     travelled = float(recording.v[:row, 0].sum() / 30.0)
     assert 95.0 <= travelled <= 132.0
+
+
+def _near_the_junction(file: Path, maps: Path, **settings: str) -> tuple[Recording, Outcome]:
+    """Play the last 25 m before Town01's unmarked junction with a small image."""
+    compilation, sink = _compiled(f"{file}#vanishinglanes_map", maps, "camera", 8.0, start="302,330.85,0", **settings)
+    assert compilation is not None, [as_text(one) for one in sink]
+    small = compilation.plan.camera.model_copy(update={"width": 512, "height": 256})
+    plan = compilation.plan.model_copy(update={"camera": small})
+    world = open_world("kinematic", plan, compilation.network)
+    recording = run(plan, world, seed=1)
+    world.close()
+    return recording, judge(plan, recording)
+
+
+def test_the_camera_asks_before_the_unmarked_turn_of_the_route(file: Path, maps: Path) -> None:
+    """The paint that is seen goes straight on over the junction, which begins 113.5 m from the file's start."""
+    recording, outcome = _near_the_junction(file, maps, dest="339.018738,116.545761,-90")
+    assert outcome.cause == "lane_confidence"
+    at = _first(recording, "request")
+    assert at is not None
+    x = float(np.interp(at, recording.t, recording.x[:, 0]))
+    assert 213.76 + 95.0 <= x <= 213.76 + 113.5
+
+
+def test_the_camera_does_not_ask_where_the_way_goes_on_with_the_paint(file: Path, maps: Path) -> None:
+    recording, _ = _near_the_junction(file, maps)
+    assert recording.x[-1, 0] > 213.76 + 120.0
+    assert _first(recording, "request") is None
 
 
 def test_little_noise_does_no_harm_and_much_does(file: Path, maps: Path) -> None:

@@ -2,13 +2,15 @@
 
 Pure pursuit of the middle between the detected boundaries and a proportional speed controller, with the AISA toolkit's
 numbers (look-ahead 0.4 s within 3 to 20 m, speed gain 2). When the detector loses the lane, the last path it trusted is
-kept in the odometry's frame and followed to its end, and then on at the curvature that the lane had. Whatever the
-forward sensor sees ahead in its way is followed at a time gap.
+kept in the odometry's frame and followed to its end, and then on at the curvature that the lane had. Where a
+junction is in sight, a boundary that leaves the planned way is not that of the lane to follow: it counts the less the
+sooner it leaves. Whatever the forward sensor sees ahead in its way is followed at a time gap.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, ClassVar
@@ -22,6 +24,7 @@ from scenario_compiler.controllers.model import (
     SensorData,
     VehicleState,
 )
+from scenario_compiler.controllers.planned_way import LOOKED_AT, shape_of, worth_on_way
 
 if TYPE_CHECKING:
     import numpy as np
@@ -110,10 +113,10 @@ class LaneDetectionController(ControllerModel):
     def _look(self, sensor_data: SensorData, vehicle: VehicleState) -> None:
         """Detect the lane in a new image and draw the remembered path towards it."""
         self._seen_at = sensor_data.t
-        lanes = self._detect(sensor_data, self._travelled(vehicle))
+        ahead = vehicle.center + sensor_data.camera.x
+        lanes = self._detect(sensor_data, _way_of(sensor_data, ahead), self._travelled(vehicle))
         middle = self._middle(lanes)
         if middle is not None:
-            ahead = vehicle.center + sensor_data.camera.x
             seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
             trust = max(lanes.left.p_geom, lanes.right.p_geom)
             path = _blend(_to_vehicle(self._path, vehicle), seen, ahead + NEAREST, trust, self._bend)
@@ -176,7 +179,7 @@ class LaneDetectionController(ControllerModel):
         before, self._place = self._place, (vehicle.x, vehicle.y)
         return 0.0 if before is None else math.dist(before, self._place)
 
-    def _detect(self, sensor_data: SensorData, travelled: float) -> LaneResult:
+    def _detect(self, sensor_data: SensorData, way: Sequence[Point], travelled: float) -> LaneResult:
         from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
         from scenario_compiler.perception.sensor_health import SensorMonitor
 
@@ -185,13 +188,19 @@ class LaneDetectionController(ControllerModel):
             self._detector = ClassicalLaneDetector(self._camera)
             self._monitor = SensorMonitor()
             self._prior = LaneState()
-        lanes = self._detector.detect(sensor_data.image, self._prior)
-        health = self._monitor.observe(sensor_data.image, travelled).health
-        self._lanes = replace(
-            lanes, sensor_health=health, p_left=lanes.left.p_geom * health, p_right=lanes.right.p_geom * health
-        )
         assert self._prior is not None
-        self._prior = self._prior.after(self._lanes)
+        lanes = self._detector.detect(sensor_data.image, replace(self._prior, way=shape_of(way)))
+        self._prior = self._prior.after(lanes)
+        health = self._monitor.observe(sensor_data.image, travelled).health
+        left, right = (_on_way(boundary, way) for boundary in (lanes.left, lanes.right))
+        self._lanes = replace(
+            lanes,
+            left=left,
+            right=right,
+            sensor_health=health,
+            p_left=left.p_geom * health,
+            p_right=right.p_geom * health,
+        )
         return self._lanes
 
     def _middle(self, lanes: LaneResult) -> _Middle | None:
@@ -202,6 +211,18 @@ class LaneDetectionController(ControllerModel):
         if left + right == 0.0:
             return None
         return _Middle(lanes.left, lanes.right, left / (left + right), width)
+
+
+def _way_of(sensor_data: SensorData, ahead: float) -> list[Point]:
+    """Return the planned way in the camera's ground frame where a junction is in sight; elsewhere there is one way."""
+    junction = sensor_data.junction
+    if junction is None or junction > ahead + LOOKED_AT[1]:
+        return []
+    return [(x - ahead, y) for x, y in sensor_data.route]
+
+
+def _on_way(boundary: Boundary, way: Sequence[Point]) -> Boundary:
+    return replace(boundary, p_geom=boundary.p_geom * worth_on_way(boundary, way))
 
 
 class _Middle:

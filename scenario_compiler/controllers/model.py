@@ -54,6 +54,9 @@ class SensorData:
         lead_gap: Distance from the front bumper to whatever the forward sensor sees in the car's own way, m; None
             when it sees nothing there.
         lead_speed: Its speed along the way, m/s.
+        route: The planned way ahead as a navigation knows it: points (x ahead, y left) of the rear axle, m, a metre
+            apart from beside it on; empty where the car is off every road.
+        junction: Distance along that way to the next junction, to the metre, 0 in one; None when none is in reach.
     """
 
     t: float
@@ -61,6 +64,8 @@ class SensorData:
     camera: CameraMounting
     lead_gap: float | None = None
     lead_speed: float = 0.0
+    route: tuple[tuple[float, float], ...] = ()
+    junction: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from scenario_compiler.perception.confidence import (
     noise_of,
     probability,
 )
-from scenario_compiler.perception.lane_fit import LEFT, RIGHT, Fit, LaneFitter
+from scenario_compiler.perception.lane_fit import CURVATURES, LEFT, RIGHT, Fit, LaneFitter
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Boundary:
         y0: Offset below the camera, m, left positive.
         slope: dy/dx there.
         curvature: 1/m, left turns positive.
-        p_geom: Probability that it is right and painted, 0-1, by the image alone.
+        p_geom: Probability that it is right and painted, 0-1: by the image alone as the detector has it.
         x_range: Nearest and farthest x at which paint was seen, m.
     """
 
@@ -97,11 +97,14 @@ class LaneState:
         right: Right boundary when it was trusted.
         width: Lane width, m, averaged over the images in which both sides were sure; None before there was
             one.
+        way: Slope below the camera and curvature, 1/m, of the way that the car is to go, where others branch off:
+            the search begins with boundaries that go that way.
     """
 
     left: Boundary | None = None
     right: Boundary | None = None
     width: float | None = None
+    way: tuple[float, float] | None = None
 
     def after(self, result: LaneResult) -> LaneState:
         """Return the state after one more image."""
@@ -168,7 +171,13 @@ class ClassicalLaneDetector:
             width, spread = state.width, TRACKED_SPREAD
         ridges = self.birds_eye.ridges(image, pitch)
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
-        chosen = self.fitter.pair(votes, width, spread, (_curve(state.left), _curve(state.right)))
+        tracked = (_curve(state.left), _curve(state.right))
+        way = _shape(state.way)
+        if way is not None:
+            # The way only says where to begin: the paint alone decides from there, and the probability keeps its sense.
+            likely = self.fitter.pair(votes, width, spread, tracked, way)
+            tracked = (self.fitter.curves[LEFT][likely[LEFT]], self.fitter.curves[RIGHT][likely[RIGHT]])
+        chosen = self.fitter.pair(votes, width, spread, tracked)
         left, right = self.fitter.refine(ridges, votes, chosen)
         return (left, right), self._features(left, right, ridges, width)
 
@@ -182,6 +191,13 @@ def _boundary(fit: Fit, p_geom: float) -> Boundary:
     offset, slope, curvature = (float(value) for value in fit.curve)
     y0 = offset - slope * X_FROM + 0.5 * curvature * X_FROM * X_FROM
     return Boundary(y0, slope - curvature * X_FROM, curvature, p_geom, (fit.nearest, fit.farthest))
+
+
+def _shape(way: tuple[float, float] | None) -> Floats | None:
+    """Return a way as (slope, curvature) 5 m ahead, None where it bends more than any boundary that is voted for."""
+    if way is None or abs(way[1]) > CURVATURES[-1]:
+        return None
+    return np.array([way[0] + way[1] * X_FROM, way[1]])
 
 
 def _curve(boundary: Boundary | None) -> Floats | None:

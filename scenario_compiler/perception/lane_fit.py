@@ -34,6 +34,12 @@ PARALLEL = np.array([10.0, 100.0])
 """How firmly a fit is held: the deviation of a row, 0.05 m, by that of offset, slope and curvature from the voted
 parabola, and of slope and curvature from the other side's."""
 
+OFF_WAY = np.array([13.0, 84.5])
+"""What slope and curvature beside those of the planned way make 18 m ahead of the camera, m."""
+
+FREE_OFF_WAY, COST_OFF_WAY = 0.25, 20.0
+"""What of it is free, m, for a navigation is not exact, and the votes each further metre costs: solid lines have 20."""
+
 LEFT, RIGHT = 0, 1
 
 
@@ -118,6 +124,7 @@ class LaneFitter:
         width: float,
         width_sigma: float,
         previous: tuple[Floats | None, Floats | None],
+        way: Floats | None = None,
     ) -> tuple[int, int]:
         """Return the best left and right parabola.
 
@@ -127,9 +134,10 @@ class LaneFitter:
             width_sigma: Its standard deviation, m.
             previous: The boundaries of the frame before as offset, slope and curvature at d = 0, where there
                 are any.
+            way: Slope and curvature at d = 0 of the way that the boundaries are to go, where others branch off.
         """
         (left, left_score), (right, right_score) = (
-            self._best_of_bins(votes[side], side, previous[side]) for side in (LEFT, RIGHT)
+            self._best_of_bins(votes[side], side, previous[side], way) for side in (LEFT, RIGHT)
         )
         a, b = self.curves[LEFT][left], self.curves[RIGHT][right]
         off = (a[:, None, 0] - b[None, :, 0] - width) / width_sigma
@@ -139,13 +147,16 @@ class LaneFitter:
         return int(left[i]), int(right[j])
 
     def _best_of_bins(
-        self, votes: NDArray[np.float32], side: int, previous: Floats | None
+        self, votes: NDArray[np.float32], side: int, previous: Floats | None, way: Floats | None
     ) -> tuple[NDArray[np.int64], Floats]:
         """Return the best parabola of each offset, and its score."""
         score = votes.astype(np.float64)
         if previous is not None:
             away = np.abs(self.curves[side] - previous) @ np.array([1.2, 6.0, 30.0])
             score -= 2.5 * np.minimum(away, 2.0)
+        if way is not None:
+            off = np.abs(self.curves[side][:, 1:] - way) @ OFF_WAY
+            score -= COST_OFF_WAY * np.maximum(off - FREE_OFF_WAY, 0.0)
         order = np.argsort(-score, kind="stable")
         _, first = np.unique(self._bins[side][order], return_index=True)
         best = order[first]

@@ -34,6 +34,7 @@ from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.action_events import OF_ACTIONS, action_text, actions_of
 from scenario_compiler.runtime.messages import messages
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
+from scenario_compiler.runtime.route_ahead import route_ahead
 from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.traversal import walk
@@ -184,7 +185,14 @@ class _Execution:
         seen = self.seen
         if seen is None or st.frame[0] % self.program.image_every[0] == 0:
             seen = self.world.observe(self.snapshot())
-        self.seen = replace(seen, lead_gap=None if gap >= FAR else gap, lead_speed=0.0 if gap >= FAR else lead)
+        route, junction = route_ahead(self.tables, self.program, st)
+        self.seen = replace(
+            seen,
+            lead_gap=None if gap >= FAR else gap,
+            lead_speed=0.0 if gap >= FAR else lead,
+            route=route,
+            junction=junction,
+        )
         vehicle = VehicleState(
             x=st.x[0],
             y=st.y[0],

@@ -1,0 +1,80 @@
+"""A detected boundary held against the planned way: whether it goes where the car is to go.
+
+Only the way's shape is used. It is laid beside the boundary where the stretch looked at begins, so that the map tells
+where the way bends and never where the lane is; and it only ever lowers a probability.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import dropwhile, pairwise
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from scenario_compiler.perception.lane_detector import Boundary
+
+Point = tuple[float, float]
+
+LOOKED_AT = (6.0, 18.0)
+"""Stretch ahead of the camera that the probability of a boundary is about, m."""
+
+LEAST_SHARE = 0.6
+"""Share of that stretch on which paint is to be seen for a boundary to count as painted at all."""
+
+OFF_THE_WAY = 1.75
+"""Distance from where the way leads at which a boundary belongs to another lane, m: half a lane."""
+
+
+def worth_on_way(boundary: Boundary, way: Sequence[Point]) -> float:
+    """Return how much of its probability a boundary keeps beside the planned way, 0-1.
+
+    It is 1 where the boundary goes where the way does on the whole stretch looked at, and falls to 0 where it leaves
+    the way so early that what is left would not count as painted.
+
+    Args:
+        boundary: The boundary, in the camera's ground frame.
+        way: Points of the planned way in that frame, (x ahead, y left), m.
+    """
+    return max((_share_on_way(boundary, _stretch(way)) - LEAST_SHARE) / (1.0 - LEAST_SHARE), 0.0)
+
+
+def shape_of(way: Sequence[Point]) -> Point | None:
+    """Return slope and curvature (1/m) below the camera of a parabola like the way, None where none is like it."""
+    stretch = _stretch(way)
+    if len(stretch) < 3:
+        return None
+    (x0, y0), (x1, y1), (x2, y2) = stretch[0], stretch[len(stretch) // 2], stretch[-1]
+    if not x0 < x1 < x2:
+        return None
+    first, second = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
+    curvature = 2.0 * (second - first) / (x2 - x0)
+    return first - 0.5 * curvature * (x0 + x1), curvature
+
+
+def _share_on_way(boundary: Boundary, stretch: Sequence[Point]) -> float:
+    for count, (x, y) in enumerate(stretch):
+        if abs(_apart(boundary, x, y, stretch[0])) > OFF_THE_WAY:
+            return count / len(stretch)
+    return 1.0
+
+
+def _stretch(way: Sequence[Point]) -> list[Point]:
+    """Return the points of the way whose distance along it from beside the camera is looked at."""
+    begin, end = LOOKED_AT
+    covered, found = 0.0, []
+    ahead = dropwhile(lambda point: point[0] < 0.0, way)
+    for before, point in pairwise(ahead):
+        covered += math.dist(before, point)
+        if begin <= covered <= end:
+            found.append(point)
+    return found
+
+
+def _at(boundary: Boundary, x: float) -> float:
+    return boundary.y0 + boundary.slope * x + 0.5 * boundary.curvature * x * x
+
+
+def _apart(boundary: Boundary, x: float, y: float, begin: Point) -> float:
+    """Return how far the boundary has moved to the left of the way since both were side by side, m."""
+    return _at(boundary, x) - _at(boundary, begin[0]) - (y - begin[1])

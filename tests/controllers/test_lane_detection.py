@@ -1,0 +1,64 @@
+"""What the lane-keeping automation makes of the planned way: at junctions only, and never a lane out of none."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from scenario_compiler.controllers import CameraMounting, Control, SensorData, VehicleState, create_controller
+from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.vocabulary.entities import Controller
+from tests.perception.scenery import CLEAR, bend, two_lanes
+
+CAMERA = CameraMounting(512, 256, math.radians(45.0), 0.5, 1.3, math.radians(-5.0))
+AHEAD = tuple((float(k), 0.0) for k in range(41))
+TURN = tuple((float(k), max(k - 10.0, 0.0) ** 2 / 8.0) for k in range(30))
+"""Ways straight on and, from 10 m ahead of the rear axle, to the left."""
+
+
+def driven(paint: float, route: tuple[tuple[float, float], ...], junction: float | None) -> list[Control]:
+    """Return the commands in the first images of a straight road, on which the car drives along its lane."""
+    reference = bend(0.0)
+    camera = RoadCamera(two_lanes(reference, quality=paint))
+    controller = create_controller(Controller(model="lane_detection"))
+    controller.reset(1)
+    found = []
+    for k in range(5):
+        pose = reference.pose(20.0 + 0.5 * k, 0.2)
+        image = camera.frame(pose, [], CLEAR, 0.0, k)
+        vehicle = VehicleState(pose.x, pose.y, pose.heading, 2.65, 1.4, 0.7, 3.5, 8.0, 5.0, 0.1)
+        data = SensorData(0.1 * k, image, CAMERA, route=route, junction=junction)
+        found.append(controller.control(data, 5.0, vehicle))
+    return found
+
+
+def commands(found: list[Control]) -> list[tuple[float, float, float]]:
+    return [(one.steer, one.confidence_left, one.confidence_right) for one in found]
+
+
+@pytest.mark.parametrize("route", [AHEAD, TURN])
+@pytest.mark.parametrize("junction", [None, 25.0])
+def test_without_a_junction_in_sight_the_way_changes_nothing(
+    route: tuple[tuple[float, float], ...], junction: float | None
+) -> None:
+    assert commands(driven(1.0, route, junction)) == commands(driven(1.0, (), None))
+
+
+def test_a_lane_that_goes_the_way_is_trusted_as_without_one() -> None:
+    here, there = driven(1.0, AHEAD, 5.0)[-1], driven(1.0, (), None)[-1]
+    assert here.confidence_left == pytest.approx(there.confidence_left, abs=0.05)
+    assert here.confidence_right == pytest.approx(there.confidence_right, abs=0.05)
+    assert here.steer == pytest.approx(there.steer, abs=0.02)
+
+
+def test_a_painted_lane_that_leaves_the_way_is_not_the_lane_to_follow() -> None:
+    last = driven(1.0, TURN, 10.0)[-1]
+    assert max(last.confidence_left, last.confidence_right) < 0.3
+
+
+@pytest.mark.parametrize("route", [AHEAD, TURN])
+def test_where_no_paint_is_the_way_adds_neither_confidence_nor_steering(route: tuple[tuple[float, float], ...]) -> None:
+    for one in driven(0.0, route, 5.0):
+        assert max(one.confidence_left, one.confidence_right) < 0.3
+        assert one.steer == 0.0

@@ -1,0 +1,63 @@
+"""A boundary keeps its probability where it goes the planned way, and loses it where the way bends out of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from scenario_compiler.controllers.planned_way import Point, shape_of, worth_on_way
+from scenario_compiler.perception.lane_detector import Boundary
+
+STRAIGHT = Boundary(1.75, 0.0, 0.0, 0.9, (5.0, 25.0))
+
+
+def way(begin: float, curvature: float, aside: float = 0.0) -> list[Point]:
+    """Return a way of points a metre apart, straight for `begin` metres and then with a curvature, 1/m."""
+    points = [(0.0, aside)]
+    heading = 0.0
+    for k in range(40):
+        x, y = points[-1]
+        points.append((x + math.cos(heading), y + math.sin(heading)))
+        heading += curvature if k >= begin else 0.0
+    return points
+
+
+def test_a_boundary_along_the_way_keeps_its_probability() -> None:
+    assert worth_on_way(STRAIGHT, way(40.0, 0.0)) == 1.0
+    bend = replace(STRAIGHT, curvature=1.0 / 80.0)
+    assert worth_on_way(bend, way(0.0, 1.0 / 80.0)) == 1.0
+
+
+@pytest.mark.parametrize("sense", [-1.0, 1.0])
+def test_the_nearer_the_turn_the_less_a_straight_boundary_is_worth(sense: float) -> None:
+    worth = [worth_on_way(STRAIGHT, way(begin, sense / 8.0)) for begin in (20, 13, 12, 11, 10, 9, 4)]
+    assert worth == sorted(worth, reverse=True)
+    assert worth[0] == 1.0
+    assert worth[-1] == 0.0
+    assert len(set(worth)) > 3
+
+
+def test_a_boundary_that_turns_off_a_straight_way_is_worth_less() -> None:
+    assert worth_on_way(replace(STRAIGHT, curvature=1.0 / 40.0), way(40.0, 0.0)) < 0.6
+
+
+@pytest.mark.parametrize("aside", [-3.0, 0.7])
+def test_where_the_way_lies_across_is_not_used(aside: float) -> None:
+    for begin in (40, 11):
+        assert worth_on_way(STRAIGHT, way(begin, 0.125, aside)) == worth_on_way(STRAIGHT, way(begin, 0.125))
+        assert shape_of(way(begin, 0.01, aside)) == pytest.approx(shape_of(way(begin, 0.01)))
+
+
+@pytest.mark.parametrize("known", [[], [(0.0, 0.0)], way(40.0, 0.0)[:5], [(-float(k), 0.0) for k in range(20)]])
+def test_without_a_way_on_the_stretch_nothing_is_known(known: list[Point]) -> None:
+    assert worth_on_way(STRAIGHT, known) == 1.0
+    assert shape_of(known) is None
+
+
+def test_the_shape_is_the_parabola_like_the_way() -> None:
+    assert shape_of(way(40.0, 0.0)) == pytest.approx((0.0, 0.0))
+    shape = shape_of([(float(k), 0.3 + 0.04 * k + 0.5 * 0.01 * k * k) for k in range(30)])
+    assert shape == pytest.approx((0.04, 0.01))
+    assert shape_of(way(2.0, 0.5)) is None
