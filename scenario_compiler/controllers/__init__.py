@@ -80,9 +80,12 @@ def create_controller(controller: Controller) -> ControllerModel:
 
 
 def check_controller(plan: Plan, sink: Diagnostics) -> None:
-    """Report a controller that does not exist and properties that it does not take."""
+    """Report a controller that does not exist and properties that it does not take.
+
+    One of ours without properties is not even imported: its parameters have defaults.
+    """
     controller = plan.controller
-    if controller is None:
+    if controller is None or (controller.model in CONTROLLERS and not controller.properties):
         return
     try:
         found = controller_class(controller.model)
@@ -91,8 +94,6 @@ def check_controller(plan: Plan, sink: Diagnostics) -> None:
         sink.add(UNKNOWN_CONTROLLER, str(error), controller.place_of("model"), hint=hint)
         return
     words = {p.name: p for p in controller.properties}
-    if not words and not any(field.is_required() for field in found.Params.model_fields.values()):
-        return
     try:
         found.Params.model_validate({name: word.value for name, word in words.items()})
     except ValidationError as error:
