@@ -64,7 +64,7 @@ def open_eye(p: Program, st: State, i: int, reach: float, view: float) -> None:
 def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int:
     """Return 1 where no box but those of i and j cuts the segment by (dx, dy) from the eye.
 
-    The axes that may divide them are the segment's normal, first by the box's circle, and those of the box.
+    The axes that may divide them are the segment and its normal, by the box's circle, then the normal and the box's.
     """
     squared = dx * dx + dy * dy
     for k in range(p.entity_count[0]):
@@ -73,7 +73,12 @@ def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int
         x = st.eye_x[0] - st.middle_x[k]
         y = st.eye_y[0] - st.middle_y[k]
         beside = x * dy - y * dx
-        if beside * beside > st.reach[k] * st.reach[k] * squared or there_for(st, k, SEEN_BY_SENSORS) == 0:
+        within = st.reach[k] * st.reach[k] * squared
+        if beside * beside > within:
+            continue
+        along = -x * dx - y * dy
+        over = along - squared if along > squared else -along
+        if (over > 0.0 and over * over > within) or there_for(st, k, SEEN_BY_SENSORS) == 0:
             continue
         c = cos(st.h[k])
         s = sin(st.h[k])
