@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -10,10 +13,14 @@ import pytest
 
 from scenario_compiler.compiler import Compilation, compile_target, validate_file
 from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.plan.model import Plan, RouteLeg, StartPose
 from scenario_compiler.report.gallery import Card, shrunk, start_picture, write_gallery
 from scenario_compiler.report.happenings import happenings_of, last_known_time
-from scenario_compiler.report.preview import draw_preview, draw_route, labels_of, section_of, way_ahead
+from scenario_compiler.report.preview import SPACING, draw_preview, draw_route, labels_of, section_of, way_ahead
 from scenario_compiler.resources import library_folder
+from scenario_compiler.roads import Network, load_network
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.positions import LanePosition
 from scenario_compiler.source.authoring import new_conflict
 from scenario_compiler.source.listing import Listed, list_library
 from scenario_compiler.vocabulary.actions import MessageAction
@@ -30,6 +37,7 @@ from scenario_compiler.vocabulary.storyboard import (
     Trigger,
     TriggerCondition,
 )
+from tests.recording.made import plan_of
 
 LIBRARY = library_folder()
 TEMPLATES = [one for one in list_library(LIBRARY / "templates", Diagnostics()) if one.kind == "template"]
@@ -203,6 +211,46 @@ def test_the_way_ahead_follows_the_route(crossing: Compilation, tmp_path: Path) 
     assert length == pytest.approx(sum(abs(leg.s_to - leg.s_from) for leg in crossing.plan.route), rel=0.01)
     draw_route(crossing.plan, crossing.network, tmp_path / "route.svg")
     assert f"route of {length:.0f} m" in (tmp_path / "route.svg").read_text(encoding="utf-8")
+
+
+def road_files(repository: Path) -> list[Path]:
+    towns = Path(os.environ.get("SCENARIO_COMPILER_CORPUS", repository / "none")) / "Scenic/assets/maps/CARLA"
+    return [*sorted(repository.glob("maps/*/*.xodr")), *sorted(towns.glob("*.xodr"))]
+
+
+def starts_of(network: Network) -> Iterator[LanePosition]:
+    """Yield the entry, the middle and the exit of each section of each lane that motor traffic may use."""
+    n = network.tables
+    for row, section in enumerate(n.lane_section):
+        if n.lane_id[row] and is_drivable(n.lane_type[row]):
+            begin, end = n.section_s[section], n.section_end[section]
+            for s in (begin, 0.5 * (begin + end), math.nextafter(end, begin)):
+                yield LanePosition(network.road_ids[n.section_road[section]], n.lane_id[row], s)
+
+
+def ways_on(network: Network, plan: Plan) -> Iterator[tuple[Plan, LanePosition]]:
+    """Yield plans straight on from every start, and plans with a route from some to others."""
+    starts = list(starts_of(network))
+    for start in starts:
+        pose = network.lane_pose(start.road, start.lane, start.s)
+        derived = {plan.entities[0].id: StartPose(x=pose.x, y=pose.y, z=pose.z, heading=pose.heading)}
+        yield plan.model_copy(update={"route": (), "derived": derived}), start
+    for k, start in enumerate(starts[::29]):
+        route = network.route(start, starts[(k * 7919) % len(starts)])
+        if route is not None:
+            legs = tuple(RouteLeg(road=one.road, lane=one.lane, s_from=one.s_from, s_to=one.s_to) for one in route.legs)
+            yield plan.model_copy(update={"route": legs}), start
+
+
+def test_every_lane_of_a_town_has_a_way_ahead_without_leaps(repository: Path) -> None:
+    """Also where a route changes lanes at the border of two lane sections that number their lanes differently."""
+    for file in road_files(repository):
+        network = load_network(file)
+        assert network is not None
+        for plan, start in ways_on(network, plan_of("ego")):
+            way = np.array(way_ahead(plan, network))
+            steps = np.hypot(*np.diff(way, axis=0).T) if len(way) > 1 else np.zeros(1)
+            assert steps.max() < 4 * SPACING, (file.name, start)
 
 
 def test_a_picture_of_another_kind_is_refused(crossing: Compilation, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from scenario_compiler.frames import center_from_reference
-from scenario_compiler.plan.model import Entity, Plan, StartPose
+from scenario_compiler.plan.model import Entity, Plan, RouteLeg, StartPose
 from scenario_compiler.report.happenings import Happening, happenings_of, last_known_time
 from scenario_compiler.report.map_plot import draw_map, extent_of
 from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
@@ -31,6 +31,9 @@ SPACING = 4.0
 
 MARGIN = 30.0
 """How much is shown around what matters, m."""
+
+INSET = 1.0e-6
+"""How far within the ends of a leg of the route its first and last point lie, m."""
 
 REACH = 400.0
 """How far the way ahead is drawn without a destination, m."""
@@ -112,12 +115,9 @@ def _around(points: list[tuple[float, float]]) -> Window | None:
 def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
     """Return points along the first vehicle's route, or along its lane straight on, (x, y) in m; none without one."""
     if plan.route:
-        return [
-            network.lane_pose(leg.road, leg.lane, _between(leg.s_from, leg.s_to, k, count))[:2]
-            for leg in plan.route
-            for count in [max(1, math.ceil(abs(leg.s_to - leg.s_from) / SPACING))]
-            for k in range(count + 1)
-        ]
+        # A later leg without length changes the lane at once: its neighbours show that.
+        legs = [leg for k, leg in enumerate(plan.route) if k == 0 or leg.s_from != leg.s_to]
+        return [point for leg in legs for point in _leg_points(network, leg)]
     pose = start_of(plan)
     if pose is None:
         return []
@@ -131,8 +131,14 @@ def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
     return points
 
 
-def _between(begin: float, end: float, k: int, count: int) -> float:
-    return begin + (end - begin) * k / count
+def _leg_points(network: Network, leg: RouteLeg) -> Iterator[tuple[float, float]]:
+    """Yield points along a leg, its ends a little within: beyond a lane section's border the number is another lane's."""
+    length = leg.s_to - leg.s_from
+    inset = math.copysign(min(INSET, 0.5 * abs(length)), length)
+    count = max(1, math.ceil(abs(length) / SPACING))
+    for k in range(count + 1):
+        s = leg.s_from + inset + (length - 2.0 * inset) * k / count
+        yield network.lane_pose(leg.road, leg.lane, s)[:2]
 
 
 def _draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> None:
