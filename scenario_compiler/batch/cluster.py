@@ -115,7 +115,7 @@ class Cluster:
         for sent in part.plans:
             if sent.family not in self._freight:
                 file = Path(sent.map_file)
-                freight = Freight(sent.plan, file.name, file.read_bytes())
+                freight = Freight(sent.text, file.name, file.read_bytes())
                 self._freight[sent.family] = self._client.scatter(freight, broadcast=True, hash=True)
         freight_of = {sent.family: self._freight[sent.family] for sent in part.plans}
         bare = replace(part, plans=())

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
@@ -15,7 +15,7 @@ from scenario_compiler.batch.distributions import SweepError, value_of
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
 from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
-from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant, send
+from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
 from scenario_compiler.batch.sampling import Sample, Sampler, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families, Family
@@ -118,6 +118,7 @@ class Sweep:
     families: Families
     form: Form
     part_size: int
+    _on_the_way: dict[int, SentPlan] = field(default_factory=dict)
 
     @property
     def parts(self) -> int:
@@ -151,7 +152,8 @@ class Sweep:
         return Part(number, variants, tuple(self._sent(family) for family in plans.values())), columns
 
     def _sent(self, family: Family) -> SentPlan:
-        return send(family.number, family.plan)
+        """Return a family's plan, always the same value, so that its JSON is made once at most."""
+        return self._on_the_way.setdefault(family.number, SentPlan(family.number, family.plan, family.plan.map.file))
 
     def manifest(self) -> dict[str, Any]:
         """Return what decides the rows, for the folder to be known by."""
@@ -206,7 +208,7 @@ def part_size_of(form: Form, total: int) -> int:
         return 1
     if form == "interpreted":
         return 16
-    return min(max(total // 64, 100), 2000)
+    return min(max(total // 64, 500), 2000)
 
 
 def workers_for(sweep: Sweep, wanted: int | None) -> int:

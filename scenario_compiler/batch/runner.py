@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import groupby
 from pathlib import Path
 from typing import Literal
@@ -31,8 +32,11 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 
 Form = Literal["camera", "interpreted", "compiled"]
 
-TRACE_MEMORY = 6_000_000
+TRACE_MEMORY = 12_000_000
 """Numbers' bytes that the traces of one call of the engine take at most; measuring takes several times that."""
+
+FREED_MEMORY = 16_000_000
+"""Bytes of freed arrays that are kept for the next ones."""
 
 FAMILIES_KEPT = 64
 """Plans that a runner keeps ready."""
@@ -50,11 +54,31 @@ class Variant:
 
 @dataclass(frozen=True)
 class SentPlan:
-    """A plan on its way to a worker; the map goes by path, and by content where the worker has no such file."""
+    """A plan on its way to a worker; the map goes by path, and by content where the worker has no such file.
+
+    Attributes:
+        family: Number of its family.
+        made: The plan as it is, or as JSON, as which it goes to another process.
+        map_file: File of the map.
+    """
 
     family: int
-    plan: str
+    made: Plan | str
     map_file: str
+
+    def __reduce__(self) -> tuple[type[SentPlan], tuple[int, str, str]]:
+        """Go as JSON: where the plan stays in its process, none is made."""
+        return SentPlan, (self.family, self.text, self.map_file)
+
+    @cached_property
+    def text(self) -> str:
+        """The plan as JSON."""
+        return self.made if isinstance(self.made, str) else self.made.model_dump_json()
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The plan as it is."""
+        return Plan.model_validate_json(self.made) if isinstance(self.made, str) else self.made
 
 
 @dataclass(frozen=True)
@@ -97,6 +121,14 @@ class Runner:
     say: Callable[[str], None] | None = None
     _families: dict[int, _Family] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        """Have the C library keep freed memory.
+
+        glibc gives back the memory of each array above 128 kB when it is freed, until a greater one has been freed once
+        (mallopt(3), M_MMAP_THRESHOLD); to get it anew takes many times as long as what is computed in it.
+        """
+        np.empty(FREED_MEMORY, dtype=np.uint8)
+
     def add(self, family: int, plan: Plan, network: Network) -> None:
         """Make a plan known; the one that is known longest makes room."""
         if family not in self._families:
@@ -113,7 +145,7 @@ class Runner:
                 yield Batch(together, error_columns(len(together), failed))
                 continue
             if number not in self._families:
-                plan = Plan.model_validate_json(sent[number].plan)
+                plan = sent[number].plan
                 self.add(number, plan, _network(sent[number].map_file, plan))
             family = self._families[number]
             start = 0
@@ -200,11 +232,6 @@ def record(plan: Plan, network: Network, variant: Variant, seed: int) -> Recordi
         return run(chosen, world, seed, variant=variant.index)
     finally:
         world.close()
-
-
-def send(family: int, plan: Plan) -> SentPlan:
-    """Return a plan in the form that goes to a worker on the same machine."""
-    return SentPlan(family, plan.model_dump_json(), plan.map.file)
 
 
 def _network(file: str, plan: Plan) -> Network:

@@ -251,11 +251,14 @@ class Compiled:
         say: Callable[[str], None] | None = None,
     ) -> None:
         """Copy the containers into arrays; they are not written to."""
+        import numpy as np
+
         self.engine = compile_engine(say)
         self.arrays = (tables.arrays(), as_arrays(program), as_arrays(state))
         self.address_tables = [address_table(arrays) for arrays in self.arrays]
         self.arguments = [table.ctypes.data for table in self.address_tables]
         self.width = trace_width(program)
+        self._trace = np.zeros(1)
 
     def sweep(
         self,
@@ -265,7 +268,10 @@ class Compiled:
         trace_rows: int = 0,
         every: int = 1,
     ) -> tuple[Any, Any]:
-        """Do what `Interpreted.sweep` does, with arrays (variants, SUMMARY_SIZE) and (variants, trace_rows * width)."""
+        """Do what `Interpreted.sweep` does, with arrays (variants, SUMMARY_SIZE) and (variants, trace_rows * width).
+
+        The traces' memory is used again by the next call, and is not cleared: only a run's own rows count.
+        """
         import numpy as np
 
         count = len(rows)
@@ -275,7 +281,9 @@ class Compiled:
             raise ValueError("rows or draws do not have the width of the program")
         stride = trace_rows * self.width
         out = np.zeros(count * SUMMARY_SIZE)
-        trace = np.zeros(max(count * stride, 1))
+        if self._trace.size < count * stride:
+            self._trace = np.zeros(count * stride)
+        trace = self._trace
         numbers, drawings, traced, summed = ((array.ctypes.data, array.size) for array in (flat, drawn, trace, out))
         if not trace_rows:
             every = 0

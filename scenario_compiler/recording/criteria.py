@@ -9,8 +9,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.expressions import Value
-from scenario_compiler.recording.measures import cause_of_request, time_to_collision
+from scenario_compiler.recording.measures import cause_of_request
 from scenario_compiler.recording.names import CAUSES
+from scenario_compiler.recording.on_path import least_time_to_collision, time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.traces import SAME_TIME, Traces
 from scenario_compiler.vocabulary.criteria import (
@@ -62,7 +63,7 @@ def broken_at(criterion: Criterion, traces: Traces, reached: Booleans, limit: Fl
         return traces.times["minimum_risk"]
     if isinstance(criterion, MaximumLateralOffset):
         return _first_time(traces, (np.abs(traces.off[..., 0]) > limit[..., None]) & traces.present[..., 0])
-    return _first_time(traces, time_to_collision(traces) < limit[..., None])
+    return _first_time(traces, time_to_collision(traces, limit) < limit[..., None])
 
 
 def _late_response(traces: Traces, limit: Floats) -> Floats:
@@ -129,7 +130,7 @@ def _destination_found(recording: Recording, traces: Traces, when: float | None,
 
 def _least_time_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
-    least = float(np.fmin.reduce(time_to_collision(traces), initial=np.nan))
+    least = float(least_time_to_collision(traces))
     found = "nothing was closed in on" if math.isnan(least) else f"the least was {least:.2f} s"
     return f"{found}, at least {limit:g} s is asked for"
 

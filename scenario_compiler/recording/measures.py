@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 
 from scenario_compiler.engine.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.boxes import along_path, least_box_distance, may_lie_ahead, path_curvature, touching
+from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.on_path import least_time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.traces import Traces
 
@@ -100,25 +100,9 @@ def takeover_buffer(traces: Traces) -> Floats:
     return time_budget(traces) - takeover_time(traces)
 
 
-def time_to_collision(traces: Traces) -> Floats:
-    """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is ahead or closing in."""
-    where = may_lie_ahead(traces)
-    along, across, speed = along_path(traces, where)
-    half = 0.5 * traces.width[0]
-    front = traces.center[0] + 0.5 * traces.length[0]
-    gap = along.min(axis=0) - front
-    low, high = across.min(axis=0), across.max(axis=0)
-    closing = traces.v[(*np.nonzero(where)[:-1], 0)] - speed
-    counts = (low < half) & (high > -half) & (gap >= 0) & (closing > 0)
-    ttc = np.full(where.shape, np.nan)
-    ttc[where] = np.where(counts, gap / np.where(counts, closing, 1.0), np.nan)
-    least = reduce(np.fmin, np.moveaxis(ttc, -1, 0), np.full(ttc.shape[:-1], np.nan))
-    return np.where(touching(traces), 0.0, least)
-
-
 def minimum_time_to_collision(traces: Traces) -> Floats:
     """Least time to collision of the run."""
-    return np.asarray(np.fmin.reduce(time_to_collision(traces), axis=-1, initial=np.nan))
+    return least_time_to_collision(traces)
 
 
 def minimum_distance(traces: Traces) -> Floats:
@@ -133,7 +117,7 @@ def maximum_longitudinal_acceleration(traces: Traces) -> Floats:
 
 def maximum_lateral_acceleration(traces: Traces) -> Floats:
     """Greatest lateral acceleration after the request."""
-    lateral = np.abs(traces.v[..., 0] ** 2 * path_curvature(traces))
+    lateral = np.abs(traces.v[..., 0] ** 2 * traces.curvature)
     return _greatest(lateral, _after(traces))
 
 

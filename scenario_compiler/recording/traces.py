@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.names import EventKind
@@ -23,8 +25,46 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
 )
 """Events whose first time counts in a measure."""
 
+STILL = 0.5
+"""Speed below which a vehicle's curvature is not measured, m/s."""
+
 SAME_TIME = 1e-6
 """Rows and events at most this far apart are of one instant, s: the rounding of summed steps."""
+
+
+Singles: TypeAlias = NDArray[np.float32]
+
+SINGLE = 1e-5
+"""Slack of bounds that are made in single precision, as a share of what they are made of: some 100 roundings."""
+
+ROUNDING = 1e-4
+"""Slack of bounds of distances besides, m."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Boxes in the frame of the ego vehicle, each array (m - 1, ..., n) and NaN where one of both is absent.
+
+    They serve for bounds, which say where it pays to look closely, and are of single precision: sines and all else are
+    several times faster.
+
+    Attributes:
+        ahead: Distance of a box's middle ahead of the ego vehicle's reference point, m.
+        left: The same to the left of it, m.
+        cos: Cosine of its heading against the ego vehicle's.
+        sin: Sine of it.
+        reach: How far it reaches from its middle forwards and backwards as the ego vehicle sees it, m.
+        slack: How far off distances may be, m.
+        apart: What its distance from the ego vehicle's box is not below, m; infinite where one of both is absent.
+    """
+
+    ahead: Singles
+    left: Singles
+    cos: Singles
+    sin: Singles
+    reach: Singles
+    slack: Singles
+    apart: Singles
 
 
 @dataclass(frozen=True)
@@ -85,17 +125,47 @@ class Traces:
         return inside if end is None else inside & (self.t <= end[..., None] + SAME_TIME)
 
     @cached_property
-    def forward(self) -> tuple[Floats, Floats]:
-        """Cosine and sine of the headings, each (..., n, m)."""
-        return np.cos(self.h), np.sin(self.h)
+    def seen(self) -> Seen:
+        """The other entities' boxes as the ego vehicle sees them."""
+        single = np.float32
+        with np.errstate(over="ignore", invalid="ignore"):
+            x, y, h = (np.moveaxis(each, -1, 0) for each in (self.x, self.y, self.h))
+            dx, dy = (x[1:] - x[0]).astype(single), (y[1:] - y[0]).astype(single)
+            h = h.astype(single)
+            c, s = np.cos(h), np.sin(h)
+            cos, sin = c[1:] * c[0] + s[1:] * s[0], s[1:] * c[0] - c[1:] * s[0]
+            center, length, width = (self.of_others(each) for each in (self.center, self.length, self.width))
+            ahead = dx * c[0] + dy * s[0] + center * cos
+            left = dy * c[0] - dx * s[0] + center * sin
+            along, across = single(0.5) * np.abs(cos), single(0.5) * np.abs(sin)
+            reach = length * along + width * across
+            front, side = single(0.5 * self.length[0]), single(0.5 * self.width[0])
+            before = np.maximum(np.abs(ahead - single(self.center[0])) - (reach + front), single(0.0))
+            beside = np.maximum(np.abs(left) - (length * across + width * along + side), single(0.0))
+            slack = single(SINGLE) * (np.abs(ahead) + np.abs(left)) + single(ROUNDING)
+            apart = np.sqrt(before * before + beside * beside) - slack
+        return Seen(ahead, left, cos, sin, reach, slack, np.fmin(apart, single(np.inf)))
+
+    def of_others(self, values: Floats) -> Singles:
+        """Return one number of each other entity as (m - 1, ..., 1), in single precision."""
+        return values[1:].astype(np.float32).reshape(-1, *[1] * self.t.ndim)
 
     @cached_property
-    def centre_distance(self) -> Floats:
-        """Distance of the boxes' centres from the ego vehicle's, m, (..., n, m - 1), NaN where one is absent."""
-        c, s = self.forward
-        x, y = self.x + self.center * c, self.y + self.center * s
-        apart = np.hypot(x[..., 1:] - x[..., :1], y[..., 1:] - y[..., :1])
-        return np.where(self.present[..., 1:], apart, np.nan)
+    def curvature(self) -> Floats:
+        """The curvature that the ego vehicle drives, 1/m, positive to the left, (..., n).
+
+        From the change of heading since the row before; 0 at a standstill, and the first row's is the second's.
+        """
+        if self.t.shape[-1] < 2:
+            return np.zeros_like(self.t)
+        turned = np.diff(self.h[..., 0], axis=-1)
+        turned -= (2 * np.pi) * (turned >= np.pi)
+        turned += (2 * np.pi) * (turned < -np.pi)
+        v = self.v[..., :-1, 0]
+        moving = np.abs(v) > STILL
+        way = np.where(moving, v * np.diff(self.t, axis=-1), 1.0)
+        curvature = np.where(moving, turned / way, 0.0)
+        return np.concatenate([curvature[..., :1], curvature], axis=-1)
 
     @property
     def until_collision(self) -> Booleans:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
-from scenario_compiler.recording.boxes import least_box_distance, path_curvature
+from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
 from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
 from tests.recording.made import STEP, Row, approach, plan_of, record
@@ -95,7 +97,7 @@ def test_time_to_collision_follows_the_curve_that_is_driven() -> None:
 
     run = record(IDS, 5, row)
     rows = traces(run)
-    assert path_curvature(rows) == pytest.approx(1 / radius)
+    assert rows.curvature == pytest.approx(1 / radius)
     ahead = 1.2 * radius - 0.4 * speed
     assert value("minimum_time_to_collision", run) == pytest.approx((ahead - 4.0) / 6.0, abs=0.02)
 
@@ -187,6 +189,51 @@ def _stacked(parts: list[Traces]) -> Traces:
         columns[field.name] = np.stack(padded)
     times = {kind: np.stack([part.times[kind] for part in parts]) for kind in TIMED_EVENTS}
     return dataclasses.replace(parts[0], **columns, times=times)
+
+
+def _random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) -> Traces:
+    """Return runs of vehicles of all sizes that drive along curves, near and far from one another and into another."""
+    dice = np.random.default_rng(seed)
+    shape = (entities, runs, rows)
+    turning = dice.choice([0.0, 0.0, 0.002, -0.02, 0.15], (entities, runs, 1)) * dice.random((entities, runs, 1))
+    v = np.cumsum(dice.normal(0.0, 0.4, shape), axis=-1) + dice.uniform(-3.0, 25.0, (entities, runs, 1))
+    h = dice.choice([0.0, 0.01, 1.5, 3.1, 6.2], (entities, runs, 1)) + np.cumsum(turning * v * STEP, axis=-1)
+    x = np.cumsum(v * np.cos(h) * STEP, axis=-1) + dice.uniform(-80.0, 120.0, (entities, runs, 1))
+    y = np.cumsum(v * np.sin(h) * STEP, axis=-1) + dice.choice([0.0, 1.5, 3.5, 40.0], (entities, runs, 1))
+    present = dice.random(shape) < 0.97
+    moved = {"x": x, "y": y, "h": np.mod(h, 2 * np.pi), "v": v}
+    arrays = {name: np.moveaxis(np.where(present, each, np.nan), 0, -1) for name, each in moved.items()}
+    t = np.broadcast_to(np.arange(rows) * STEP, (runs, rows))
+    one = traces(record(("ego", *"abc"[: entities - 1]), 1, lambda _: {"x": (0.0,) * entities}))
+    sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
+    center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
+    times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
+    present = np.moveaxis(present, 0, -1)
+    changed: dict[str, Any] = {"t": t, "present": present, **arrays, **sizes, "center": center, "times": times}
+    return dataclasses.replace(one, **changed)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed: int) -> None:
+    runs = _random_runs(seed)
+    places = tuple(np.indices(runs.seen.apart.shape).reshape(3, -1))
+    there = ~np.isnan(runs.x[..., :1] + runs.x[..., 1:])[(*places[1:], places[0])]
+    places = tuple(place[there] for place in places)
+    touched = np.asarray(touching(runs).any(axis=-1))
+    distance, time = distance_at(runs, places), times_at(runs, places)
+    assert (runs.seen.apart[places] <= distance).all()
+    assert (time_bounds(runs)[places] <= time).all()
+    least_distance, least_time = np.full(len(touched), np.inf), np.full(len(touched), np.inf)
+    np.minimum.at(least_distance, places[1], distance)
+    np.minimum.at(least_time, places[1], time)
+    assert np.isfinite(least_time).any()
+    assert least_box_distance(runs).tolist() == np.where(touched, 0.0, least_distance).tolist()
+    found = least_time_to_collision(runs)
+    expected = np.where(touched, 0.0, least_time)
+    assert np.where(np.isnan(found), np.inf, found).tolist() == expected.tolist()
+    limit = np.full(len(touched), 2.0)
+    soon = np.fmin.reduce(time_to_collision(runs, limit), axis=-1)
+    assert (soon < 2.0).tolist() == (expected < 2.0).tolist()
 
 
 def test_every_measure_says_how_it_is_made_and_when_it_is_not_defined() -> None:

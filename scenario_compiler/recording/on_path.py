@@ -1,0 +1,109 @@
+"""What lies ahead of the ego vehicle along the circle that it is driving on, and when it would be reached."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scenario_compiler.recording.boxes import Places, boxes_at, exact_at, least_by_bounds, touching
+from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.traces import ROUNDING, SINGLE, Singles, Traces
+
+STRAIGHT = 1e-6
+"""Curvature below which a path counts as straight, 1/m."""
+
+
+def time_to_collision(traces: Traces, below: Floats) -> Floats:
+    """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is ahead or closing in.
+
+    It may be NaN also where it is not below a number of each run, (...): what is above it takes no time then.
+    """
+    bounds = time_bounds(traces)
+    places = np.nonzero(bounds < below[..., None])
+    least = exact_at(places, times_at(traces, places), bounds.shape).min(axis=0, initial=np.inf)
+    return np.where(touching(traces), 0.0, np.where(np.isinf(least), np.nan, least))
+
+
+def least_time_to_collision(traces: Traces) -> Floats:
+    """Return the least time to collision of each run, s, (...); NaN where nothing in the path is ever closed in on."""
+    least = least_by_bounds(time_bounds(traces), lambda places: times_at(traces, places))
+    return np.where(touching(traces).any(axis=-1), 0.0, np.where(np.isinf(least), np.nan, least))
+
+
+def times_at(traces: Traces, places: Places) -> Floats:
+    """Return the times to collision at k places, s, (k,); infinite where there is none."""
+    along, across, speed = along_path(traces, places)
+    half = 0.5 * traces.width[0]
+    gap = along.min(axis=0) - _front(traces)
+    closing = traces.v[..., 0][places[1:]] - speed
+    counts = (across.min(axis=0) < half) & (across.max(axis=0) > -half) & (gap >= 0) & (closing > 0)
+    return np.where(counts, gap / np.where(counts, closing, 1.0), np.inf)
+
+
+def _front(traces: Traces) -> float:
+    """Return how far ahead of its reference point the ego vehicle's box reaches, m."""
+    return float(traces.center[0] + 0.5 * traces.length[0])
+
+
+def along_path(traces: Traces, places: Places) -> tuple[Floats, Floats, Floats]:
+    """Return other entities' boxes as seen along the circle that the ego vehicle is driving on.
+
+    Args:
+        traces: The runs.
+        places: The k places that are asked for.
+
+    Returns:
+        (along, across, speed): for each box's corners the distance along the circle from the ego's reference point and
+        the distance to the left of it, m, (4, k); and each entity's speed along the circle, m/s, (k,).
+    """
+    other, *within = places
+    rows = tuple(within)
+    ego, place = (*rows, np.zeros_like(other)), (*rows, other + 1)
+    _, (x, y) = boxes_at(traces, places)
+    c, s = np.cos(traces.h[ego]), np.sin(traces.h[ego])
+    dx, dy = x - traces.x[ego], y - traces.y[ego]
+    along, across = c * dx + s * dy, c * dy - s * dx
+    curvature = traces.curvature[rows]
+    bent = np.nonzero(np.abs(curvature) > STRAIGHT)[0]
+    side, radius = np.where(curvature[bent] < 0, -1.0, 1.0), 1.0 / np.abs(curvature[bent])
+    for k in range(len(along)):
+        forward, inward = along[k, bent], radius - side * across[k, bent]
+        along[k, bent] = np.arctan2(forward, inward) * radius
+        across[k, bent] = side * (radius - np.hypot(forward, inward))
+    tangent = traces.h[ego] + curvature * along.mean(axis=0)
+    return along, across, traces.v[place] * np.cos(traces.h[place] - tangent)
+
+
+def time_bounds(traces: Traces) -> Singles:
+    """Return times that no time to collision is below, s, (m - 1, ..., n); infinite where there is none.
+
+    The middle of a box is taken to the circle with the curvature k that the ego vehicle is driving on. With q as its
+    distance from the circle's centre times k, its distance from the circle is (2 left - k (ahead^2 + left^2)) / (1 +
+    q), also for k = 0. From there the corners reach as far as the box is long and wide in the direction of the radius,
+    and a little more where they stand beside it. An arc is longer than the sine of its angle; the mean of the corners'
+    angles differs from the middle's in the second order alone.
+    """
+    single = np.float32
+    seen, half, rounding = traces.seen, single(0.5), single(ROUNDING)
+    length, width = (traces.of_others(each) for each in (traces.length, traces.width))
+    outer = half * np.hypot(length, width) + rounding
+    curvature = traces.curvature
+    k = np.where(np.abs(curvature) > STRAIGHT, curvature, 0.0).astype(single)
+    v = np.moveaxis(traces.v, -1, 0).astype(single)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        sine, cosine = k * seen.ahead, single(1.0) - k * seen.left
+        q = np.sqrt(sine * sine + cosine * cosine)
+        from_circle = single(2.0) * seen.left - k * (seen.ahead * seen.ahead + seen.left * seen.left)
+        across = np.abs(from_circle) / (single(1.0) + q)
+        share = single(1.0) / np.maximum(q, rounding)
+        sine, cosine = sine * share, cosine * share
+        along_circle, across_circle = seen.cos * cosine + seen.sin * sine, seen.sin * cosine - seen.cos * sine
+        beside = np.abs(k) * outer
+        turn = beside / np.maximum(q - beside, rounding)
+        reach = half * (length * np.abs(across_circle) + width * np.abs(along_circle) + outer * turn)
+        in_path = across <= reach + seen.slack + single(0.5 * traces.width[0])
+        slack = np.abs(v[1:]) * (half * turn * turn + single(SINGLE)) + single(SINGLE) * (np.abs(v[0]) + single(1.0))
+        closing = v[0] - v[1:] * along_circle + slack
+        gap = np.maximum(seen.ahead - seen.reach - seen.slack, single(0.0)) / (q + beside) - single(_front(traces))
+        counts = in_path & (closing > 0.0) & ((seen.ahead >= -seen.slack) | (_front(traces) < 0.0))
+        times = np.maximum(gap - seen.slack, single(0.0)) / closing
+    return np.where(counts, times, single(np.inf))
