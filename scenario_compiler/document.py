@@ -15,12 +15,13 @@ from pathlib import Path
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.files import read_file
 
 UNREADABLE = Code(
     "SC101",
     "unreadable-file",
-    "The file does not exist, is a folder, is too large, or cannot be opened. Check the path and the permissions; "
-    "paths in a file are relative to that file's folder."
+    "The file does not exist, is a folder, a pipe or a device, is too large, or cannot be opened. Check the path and "
+    "the permissions; paths in a file are relative to that file's folder."
     "\n\n    scenario-compiler validate conflicts/my_conflict.xml     the folder is called `conflict`",
 )
 MALFORMED = Code(
@@ -38,9 +39,6 @@ FORBIDDEN = Code(
     "scenario or road file needs them, and they are never resolved. Remove the <!DOCTYPE ...> declaration."
     '\n\n    <!DOCTYPE scenarios [<!ENTITY start SYSTEM "start.xml">]>     <include> brings in a file',
 )
-
-MAX_BYTES = 512 * 1024 * 1024
-"""Largest file that is read, bytes; a bound on memory, far above any real road file (the largest known has 60 MB)."""
 
 MAX_ATTRIBUTES = 1000
 """Most attributes on one element; real files have at most some twenty."""
@@ -176,16 +174,16 @@ def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
     """
     name = str(path)
     try:
-        size = Path(path).stat().st_size
-        if size > MAX_BYTES:
-            sink.add(UNREADABLE, f"the file has {size} bytes; at most {MAX_BYTES} are read", FilePlace(name))
-            return None
-        raw = Path(path).read_bytes()
-    except OSError as error:
-        sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name), hint=_beside(Path(path)))
+        raw = read_file(path)
+    except FileNotFoundError as error:
+        why = "it is a link to nothing" if Path(path).is_symlink() else error.strerror
+        sink.add(UNREADABLE, f"cannot read the file: {why}", FilePlace(name), hint=_beside(Path(path)))
         return None
-    except ValueError as error:
-        sink.add(UNREADABLE, f"cannot read the file: {error}", FilePlace(name))
+    except OSError as error:
+        sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name))
+        return None
+    except ValueError:
+        sink.add(UNREADABLE, "cannot read the file: no file can have such a name", FilePlace(name))
         return None
     return parse_document(raw, name, sink)
 
@@ -269,7 +267,8 @@ def _short(message: str) -> str:
 
 def _beside(path: Path) -> str:
     try:
-        names = [p.name for p in path.parent.iterdir() if p.suffix == path.suffix]
+        alike = [one for one in path.parent.iterdir() if one.suffix == path.suffix]
+        names = [one.name for one in alike if one.name != path.name and one.is_file()]
     except OSError:
         return ""
     return did_you_mean(path.name, names) if names else ""

@@ -125,6 +125,17 @@ def test_a_missing_file_is_compared_with_its_neighbours(tmp_path: Path) -> None:
     assert [one.hint for one in sink] == ["did you mean 'conflict.xml'?"]
 
 
+def test_a_file_that_is_there_is_not_offered_for_itself(tmp_path: Path) -> None:
+    (tmp_path / "loop1.xml").symlink_to("loop1.xml")
+    (tmp_path / "dangling.xml").symlink_to("nowhere.xml")
+    (tmp_path / "folder.xml").mkdir()
+    sink = Diagnostics()
+    for name in ("loop1.xml", "folder.xml", "dangling.xml"):
+        assert read_document(tmp_path / name, sink) is None
+    assert [one.hint for one in sink.found] == ["", "", ""]
+    assert [one.message for one in sink.found][2] == "cannot read the file: it is a link to nothing"
+
+
 def test_a_documents_folder_is_where_relative_paths_start(tmp_path: Path) -> None:
     (tmp_path / "a.xml").write_text("<a/>")
     document = read_document(tmp_path / "a.xml", Diagnostics())

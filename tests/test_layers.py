@@ -39,6 +39,7 @@ HALL = (
     "diagnostics",
     "document",
     "expressions",
+    "files",
     "frames",
     "marker",
     "randomness",

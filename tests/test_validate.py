@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import subprocess
 import sys
@@ -70,6 +71,29 @@ def test_a_hostile_file_is_one_finding_and_the_rest_goes_on(tmp_path: Path, proc
     found = list(validate_files(files, processes=processes))
     assert [len(some) for some in found] == [0 if file.name.endswith("good.xml") else 1 for file in files]
     assert all(one.place.file == str(file) for file, some in zip(files, found, strict=True) for one in some)
+
+
+def test_what_cannot_be_read_in_a_folder_is_told(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.xml")
+    os.mkfifo(tmp_path / "pipe.xodr")
+    (tmp_path / "dangling.xosc").symlink_to("nowhere")
+    (tmp_path / "loop.xml").symlink_to("loop.xml")
+    (tmp_path / "endless.xml").symlink_to("/dev/zero")
+    (tmp_path / "folder.xml").mkdir()
+    files = files_below(tmp_path)
+    found = [
+        (file.name, [one.code.id for one in some]) for file, some in zip(files, validate_files(files), strict=True)
+    ]
+    names = ("dangling.xosc", "endless.xml", "loop.xml", "pipe.xml", "pipe.xodr")
+    assert found == [(name, ["SC101"]) for name in names]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="nothing is hidden from the administrator")
+def test_a_folder_that_cannot_be_looked_into_is_told(tmp_path: Path) -> None:
+    hidden = tmp_path / "hidden"
+    hidden.mkdir(mode=0)
+    (found,) = validate_files(files_below(tmp_path))
+    assert [(one.code.id, one.place.file) for one in found] == [("SC101", str(hidden))]
 
 
 def test_a_fault_of_the_program_is_a_finding_too(tmp_path: Path) -> None:

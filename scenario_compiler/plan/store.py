@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 from scenario_compiler.expressions import Expression
+from scenario_compiler.files import read_file
 from scenario_compiler.plan.model import Plan
 
 BAD_PLAN = Code(
@@ -49,7 +50,7 @@ def _plain(value: BaseModel | Expression) -> dict[str, Any]:
 def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
     """Read a plan; None and a diagnostic for each fault when it is none."""
     try:
-        return Plan.model_validate_json(Path(path).read_bytes())
+        return Plan.model_validate_json(read_file(path))
     except OSError as error:
         sink.add(BAD_PLAN, f"cannot read the plan: {error.strerror}", FilePlace(str(path)))
     except ValidationError as error:

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace
-from scenario_compiler.document import MAX_BYTES, parse_document, read_document
+from scenario_compiler.document import parse_document, read_document
+from scenario_compiler.files import read_file
 from scenario_compiler.roads import geometry, lanes, locate, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
 from scenario_compiler.roads.lane_details import LaneDetails
@@ -432,8 +433,7 @@ def load_network(path: str | Path, *, cache: bool = True, sink: Diagnostics | No
 def _read(path: Path, sink: Diagnostics) -> bytes | None:
     """Return the content of a file; what is wrong with an unreadable one is found out, and told, by `read_document`."""
     try:
-        if path.stat().st_size <= MAX_BYTES:
-            return path.read_bytes()
+        return read_file(path)
     except (OSError, ValueError):
         pass
     read_document(path, sink)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+from scenario_compiler.files import read_file
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -58,4 +59,4 @@ def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPo
 def _description(path: Path, modified: int, size: int) -> dict[str, Any]:
     """Return what a map's description says; it is read again when the file has changed."""
     del modified, size
-    return tomllib.loads(path.read_text(encoding="utf-8"))
+    return tomllib.loads(read_file(path).decode())

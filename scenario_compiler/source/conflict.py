@@ -6,6 +6,7 @@ expanded, because an attribute's text has a meaning only once its parameters hav
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -269,7 +270,7 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
                 _add_part(parts[str(element.tag)], Part(document, element), reading)
     own = tuple(parts["template"])
     catalogs = Catalogs()
-    seen = {Path(document.path).resolve()}
+    seen = {os.path.realpath(document.path)}
     for element in includes:
         catalogs = _bring_in(element, reading, parts["template"], catalogs, seen)
     named = all(re.fullmatch(IDENTIFIER, name) for name in own)
@@ -307,7 +308,7 @@ def _bring_in(
     reading: Reading,
     templates: dict[str, Part],
     catalogs: Catalogs,
-    seen: set[Path],
+    seen: set[str],
 ) -> Catalogs:
     """Add the templates of an included file and of its includes; return the catalogs with its entries."""
     include = read_word(element, Include, reading)
@@ -315,9 +316,9 @@ def _bring_in(
         return catalogs.with_a_gap()
     place = reading.origin(element, "file")
     path = _find(include.file, reading.document.folder)
-    if path.resolve() in seen:
+    if os.path.realpath(path) in seen:
         return catalogs
-    seen.add(path.resolve())
+    seen.add(os.path.realpath(path))
     inner = Diagnostics()
     document = read_document(path, inner)
     if document is None:

@@ -7,6 +7,7 @@ from pathlib import Path, PureWindowsPath
 
 from scenario_compiler.diagnostics import Diagnostics, Place
 from scenario_compiler.document import MALFORMED, Document, parse_document, read_document
+from scenario_compiler.files import read_file
 from scenario_compiler.source.openscenario.codes import MENDED_COMMENT, UNKNOWN_VERSION
 
 VERSIONS = ((1, 0), (1, 1), (1, 2), (1, 3))
@@ -20,7 +21,7 @@ def read_forgiving(path: str | Path, sink: Diagnostics) -> Document | None:
     attempt = Diagnostics()
     document = read_document(path, attempt)
     if document is None and any(one.code is MALFORMED for one in attempt.found):
-        raw = Path(path).read_bytes()
+        raw = read_file(path)
         mended = _COMMENT.sub(lambda m: b"<!--" + _without_hyphens(m.group(1)) + b"-->", raw)
         again = Diagnostics()
         document = None if mended == raw else parse_document(mended, str(path), again)

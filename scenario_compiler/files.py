@@ -1,0 +1,57 @@
+"""Files in, safely: ordinary files only, and no more of one than is wanted.
+
+A pipe may never end and a device always has more, so neither is read; and the size that a file is said to have is not
+relied on. What is at fault is an OSError, whose `strerror` says it in words for the author.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+MAX_BYTES = 512 * 1024 * 1024
+"""Largest file that is read, bytes; a bound on memory, far above any real road file (the largest known has 60 MB)."""
+
+_PIECE = 1024 * 1024
+_AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
+
+
+def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
+    """Return the content of an ordinary file.
+
+    What kind of file it is is asked of the opened file, which nobody can put another in the place of, and it is opened
+    without waiting for the other end of a pipe.
+
+    Args:
+        path: The file.
+        limit: The most bytes that it may have.
+
+    Raises:
+        OSError: There is no such file, it cannot be opened, is no ordinary one, or is too large.
+        ValueError: No file can have such a name.
+    """
+    handle = os.open(path, os.O_RDONLY | _AT_ONCE)
+    try:
+        status = os.fstat(handle)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "it is a pipe, a socket or a device")
+        if status.st_size > limit:
+            raise OSError(errno.EFBIG, f"it has {status.st_size} bytes; at most {limit} are read")
+        return _content(handle, status.st_size, limit)
+    finally:
+        os.close(handle)
+
+
+def _content(handle: int, size: int, limit: int) -> bytes:
+    """Return what an open file holds to its end; `size` is what it is said to hold."""
+    pieces, left = [], limit + 1
+    while left > 0 and (piece := os.read(handle, min(left, max(_PIECE, size + 1)))):
+        pieces.append(piece)
+        left -= len(piece)
+    if left <= 0:
+        raise OSError(errno.EFBIG, f"it goes on after {limit} bytes; no more are read")
+    return b"".join(pieces)

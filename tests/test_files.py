@@ -1,0 +1,71 @@
+"""Files in, safely: what is no ordinary file, or too large, is refused at once."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.files import read_file
+from scenario_compiler.plan.store import read_plan
+from scenario_compiler.roads import load_network
+from scenario_compiler.source import parse
+from scenario_compiler.source.documents import read_scenario_document
+
+INCLUDING = '<scenarios version="1"><include file="{}"/></scenarios>'
+
+
+def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
+    file = tmp_path / "a"
+    content = os.urandom(2 * 1024 * 1024 + 7)
+    file.write_bytes(content)
+    assert read_file(file) == content
+    assert read_file(file, len(content)) == content
+    with pytest.raises(OSError, match=f"at most {len(content) - 1} are read"):
+        read_file(file, len(content) - 1)
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="a file of another size than it says")
+def test_the_size_that_a_file_is_said_to_have_is_not_relied_on() -> None:
+    assert Path("/proc/self/maps").stat().st_size == 0
+    assert len(read_file("/proc/self/maps")) > 100
+    with pytest.raises(OSError, match="it goes on after 100 bytes"):
+        read_file("/proc/self/maps", 100)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder", "loop"])
+def test_what_is_no_ordinary_file_is_not_read(tmp_path: Path, kind: str) -> None:
+    path = _odd(tmp_path, kind)
+    with pytest.raises(OSError, match=r"pipe, a socket or a device|directory|symbolic links"):
+        read_file(path)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder", "loop"])
+def test_no_reader_waits_for_one(tmp_path: Path, kind: str) -> None:
+    path = _odd(tmp_path, kind)
+    including = tmp_path / "including.xml"
+    including.write_text(INCLUDING.format(path.name), encoding="utf-8")
+    found = []
+    for read in (read_scenario_document, read_plan, lambda path, sink: load_network(path, sink=sink)):
+        sink = Diagnostics()
+        assert read(path, sink) is None
+        found += [one.code.id for one in sink.found]
+    sink = Diagnostics()
+    document = read_scenario_document(including, sink)
+    assert document is not None
+    parse(document, sink)
+    assert [*found, *(one.code.id for one in sink.found)] == ["SC101", "SC130", "SC101", "SC220"]
+
+
+def _odd(folder: Path, kind: str) -> Path:
+    """Return a path at which there is no ordinary file."""
+    path = folder / f"{kind}.xml"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to("/dev/zero" if kind == "device" else path.name)
+    return path
