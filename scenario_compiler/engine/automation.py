@@ -97,8 +97,10 @@ def drive_to_stop(n: RoadTables, p: Program, st: State, i: int) -> None:
 @compiled
 def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Let who drives merge: the automation within the time budget where it minds lane ends, the driver in sight."""
-    state = st.takeover_state[0]
     st.gap_free[0] = 1
+    if st.through_lane[0] == 0 and st.merging[0] == 0:
+        return
+    state = st.takeover_state[0]
     if driven_by_hand(st) == 1:
         if st.manoeuvre[0] != MANOEUVRE_EVADE:
             consider_merge(n, p, st, i, SIGHT)
