@@ -173,11 +173,10 @@ class ClassicalLaneDetector:
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
         tracked = (_curve(state.left), _curve(state.right))
         way = _shape(state.way)
+        chosen = self.fitter.pair(votes, width, spread, tracked, way)
         if way is not None:
-            # The way only says where to begin: the paint alone decides from there, and the probability keeps its sense.
-            likely = self.fitter.pair(votes, width, spread, tracked, way)
-            tracked = (self.fitter.curves[LEFT][likely[LEFT]], self.fitter.curves[RIGHT][likely[RIGHT]])
-        chosen = self.fitter.pair(votes, width, spread, tracked)
+            # The way only says where to begin: the paint decides what is there, and the probability keeps its sense.
+            chosen = self.fitter.settle(votes, width, spread, chosen)
         left, right = self.fitter.refine(ridges, votes, chosen)
         return (left, right), self._features(left, right, ridges, width)
 
@@ -194,8 +193,8 @@ def _boundary(fit: Fit, p_geom: float) -> Boundary:
 
 
 def _shape(way: tuple[float, float] | None) -> Floats | None:
-    """Return a way as (slope, curvature) 5 m ahead, None where it bends more than any boundary that is voted for."""
-    if way is None or abs(way[1]) > CURVATURES[-1]:
+    """Return a way as (slope, curvature) 5 m ahead, None where it bends much more than any boundary voted for."""
+    if way is None or abs(way[1]) > 1.5 * CURVATURES[-1]:
         return None
     return np.array([way[0] + way[1] * X_FROM, way[1]])
 

@@ -40,6 +40,12 @@ OFF_WAY = np.array([13.0, 84.5])
 FREE_OFF_WAY, COST_OFF_WAY = 0.25, 20.0
 """What of it is free, m, for a navigation is not exact, and the votes each further metre costs: solid lines have 20."""
 
+NEIGHBOURS = np.array([0.25, 0.05, 0.005])
+"""How far apart in offset, slope and curvature neighbours are at most: two steps of the grid."""
+
+MOST_STEPS = 20
+"""Most steps from a parabola over better and better neighbours; the grid's whole width takes ten."""
+
 LEFT, RIGHT = 0, 1
 
 
@@ -136,9 +142,40 @@ class LaneFitter:
                 are any.
             way: Slope and curvature at d = 0 of the way that the boundaries are to go, where others branch off.
         """
-        (left, left_score), (right, right_score) = (
-            self._best_of_bins(votes[side], side, previous[side], way) for side in (LEFT, RIGHT)
-        )
+        left, right = (self._best_of_bins(votes[side], side, previous[side], way) for side in (LEFT, RIGHT))
+        return self._best_pair(left, right, width, width_sigma)
+
+    def settle(
+        self,
+        votes: tuple[NDArray[np.float32], NDArray[np.float32]],
+        width: float,
+        width_sigma: float,
+        chosen: tuple[int, int],
+    ) -> tuple[int, int]:
+        """Return the left and right parabola that are better than all near them, climbing there from chosen ones."""
+        for _ in range(MOST_STEPS):
+            left, right = (self._near(votes[side], side, chosen[side]) for side in (LEFT, RIGHT))
+            better = self._best_pair(left, right, width, width_sigma)
+            if better == chosen:
+                break
+            chosen = better
+        return chosen
+
+    def _near(self, votes: NDArray[np.float32], side: int, chosen: int) -> tuple[NDArray[np.int64], Floats]:
+        """Return the parabolas near a chosen one, and their votes."""
+        curves = self.curves[side]
+        near = np.flatnonzero((np.abs(curves - curves[chosen]) <= NEIGHBOURS).all(axis=1))
+        return near, votes[near].astype(np.float64)
+
+    def _best_pair(
+        self,
+        of_left: tuple[NDArray[np.int64], Floats],
+        of_right: tuple[NDArray[np.int64], Floats],
+        width: float,
+        width_sigma: float,
+    ) -> tuple[int, int]:
+        """Return the best pair of parabolas, given by number and score, as far apart as the lane and parallel."""
+        (left, left_score), (right, right_score) = of_left, of_right
         a, b = self.curves[LEFT][left], self.curves[RIGHT][right]
         off = (a[:, None, 0] - b[None, :, 0] - width) / width_sigma
         joint = left_score[:, None] + right_score[None, :] - 2.0 * np.minimum(off * off, 4.0)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from scenario_compiler.controllers import CameraMounting, Control, SensorData, VehicleState, create_controller
+from scenario_compiler.perception.calibration.scenes import Reference
 from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.roads import Pose
 from scenario_compiler.vocabulary.entities import Controller
-from tests.perception.scenery import CLEAR, bend, two_lanes
+from tests.perception.scenery import CLEAR, bend, fork, two_lanes
 
 CAMERA = CameraMounting(512, 256, math.radians(45.0), 0.5, 1.3, math.radians(-5.0))
 AHEAD = tuple((float(k), 0.0) for k in range(41))
@@ -62,3 +65,47 @@ def test_where_no_paint_is_the_way_adds_neither_confidence_nor_steering(route: t
     for one in driven(0.0, route, 5.0):
         assert max(one.confidence_left, one.confidence_right) < 0.3
         assert one.steer == 0.0
+
+
+STRAIGHT = Reference([(150.0, 0.0, 0.0)])
+TURNING = Reference([(30.0, 0.0, 0.0), (90.0, 1.0 / 80.0, 1.0 / 80.0)])
+SPEED, PERIOD = 8.0, 0.1
+
+
+def followed(painted: tuple[Reference, ...], meant: Reference) -> tuple[float, float]:
+    """Drive over a junction that begins at 30 m, where roads part; return the farthest offset and the least confidence.
+
+    The offset is that from the road that is meant, m; the confidence that of the better side.
+    """
+    camera = RoadCamera(fork(*painted))
+    controller = create_controller(Controller(model="lane_detection"))
+    controller.reset(1)
+    x, y, heading, farthest, least = 8.0, 0.0, 0.0, 0.0, 1.0
+    for k in range(60):
+        s, t = meant.offset(x, y)
+        ahead = meant.at(np.arange(s, s + 40.0)) - (x, y)
+        c, w = math.cos(heading), math.sin(heading)
+        route = tuple((float(c * dx + w * dy), float(c * dy - w * dx)) for dx, dy in ahead)
+        image = camera.frame(Pose(x, y, 0.0, heading, 0.0, 0.0), [], CLEAR, 0.0, k)
+        data = SensorData(PERIOD * k, image, CAMERA, route=route, junction=max(30.0 - s, 0.0))
+        vehicle = VehicleState(x, y, heading, 2.65, 1.4, 0.7, 3.5, 8.0, SPEED, PERIOD)
+        command = controller.control(data, SPEED, vehicle)
+        farthest = max(farthest, abs(t))
+        least = min(least, max(command.confidence_left, command.confidence_right))
+        heading += SPEED / 2.65 * math.tan(0.7 * command.steer) * PERIOD
+        x, y = x + SPEED * math.cos(heading) * PERIOD, y + SPEED * math.sin(heading) * PERIOD
+    return farthest, least
+
+
+@pytest.mark.parametrize("meant", [STRAIGHT, TURNING], ids=["straight", "turning"])
+def test_where_painted_lanes_part_the_car_follows_the_planned_one(meant: Reference) -> None:
+    farthest, least = followed((STRAIGHT, TURNING), meant)
+    assert farthest < 0.5
+    assert least > 0.6
+
+
+@pytest.mark.parametrize(
+    ("painted", "meant"), [(STRAIGHT, TURNING), (TURNING, STRAIGHT)], ids=["straight painted", "turn painted"]
+)
+def test_where_the_planned_lane_has_no_paint_the_confidence_falls(painted: Reference, meant: Reference) -> None:
+    assert followed((painted,), meant)[1] < 0.3

@@ -1,8 +1,10 @@
 """Roads that the tests of perception drive on."""
 
+import numpy as np
+
 from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
-from scenario_compiler.perception.scene import RoadScene
-from scenario_compiler.roads.mesh import Material
+from scenario_compiler.perception.scene import QuadGrid, RoadScene
+from scenario_compiler.roads.mesh import Marks, Material
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
 
 EU_DASH, US_DASH, SOLID = (6.0, 12.0), (3.0, 9.0), (0.0, 0.0)
@@ -39,3 +41,14 @@ def two_lanes(
     ]
     strips = [Strip(30.0, -30.0, Material.VERGE), Strip(1.5 * width + 0.6, -0.5 * width - 0.6)]
     return make_scene(reference, strips, lines)
+
+
+def fork(*branches: Reference) -> RoadScene:
+    """Lanes with a solid line on either side, each centred on its reference line; they begin as one."""
+    strips = [Strip(30.0, -30.0, Material.VERGE), Strip(12.0, -12.0)]
+    made = [make_scene(branch, strips, [Line(1.75), Line(-1.75)]) for branch in branches]
+    columns = ("quads", "colour", "quality", "width", "road", "lane", "s")
+    marks = Marks(*(np.concatenate([getattr(scene.marks, column) for scene in made]) for column in columns))
+    scene = made[0]
+    scene.marks, scene.mark_grid = marks, QuadGrid(marks.quads, marks.origin)
+    return scene

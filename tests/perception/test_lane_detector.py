@@ -10,7 +10,7 @@ from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.scene import RoadScene
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.roads.positions import Pose
-from tests.perception.scenery import CLEAR, EU_DASH, SOLID, US_DASH, bend, two_lanes, weather
+from tests.perception.scenery import CLEAR, EU_DASH, SOLID, US_DASH, bend, fork, two_lanes, weather
 
 DETECTOR = ClassicalLaneDetector()
 X = np.arange(6.0, 18.5, 1.0)
@@ -110,6 +110,42 @@ def test_a_known_pitch_is_taken_into_account() -> None:
     error = [abs(float(r.left.y(16.0)) - 1.75) for r in (blind, told)]
     assert error[1] < 0.15 < error[0]
     assert DETECTOR.detect(image) == blind
+
+
+STRAIGHT = Reference([(150.0, 0.0, 0.0)])
+AHEAD = (0.0, 0.0)
+
+
+def turning(radius: float) -> Reference:
+    """A road that is straight for 30 m and then turns left with a radius (right when negative)."""
+    return Reference([(30.0, 0.0, 0.0), (90.0, 1.0 / radius, 1.0 / radius)])
+
+
+@pytest.mark.parametrize("radius", [60.0, -60.0, 80.0, -80.0])
+def test_where_painted_lanes_part_the_way_says_which_is_meant(radius: float) -> None:
+    turn, pose = turning(radius), STRAIGHT.pose(32.0)
+    image = RoadCamera(fork(STRAIGHT, turn)).frame(pose, [], CLEAR, 0.0, 0)
+    for branch in (STRAIGHT, turn):
+        curvature, slope, _ = np.polyfit(X, true_boundary(branch, pose, 0.0), 2)
+        found = DETECTOR.detect(image, LaneState(way=(float(slope), 2.0 * float(curvature))))
+        for boundary, t in ((found.left, 1.75), (found.right, -1.75)):
+            assert np.abs(boundary.y(X) - true_boundary(branch, pose, t))[:9].max() < 0.25
+            assert boundary.p_geom > 0.6
+
+
+@pytest.mark.parametrize("way", [AHEAD, (0.0, 0.012), (-0.05, -0.01)])
+@pytest.mark.parametrize("quality", [1.0, 0.0])
+def test_the_way_puts_no_paint_where_none_is(way: tuple[float, float], quality: float) -> None:
+    """One painted lane is found where it is and an unpainted one not at all, whatever way is meant."""
+    reference = bend(0.0)
+    image = RoadCamera(two_lanes(reference, quality=quality)).frame(reference.pose(40.0), [], CLEAR, 0.0, 0)
+    blind, told = DETECTOR.detect(image), DETECTOR.detect(image, LaneState(way=way))
+    if quality == 0.0:
+        assert max(told.p_left, told.p_right) < 0.3
+        return
+    for without, with_way in ((blind.left, told.left), (blind.right, told.right)):
+        assert float(np.abs(without.y([6.0, 18.0]) - with_way.y([6.0, 18.0])).max()) < 0.15
+        assert with_way.p_geom == pytest.approx(without.p_geom, abs=0.1)
 
 
 def test_detection_depends_on_its_arguments_alone() -> None:
