@@ -38,20 +38,18 @@ from scenario_compiler.engine.surroundings import grip
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.engine.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import piece_curvature, road_piece_at, road_pose
+from scenario_compiler.roads.geometry import piece_curvature, road_pose
 from scenario_compiler.roads.lane_end import lane_after_end
 from scenario_compiler.roads.lanes import (
     BORDER_TOLERANCE,
     lane_at,
     lane_centre,
     lane_direction,
-    lane_row_in,
     row_place,
     row_width,
-    section_at,
 )
 from scenario_compiler.roads.tables import RoadTables
-from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.travel import advance, stretch_at
 
 STEER_RATE = 0.7
 """Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
@@ -70,18 +68,7 @@ def look_here(n: RoadTables, st: State, i: int) -> None:
     s = st.s[i]
     if s >= st.here_from[i] and s < st.here_to[i] and st.here_road[i] == road and st.here_lane[i] == lane:
         return
-    piece = road_piece_at(n, road, s)
-    section = section_at(n, road, s)
-    row = lane_row_in(n, section, lane)
-    begin = n.piece_s[piece]
-    end = n.road_length[road]
-    if piece + 1 < n.road_piece[road + 1]:
-        end = n.piece_s[piece + 1]
-    if row < 0:
-        end = begin
-    else:
-        begin = max(begin, n.section_s[section])
-        end = min(end, n.section_end[section])
+    row, piece, begin, end = stretch_at(n, road, lane, s)
     st.here_road[i] = road
     st.here_lane[i] = lane
     st.here_from[i] = begin

@@ -69,28 +69,28 @@ PRIORITY_SKIP = 2
 ALL_MARKS = 1 << 20
 """Lane of a stretch of marks that means every mark of the road."""
 
-# Conditions, by what they are on: the time,
+# Conditions. On the time.
 CONDITION_TIME = 0
-# What one entity does,
+# On something measured of one entity.
 CONDITION_SPEED = 1
 CONDITION_TRAVELED_DISTANCE = 2
 CONDITION_ACCELERATION = 3
 CONDITION_STANDSTILL = 4
 CONDITION_END_OF_ROAD = 5
 CONDITION_OFF_ROAD = 6
-# between it and another or a position,
+# On something measured between it and another one or a position.
 CONDITION_TIME_HEADWAY = 7
 CONDITION_TIME_TO_COLLISION = 8
 CONDITION_DISTANCE = 9
 CONDITION_POSITION_DISTANCE = 10
 CONDITION_RELATIVE_SPEED = 11
 CONDITION_REACH_POSITION = 12
-# no single number,
+# On an entity, without a single number that is compared.
 CONDITION_COLLISION = 13
 CONDITION_CLEARANCE = 14
 CONDITION_ANGLE = 15
 CONDITION_RELATIVE_ANGLE = 16
-# the run as a whole.
+# On the run as a whole.
 CONDITION_TRANSITION = 17
 CONDITION_TIME_OF_DAY = 18
 CONDITION_VARIABLE = 19

@@ -10,7 +10,7 @@ from scenario_compiler.engine.numbers import angle_between
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.geometry import piece_heading, road_piece_at
+from scenario_compiler.roads.geometry import piece_heading
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import (
     lane_at,
@@ -24,7 +24,7 @@ from scenario_compiler.roads.lanes import (
 )
 from scenario_compiler.roads.locate import project_on_piece, project_on_road, track
 from scenario_compiler.roads.tables import LINE, RoadTables
-from scenario_compiler.roads.travel import advance
+from scenario_compiler.roads.travel import advance, stretch_at
 
 HALF_TURN = 3.141592653589793
 STEP_OVER = 0.001
@@ -106,15 +106,12 @@ def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
     st.path_to[0] = 0.0
     if road < 0:
         return
-    row = lane_row(n, road, lane, s)
-    piece = road_piece_at(n, road, s)
+    row, piece, begin, end = stretch_at(n, road, lane, s)
     st.path_row[0] = row
     st.path_piece[0] = piece
     st.path_sense[0] = lane_direction(n, road, lane)
-    if row >= 0:
-        end = n.piece_s[piece + 1] if piece + 1 < n.road_piece[road + 1] else n.road_length[road]
-        st.path_from[0] = max(n.piece_s[piece], n.section_s[n.lane_section[row]])
-        st.path_to[0] = min(end, n.section_end[n.lane_section[row]])
+    st.path_from[0] = begin
+    st.path_to[0] = end
 
 
 @compiled

@@ -73,7 +73,7 @@ class State:
     """Where the lane's row and the road's piece below were found last: road and lane."""
     here_lane: list[int]
     here_from: list[float]
-    """First and last s that they hold for; last is before first where they hold for none."""
+    """They hold for every s from here to before `here_to`."""
     here_to: list[float]
     here_row: list[int]
     here_piece: list[int]

@@ -22,7 +22,7 @@ WATCH_ACCELERATION = 2
 WATCH_STILL = 4
 WATCH_OFF_ROAD = 8
 WATCH_AT_END = 16
-"""Bits of `Program.watches`: what some condition asks for; the acceleration needs the motion."""
+"""Bits of `Program.watches`: what some condition asks for. The acceleration needs the motion; the times come last."""
 
 LEAP = 3.0
 """How many times farther than its speed takes it an entity has moved that was put somewhere else."""

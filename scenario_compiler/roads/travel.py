@@ -6,6 +6,7 @@ straightest exit (the smallest change of heading), the first in the file among e
 """
 
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import road_piece_at
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_row_in, row_width, section_at
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
@@ -19,6 +20,23 @@ wide)."""
 
 WIDTH_STEP = 2.0
 """Distance between the places at which a changing width is looked at, m."""
+
+
+@compiled
+def stretch_at(n: RoadTables, road: int, lane: int, s: float) -> tuple[int, int, float, float]:
+    """Return (the lane's row or -1, the road's piece, from, to): row and piece hold for every s in [from, to).
+
+    Without such a lane that is for none.
+    """
+    section = section_at(n, road, s)
+    row = lane_row_in(n, section, lane)
+    piece = road_piece_at(n, road, s)
+    if row < 0:
+        return row, piece, s, s
+    end = n.road_length[road]
+    if piece + 1 < n.road_piece[road + 1]:
+        end = n.piece_s[piece + 1]
+    return row, piece, max(n.piece_s[piece], n.section_s[section]), min(end, n.section_end[section])
 
 
 @compiled
