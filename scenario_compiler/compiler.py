@@ -2,37 +2,26 @@
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lxml import etree
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import Code, CompileError, Diagnostic, Diagnostics, FilePlace
-from scenario_compiler.document import UNREADABLE, Document, read_document
+from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.document import Document
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
-from scenario_compiler.source import Source, check_source, drop_allowed, expand, parse
+from scenario_compiler.source import Source, drop_allowed, expand, parse
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.documents import map_place, read_scenario_document
-from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.variation import Vary
-
-UNCHECKED = Code(
-    "SC117",
-    "unchecked-file",
-    "Checking the file failed for a reason that lies in this program or the machine, not in the file: a fault of the "
-    "the program, or no memory left. The other files were checked.\n\n"
-    "    the file could not be checked: MemoryError\n\n"
-    "Check the file alone; if that fails too, please report it with the file.",
-)
 
 
 @dataclass(frozen=True)
@@ -184,132 +173,6 @@ def compile_built(
     if done is None:
         raise CompileError(sink)
     return replace(done, plan=sealed(done.plan))
-
-
-SUFFIXES = (".xml", ".xosc", ".xodr")
-"""Endings of the files that `validate` takes from a folder."""
-
-
-def files_below(path: Path) -> list[Path]:
-    """Return a file itself, or all scenario and road files below a folder, sorted."""
-    if not path.is_dir():
-        return [path]
-    return sorted(file for file in path.rglob("*") if file.suffix in SUFFIXES and file.is_file())
-
-
-MOST_SCENARIO_BYTES = 16 * 1024 * 1024
-"""Largest scenario file that `validate` looks into, bytes; the library's largest has 10 kB."""
-
-FILES_A_TASK = 8
-"""Files that a process checks before it hands its findings over."""
-
-
-def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd: Schemas | None = None) -> None:
-    """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds.
-
-    `xsd` is where ASAM's schemas are: where there is one of the version of a road file, or of a file in OpenSCENARIO,
-    that schema judges the file's structure, else what our readers declare does. Of a file in OpenSCENARIO, the
-    structure alone decides: what its meaning lacks is a warning, and so is a fault of this program in telling that.
-    """
-    if path.suffix == ".xodr":
-        document = read_document(path, sink)
-        if document is not None and (xsd is None or _by_schema(document, xsd, sink) is None):
-            from scenario_compiler.roads.structure import check_structure
-
-            check_structure(document, sink)
-        return
-    if path.is_file() and path.stat().st_size > MOST_SCENARIO_BYTES:
-        message = f"the file has {path.stat().st_size} bytes; scenario files have at most {MOST_SCENARIO_BYTES}"
-        sink.add(UNREADABLE, message, FilePlace(str(path)))
-        return
-    if path.suffix == ".xosc":
-        from scenario_compiler.source.openscenario.validation import add_meaning, validate_openscenario
-
-        meaning = Diagnostics()
-        validate_openscenario(path, sink, xsd)
-        try:
-            _check_scenarios(path, meaning, maps)
-        except Exception as fault:
-            meaning.found.append(_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]))
-        add_meaning(meaning, sink)
-    else:
-        _check_scenarios(path, sink, maps)
-
-
-def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path]) -> None:
-    """Report every fault of all templates and scenarios of a file."""
-    read = read_source(path, sink)
-    if read is None:
-        return
-    document, source = read
-    for scenario in check_source(source, sink):
-        compile_expanded(scenario, document, sink, maps, Overrides())
-    drop_allowed(sink, source)
-
-
-def _by_schema(document: Document, schemas: Schemas, sink: Diagnostics) -> bool | None:
-    from scenario_compiler.roads.xsd import validate_with_xsd
-
-    return None if schemas.folder is None else validate_with_xsd(document, schemas.folder, sink)
-
-
-def validate_files(
-    files: Sequence[Path],
-    maps: Sequence[Path] = (),
-    processes: int = 1,
-    xsd: Schemas | None = None,
-    insisted: frozenset[str] = frozenset(),
-) -> Iterator[list[Diagnostic]]:
-    """Yield the findings of each file, in the order of the files.
-
-    Args:
-        files: The files.
-        maps: Folders that maps are looked for in first.
-        processes: Number of processes to spread the files over; few files are checked in this one.
-        xsd: Where ASAM's schemas are, None to do without.
-        insisted: Codes of warnings that are reported even where a file allows them.
-    """
-    tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
-    if processes < 2 or len(tasks) < 2 * processes:
-        for file in files:
-            yield _findings([file], maps, xsd, insisted)[0]
-        return
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=_spare_collector) as pool:
-        for task, found in [(task, pool.submit(_findings, task, maps, xsd, insisted)) for task in tasks]:
-            try:
-                yield from found.result()
-            except BrokenProcessPool:
-                message = "a process that checked this file, or one beside it, was ended by the system"
-                yield from ([_unchecked(file, message)] for file in task)
-
-
-def _spare_collector() -> None:
-    """Let the garbage collector of a process that checks files look seldom, and never at what is loaded by now."""
-    gc.set_threshold(100_000, 50, 50)
-    gc.freeze()
-
-
-def _findings(
-    files: Sequence[Path], maps: Sequence[Path], xsd: Schemas | None, insisted: frozenset[str]
-) -> list[list[Diagnostic]]:
-    """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
-    found = []
-    for file in files:
-        sink = Diagnostics(insisted=insisted)
-        try:
-            validate_file(file, sink, maps, xsd)
-        except Exception as fault:
-            sink.found.append(_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]))
-        found.append(list(sink))
-    return found
-
-
-def _unchecked(file: Path, message: str) -> Diagnostic:
-    return Diagnostic(UNCHECKED, f"the file could not be checked: {message}", FilePlace(str(file)))
 
 
 def _as_text(value: object) -> str:

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from scenario_compiler.compiler import Compilation, compile_target, validate_file
+from scenario_compiler.compiler import Compilation, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.model import Plan, RouteLeg, StartPose
 from scenario_compiler.report.gallery import Card, shrunk, start_picture, write_gallery
@@ -23,6 +23,7 @@ from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.positions import LanePosition
 from scenario_compiler.source.authoring import new_conflict
 from scenario_compiler.source.listing import Listed, list_library
+from scenario_compiler.validation import validate_file
 from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
 from scenario_compiler.vocabulary.storyboard import (

@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 
 import scenario_compiler
-from scenario_compiler.compiler import compile_target, validate_file
+from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, as_text
+from scenario_compiler.validation import validate_file
 
 FOLDER = Path(__file__).resolve().parent / "cases"
 CASES = sorted(path for path in FOLDER.iterdir() if path.name.startswith("SC"))

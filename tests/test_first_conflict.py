@@ -11,9 +11,10 @@ from lxml import etree
 
 from scenario_compiler import judge, open_world, run
 from scenario_compiler.cli import main
-from scenario_compiler.compiler import Overrides, compile_target, validate_file
+from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.resources import schema_file
+from scenario_compiler.validation import validate_file
 
 PAGE = Path(__file__).parent.parent / "docs" / "your-first-conflict.md"
 

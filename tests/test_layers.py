@@ -23,7 +23,7 @@ ROWS = (
     ("__main__",),
     ("cli",),
     ("batch", "study", "carla_server"),
-    ("report",),
+    ("report", "validation"),
     ("runtime", "compiler", "coverage"),
     ("worlds",),
     ("controllers",),

@@ -11,7 +11,7 @@ import pytest
 from lxml import etree
 
 from scenario_compiler import judge, open_world, run
-from scenario_compiler.compiler import Compilation, Overrides, compile_target, validate_file
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import format_value
@@ -23,6 +23,7 @@ from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.source.conflict import Library, Part
 from scenario_compiler.source.parameters import limits
 from scenario_compiler.source.templates import template_parameters
+from scenario_compiler.validation import validate_file
 from scenario_compiler.vocabulary.scenario import Parameter
 
 LIBRARY = library_folder()

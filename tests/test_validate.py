@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import os
 import resource
+import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.cli.validate import summary
-from scenario_compiler.compiler import MOST_SCENARIO_BYTES, files_below, validate_file, validate_files
-from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, FilePlace, Severity
+from scenario_compiler.document import UNREADABLE
 from scenario_compiler.resources import library_folder
+from scenario_compiler.validation import (
+    MOST_SCENARIO_BYTES,
+    checked_by_processes,
+    files_below,
+    validate_file,
+    validate_files,
+)
 
 HEAVY = ("numpy", "cv2", "numba", "scipy", "matplotlib", "pyarrow", "jinja2", "rich", "concurrent.futures.process")
 OBSTACLE = library_folder() / "conflicts" / "obstacle_ahead.xml"
@@ -94,6 +103,26 @@ def test_a_folder_that_cannot_be_looked_into_is_told(tmp_path: Path) -> None:
     hidden.mkdir(mode=0)
     (found,) = validate_files(files_below(tmp_path))
     assert [(one.code.id, one.place.file) for one in found] == [("SC101", str(hidden))]
+
+
+def _deadly(files: Sequence[Path]) -> list[list[Diagnostic]]:
+    """Find one note in each file; `deadly` ends the process each time, `unlucky` the first time."""
+    for file in files:
+        first_time = file.name == "unlucky.xml" and not file.exists()
+        file.touch()
+        if first_time or file.name == "deadly.xml":
+            os.kill(os.getpid(), signal.SIGKILL)
+    return [[Diagnostic(UNREADABLE, "checked", FilePlace(str(file)))] for file in files]
+
+
+def test_a_process_that_dies_costs_only_the_file_that_ends_it(tmp_path: Path) -> None:
+    names = [f"{number}.xml" for number in range(60)]
+    names[11], names[47] = "deadly.xml", "unlucky.xml"
+    files = [tmp_path / name for name in names]
+    tasks = [files[at : at + 3] for at in range(0, len(files), 3)]
+    found = list(checked_by_processes(tasks, 2, _deadly))
+    assert [one.place.file for some in found for one in some] == [str(file) for file in files]
+    assert [one.place.file for some in found for one in some if one.code.id == "SC117"] == [str(files[11])]
 
 
 def test_a_fault_of_the_program_is_a_finding_too(tmp_path: Path) -> None:

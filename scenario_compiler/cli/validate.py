@@ -51,7 +51,7 @@ def add(commands: Commands) -> None:
 
 def validate_command(options: argparse.Namespace) -> int:
     """Check files, or all files of folders."""
-    from scenario_compiler.compiler import files_below, validate_files
+    from scenario_compiler.validation import files_below, validate_files
 
     keep_loaded()
     if not options.paths:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.compiler import validate_file, validate_files
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.resources import library_folder
+from scenario_compiler.validation import validate_file, validate_files
 
 HERE = Path(__file__).resolve().parent
 CONFLICTS = sorted((library_folder() / "conflicts").glob("*.xml"))

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.compiler import compile_target, validate_file
+from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.source.openscenario.files import beside, is_file, is_folder, read_forgiving
+from scenario_compiler.validation import validate_file
 from tests.source.openscenario.made import condition, expanded, scenario_text
 
 

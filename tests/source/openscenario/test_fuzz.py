@@ -12,13 +12,14 @@ from typing import TypeVar
 import pytest
 from lxml import etree
 
-from scenario_compiler.compiler import Overrides, compile_target, validate_file
+from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.opcodes import STOP_NONE
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.state import make_draws, new_state
 from scenario_compiler.engine.step import reset, step
 from scenario_compiler.randomness import random_hash
+from scenario_compiler.validation import validate_file
 
 USUAL_CASES = 200
 MANY_CASES = 2000
