@@ -42,6 +42,7 @@ HALL = (
     "files",
     "frames",
     "marker",
+    "outputs",
     "randomness",
     "resources",
     "structure",

@@ -7,9 +7,7 @@ equal bytes.
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,6 +18,7 @@ import pyarrow.parquet as pq
 
 from scenario_compiler.batch.distributions import SweepError, ValueKind
 from scenario_compiler.batch.measuring import OUTCOME, Columns
+from scenario_compiler.outputs import make_folder, whole_file, write_whole
 from scenario_compiler.recording.measures import MEASURES
 
 FORMAT = "scenario-compiler/sweep/1"
@@ -84,7 +83,7 @@ class ResultStore:
             raise SweepError(f"{self.folder} is not empty and holds no sweep")
         if self.finished:
             return
-        self._parts.mkdir(parents=True, exist_ok=True)
+        make_folder(self._parts)
         for left in self.folder.glob("**/*.tmp"):
             left.unlink()
         write_whole(path, (json.dumps(self._manifest, indent=1, sort_keys=True) + "\n").encode())
@@ -128,20 +127,10 @@ class ResultStore:
     def merge(self, parts: int) -> None:
         """Make the table of all parts, in order, and drop them."""
         about = json.dumps(self._about(), sort_keys=True).encode()
-        draft = self.table.with_suffix(".tmp")
-        try:
-            with draft.open("wb") as sink:
-                with _writer(sink, self._schema) as file:
-                    for tables in self._grouped(parts):
-                        file.write_table(pa.concat_tables(tables))
-                    file.add_key_value_metadata({_KEY: about})
-                sink.flush()
-                os.fsync(sink.fileno())
-            draft.replace(self.table)
-        except OSError:
-            with contextlib.suppress(OSError):
-                draft.unlink()
-            raise
+        with whole_file(self.table) as sink, _writer(sink, self._schema) as file:
+            for tables in self._grouped(parts):
+                file.write_table(pa.concat_tables(tables))
+            file.add_key_value_metadata({_KEY: about})
         for number in range(parts):
             self._part(number).unlink()
         self._parts.rmdir()
@@ -201,21 +190,6 @@ def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:
         raise SweepError(f"{file} is no table of a sweep")
     columns: Columns = table.to_pydict()
     return columns, about
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file that is whole or not there, also when the machine stops; OSError leaves nothing of it."""
-    draft = path.with_suffix(f"{path.suffix}.tmp")
-    try:
-        with draft.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            draft.unlink()
-        raise
 
 
 def _read(path: Path, columns: list[str] | None = None) -> pa.Table:

@@ -14,6 +14,7 @@ from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families, with_values
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import format_value
+from scenario_compiler.outputs import make_folder
 from scenario_compiler.plan.store import write_plan
 from scenario_compiler.randomness import hash_bits
 from scenario_compiler.recording.events import write_events
@@ -86,7 +87,7 @@ def write_traces(families: Families, rows: Columns, indices: Sequence[int], seed
         written.append(place)
         if (place / "outcome.json").is_file():
             continue
-        place.mkdir(parents=True, exist_ok=True)
+        make_folder(place)
         run = run_again(families, rows, index, seed)
         write_plan(run.plan, place / "plan.json")
         write_recording(run.recording, place / "recording.parquet")

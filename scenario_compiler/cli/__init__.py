@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from scenario_compiler.cli import authoring, compare, coverage, engine, explain, export, maps, run, sweep, validate
-from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse
+from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse, reason_of
 
 GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage, engine)
 """Groups of commands, in the order of the help."""
@@ -27,13 +27,26 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     options = parser.parse_args(arguments)
     try:
         code = options.command(options)
+        sys.stdout.flush()
     except WrongUse as fault:
         print(f"scenario-compiler: {fault}", file=sys.stderr)
         code = WRONG_USE
     except BrokenPipeError:
         sys.stderr.close()
         code = FINE
+    except OSError as fault:
+        print(f"scenario-compiler: {reason_of(fault)}", file=sys.stderr)
+        code = WRONG_USE
+        forget_stdout()
     sys.exit(code)
+
+
+def forget_stdout() -> None:
+    """Throw away what could not be printed, so that it is not tried again at the end."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def start_lightly() -> None:

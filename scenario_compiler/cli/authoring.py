@@ -18,6 +18,8 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     compiled,
+    inputs_of,
+    keep_inputs,
     keep_loaded,
     new_sink,
     show,
@@ -25,6 +27,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.tables import print_table
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.outputs import write_whole
 
 if TYPE_CHECKING:
     from scenario_compiler.report.gallery import Card
@@ -95,6 +98,7 @@ def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
 def _write_gallery(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics) -> int:
     from scenario_compiler.report.gallery import write_gallery
 
+    keep_inputs([*options.paths, *(one.target for one in listed if one.kind == "conflict")], options.html)
     write_gallery(_cards(options, listed, sink), options.html)
     failed = show(sink, options)
     print(f"gallery: {options.html}")
@@ -133,7 +137,8 @@ def new_command(options: argparse.Namespace) -> int:
     chosen = templates.get(options.template)
     if chosen is None:
         raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
-    file.write_text(new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters), encoding="utf-8")
+    keep_inputs((library_folder() / "templates").iterdir(), file)
+    write_whole(file, new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters))
     print(file)
     return AT_FAULT if show(sink, options) else FINE
 
@@ -148,6 +153,7 @@ def preview_command(options: argparse.Namespace) -> int:
         return AT_FAULT
     from scenario_compiler.report.preview import draw_preview
 
+    keep_inputs(inputs_of(compilation.plan), options.output)
     draw_preview(compilation.plan, compilation.network, options.output)
     return FINE
 
@@ -159,6 +165,7 @@ def convert_command(options: argparse.Namespace) -> int:
     from scenario_compiler.source.aisa_file import AisaConfig
 
     sink = new_sink(options)
+    keep_inputs([options.file], options.output)
     read = read_source(options.file, sink)
     if read is None:
         show(sink, options)
@@ -168,5 +175,5 @@ def convert_command(options: argparse.Namespace) -> int:
     text = convert_aisa(read[1], sink)
     if show(sink, options):
         return AT_FAULT
-    options.output.write_text(text, encoding="utf-8")
+    write_whole(options.output, text)
     return FINE

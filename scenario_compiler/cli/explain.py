@@ -3,21 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import textwrap
 
 from scenario_compiler.cli.options import FINE, Commands, WrongUse, suggestion
-from scenario_compiler.diagnostics import CODES
-
-CODE_HOMES = (
-    "compiler",
-    "cli.run",
-    "roads.check",
-    "roads.xsd",
-    "source.openscenario.validation",
-    "source.openscenario.xsd",
-)
-"""Modules whose import brings in all others that declare diagnostic codes."""
+from scenario_compiler.diagnostics import CODES, code_named
 
 
 def add(commands: Commands) -> None:
@@ -29,9 +18,7 @@ def add(commands: Commands) -> None:
 
 def explain_command(options: argparse.Namespace) -> int:
     """Print the page of a diagnostic's code."""
-    for module in CODE_HOMES:
-        importlib.import_module(f"scenario_compiler.{module}")
-    code = CODES.get(options.code.upper())
+    code = code_named(options.code)
     if code is None:
         raise WrongUse(f"there is no code '{options.code}'{suggestion(options.code.upper(), CODES)}")
     print(f"{code.id} {code.name} ({code.severity.value})\n")

@@ -15,10 +15,13 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     compiled,
+    inputs_of,
+    keep_inputs,
     new_sink,
     show,
 )
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.outputs import make_folder, write_whole
 
 if TYPE_CHECKING:
     from scenario_compiler.plan.model import Plan
@@ -55,12 +58,13 @@ def export_command(options: argparse.Namespace) -> int:
     files = export_files(plan, network, options.output, (int(major), int(minor)), sink, scenario)
     if show(sink, options):
         return AT_FAULT
+    changed = [path for path, content in files.items() if path.exists() and path.read_bytes() != content]
+    keep_inputs([options.target, *inputs_of(plan)], *changed)
+    if changed and not options.force:
+        raise WrongUse(f"{changed[0]} is there already and differs; --force writes over it")
     for path, content in files.items():
-        if path.exists() and path.read_bytes() != content and not options.force:
-            raise WrongUse(f"{path} is there already and differs; --force writes over it")
-    for path, content in files.items():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+        make_folder(path.parent)
+        write_whole(path, content)
         print(path)
     return FINE
 

@@ -13,10 +13,12 @@ from scenario_compiler.cli.options import (
     WrongUse,
     add_diagnostics,
     add_maps,
+    keep_inputs,
     show,
     suggestion,
 )
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.outputs import write_whole
 
 if TYPE_CHECKING:
     from scenario_compiler.document import Document
@@ -134,6 +136,7 @@ def map_export_command(options: argparse.Namespace) -> int:
     if loaded is None:
         return AT_FAULT
     document, network = loaded
+    keep_inputs([network.path], options.output)
     if options.mesh:
         from scenario_compiler.roads.export_mesh import FORMATS as MESH_FORMATS
         from scenario_compiler.roads.export_mesh import export_mesh
@@ -144,5 +147,5 @@ def map_export_command(options: argparse.Namespace) -> int:
         return FINE
     from scenario_compiler.roads.export_carla import export_for_carla
 
-    options.output.write_bytes(export_for_carla(document, network))
+    write_whole(options.output, export_for_carla(document, network))
     return FINE

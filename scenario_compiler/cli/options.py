@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import gc
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -14,6 +14,7 @@ from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
+    from scenario_compiler.plan.model import Plan
 
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED = 0, 1, 2, 3
 """Exit codes."""
@@ -29,6 +30,33 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     """Return what to put behind a word that is not known: what may be meant, in brackets; nothing where none is."""
     hint = did_you_mean(word, known)
     return f" ({hint})" if hint else ""
+
+
+def reason_of(fault: OSError) -> str:
+    """Return what could not be read or written and why, in one line; without a file's name it is what is printed."""
+    return f"{fault.filename or 'output'}: {fault.strerror or fault}"
+
+
+def keep_inputs(inputs: Iterable[str | Path], *outputs: Path | None) -> None:
+    """Refuse to write over what is read.
+
+    Args:
+        inputs: Files that are read; what stands behind a # is the name of a scenario in them.
+        outputs: Files that are to be written, None for those that are not.
+
+    Raises:
+        WrongUse: One of them is an input.
+    """
+    read = [Path(str(one).partition("#")[0]) for one in inputs]
+    for output in outputs:
+        if output is not None and any(one.exists() and output.exists() and one.samefile(output) for one in read):
+            raise WrongUse(f"{output} is read by this command and would be written over: name another file")
+
+
+def inputs_of(plan: Plan) -> Iterator[str]:
+    """Yield the files that a plan was made from, as far as it names them."""
+    yield plan.map.file
+    yield from {origin.file: None for origin in plan.origins.values()}
 
 
 def add_scenario(parser: argparse.ArgumentParser) -> None:

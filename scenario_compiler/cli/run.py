@@ -17,11 +17,14 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     compiled,
+    inputs_of,
+    keep_inputs,
     new_sink,
     show,
     suggestion,
 )
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+from scenario_compiler.outputs import make_folder
 
 if TYPE_CHECKING:
     from scenario_compiler.plan.model import Plan
@@ -86,9 +89,11 @@ def compile_command(options: argparse.Namespace) -> int:
     from scenario_compiler.plan.store import write_plan
 
     sink = new_sink(options)
+    keep_inputs([options.target], options.output)
     compilation = compiled(options, sink)
     if show(sink, options) or compilation is None:
         return AT_FAULT
+    keep_inputs(inputs_of(compilation.plan), options.output)
     write_plan(compilation.plan, options.output)
     return FINE
 
@@ -125,10 +130,14 @@ def run_command(options: argparse.Namespace) -> int:
     if options.show is not None and options.output is None:
         raise WrongUse("--show draws into the folder of the run: give one with -o")
     sink = new_sink(options)
+    keep_inputs([options.target], options.trajectory)
     planned = _planned(options, sink)
     if show(sink, options) or planned is None:
         return AT_FAULT
     plan, network = planned
+    keep_inputs(inputs_of(plan), options.trajectory)
+    if options.output is not None:
+        make_folder(options.output)  # before a run that may take long
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world

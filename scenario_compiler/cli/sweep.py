@@ -19,6 +19,7 @@ from scenario_compiler.cli.options import (
     add_scenario,
     new_sink,
     positive,
+    reason_of,
     settings_of,
     show,
 )
@@ -66,6 +67,7 @@ def sweep_command(options: argparse.Namespace) -> int:
     from pydantic import ValidationError
 
     from scenario_compiler.batch.distributions import SweepError
+    from scenario_compiler.batch.results import MANIFEST
     from scenario_compiler.source import ScenarioNameNeededError
 
     sink = new_sink(options)
@@ -83,7 +85,9 @@ def sweep_command(options: argparse.Namespace) -> int:
     except SweepError as error:
         raise WrongUse(str(error)) from None
     except OSError as error:
-        print(f"scenario-compiler: {error}; --resume does the rest", file=sys.stderr)
+        if not (options.output / MANIFEST).is_file():
+            raise
+        print(f"scenario-compiler: {reason_of(error)}; --resume does the rest", file=sys.stderr)
         return AT_FAULT
     except KeyboardInterrupt:
         print("scenario-compiler: interrupted; --resume does the rest", file=sys.stderr)

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 from scenario_compiler.expressions import Expression
 from scenario_compiler.files import read_file
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
 
 BAD_PLAN = Code(
@@ -39,7 +40,7 @@ def sealed(plan: Plan) -> Plan:
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write a plan as JSON."""
     text = json.dumps(plan, default=_plain, indent=1, ensure_ascii=False)
-    Path(path).write_text(text + "\n", encoding="utf-8")
+    write_whole(path, text + "\n")
 
 
 def _plain(value: BaseModel | Expression) -> dict[str, Any]:

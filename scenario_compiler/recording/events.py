@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.decimals import shortest, to_the_nanosecond
 from scenario_compiler.recording.names import EventKind
 
@@ -31,11 +33,12 @@ class EventRow(BaseModel):
 
 def write_events(events: Iterable[EventRow], path: Path) -> None:
     """Write events.csv: one row an event, in order; an absent value is an empty cell."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(EventRow.model_fields)
-        for event in events:
-            value = "" if event.value is None else shortest(event.value)
-            rows.writerow(
-                (shortest(to_the_nanosecond(event.t)), event.kind, event.entity, event.cause, event.message, value)
-            )
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(EventRow.model_fields)
+    for event in events:
+        value = "" if event.value is None else shortest(event.value)
+        rows.writerow(
+            (shortest(to_the_nanosecond(event.t)), event.kind, event.entity, event.cause, event.message, value)
+        )
+    write_whole(path, text.getvalue())

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
 from scenario_compiler.recording.decimals import to_the_nanosecond
@@ -158,7 +159,7 @@ class OutcomeError(ValueError):
 def write_outcome(outcome: Outcome, path: Path) -> None:
     """Write outcome.json: keys sorted, undefined numbers as null."""
     text = json.dumps(outcome.model_dump(mode="json"), indent=2, sort_keys=True, allow_nan=False, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    write_whole(path, text + "\n")
 
 
 def read_outcome(path: Path) -> Outcome:

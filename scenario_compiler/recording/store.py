@@ -17,6 +17,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
 from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
@@ -49,8 +50,9 @@ def write_recording(recording: Recording, path: Path) -> None:
         else:
             arrays[column.name] = _encoded(column, values[row], recording.roads, absent=~ego)
     table = pa.table(arrays)
+    content = pa.BufferOutputStream()
     with pq.ParquetWriter(
-        path,
+        content,
         table.schema,
         version="2.6",
         data_page_version="1.0",
@@ -62,6 +64,7 @@ def write_recording(recording: Recording, path: Path) -> None:
     ) as file:
         file.write_table(table, row_group_size=1 << 16)
         file.add_key_value_metadata(_metadata(recording))
+    write_whole(path, content.getvalue().to_pybytes())
 
 
 def read_recording(path: Path) -> Recording:

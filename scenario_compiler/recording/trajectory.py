@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from itertools import pairwise
 from pathlib import Path
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.decimals import shortest
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 
@@ -27,15 +29,16 @@ def write_trajectory(recording: Recording, path: Path) -> None:
     """
     names, roads = recording.header.entities, (*recording.roads, "-1")
     columns = {name: getattr(recording, name).tolist() for name in (*_NUMBERS, "road", "lane", "present")}
-    with path.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(TRAJECTORY_COLUMNS)
-        for k, t in enumerate(recording.t.tolist()):
-            for i, name in enumerate(names):
-                if columns["present"][k][i]:
-                    x, y, h, v, s, off = (shortest(columns[number][k][i]) for number in _NUMBERS)
-                    road, lane = roads[columns["road"][k][i]], columns["lane"][k][i]
-                    rows.writerow((shortest(t), name, x, y, h, v, road, lane, s, off))
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(TRAJECTORY_COLUMNS)
+    for k, t in enumerate(recording.t.tolist()):
+        for i, name in enumerate(names):
+            if columns["present"][k][i]:
+                x, y, h, v, s, off = (shortest(columns[number][k][i]) for number in _NUMBERS)
+                road, lane = roads[columns["road"][k][i]], columns["lane"][k][i]
+                rows.writerow((shortest(t), name, x, y, h, v, road, lane, s, off))
+    write_whole(path, text.getvalue())
 
 
 def read_trajectory(path: Path) -> Recording:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan, StartPose
 from scenario_compiler.report.preview import start_of, way_ahead
 from scenario_compiler.roads.network import Network
@@ -126,12 +127,12 @@ def write_gallery(cards: Iterable[Card], path: Path, *, title: str = "Conflicts"
     body = "".join(
         f"<h2>{escape(group)}</h2>\n<ul>\n{''.join(map(_item, held))}</ul>\n" for group, held in groups.items()
     )
-    path.write_text(
+    write_whole(
+        path,
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{escape(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
         f"<h1>{escape(title)} ({count})</h1>\n{body}</body>\n</html>\n",
-        encoding="utf-8",
     )
 
 

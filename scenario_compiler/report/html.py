@@ -9,6 +9,7 @@ from pathlib import Path
 
 import jinja2
 
+from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Frame
@@ -58,9 +59,9 @@ def write_report(runs: Sequence[Run], folder: Path, *, title: str = "") -> Path:
     """
     if not runs:
         raise ValueError("a report needs at least one run")
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     path = folder / "report.html"
-    path.write_text(render(runs, title=title), encoding="utf-8")
+    write_whole(path, render(runs, title=title))
     return path
 
 

@@ -7,6 +7,7 @@ apart; lane types also differ in lightness.
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.report.map_shapes import (
     LaneShape,
     Points,
@@ -110,9 +112,6 @@ def plot_map(
         ValueError: When the ending is neither .png nor .svg.
         OSError: When the file cannot be written.
     """
-    ending = Path(path).suffix.lower()
-    if ending not in {".png", ".svg"}:
-        raise ValueError(f"a map is drawn as .png or .svg, not as '{Path(path).suffix}'")
     shown = window if window is not None else extent_of(network)
     width, height = _figure_size(shown, size)
     with mpl.rc_context({"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans", "path.simplify": True}):
@@ -124,8 +123,23 @@ def plot_map(
         axes.set_title(title if title is not None else _title(network), fontsize=10, loc="left", pad=5)
         columns = max(1, min(len(handles), int(width / 1.75)))
         figure.legend(handles=handles, loc="lower center", ncols=columns, fontsize=7, frameon=False, borderpad=0.2)
-        metadata = {"Software": None} if ending == ".png" else {"Date": None, "Creator": None}
-        figure.savefig(path, format=ending[1:], metadata=metadata)
+        save_picture(figure, path)
+
+
+def save_picture(figure: Figure, path: str | Path) -> None:
+    """Write a figure as a PNG or SVG file, equal figures as equal bytes.
+
+    Raises:
+        ValueError: When the ending is neither .png nor .svg.
+        OSError: When the file cannot be written.
+    """
+    ending = Path(path).suffix.lower()
+    if ending not in (".png", ".svg"):
+        raise ValueError(f"a picture is drawn as .png or .svg, not as '{Path(path).suffix}'")
+    metadata = {"Software": None} if ending == ".png" else {"Date": None, "Creator": None}
+    picture = io.BytesIO()
+    figure.savefig(picture, format=ending[1:], metadata=metadata)
+    write_whole(path, picture.getvalue())
 
 
 def draw_map(

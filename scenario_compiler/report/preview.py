@@ -20,7 +20,7 @@ from matplotlib.patheffects import withStroke
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Entity, Plan, RouteLeg, StartPose
 from scenario_compiler.report.happenings import Happening, happenings_of, last_known_time
-from scenario_compiler.report.map_plot import draw_map, extent_of
+from scenario_compiler.report.map_plot import draw_map, extent_of, save_picture
 from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
 from scenario_compiler.report.surroundings import Window
 from scenario_compiler.roads.network import Network
@@ -66,7 +66,7 @@ def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0
         axes.set_title(f"{plan.name}: {plan.summary}" if plan.summary else plan.name, fontsize=11, loc="left")
         below = figure.add_axes((0.36, 0.5 / height, 0.62, 0.34 * rows / height))
         _draw_times(below, plan, happenings)
-        _save(figure, path)
+        save_picture(figure, path)
 
 
 def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, dpi: float = 110.0) -> None:
@@ -86,7 +86,7 @@ def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, 
         length = sum(abs(leg.s_to - leg.s_from) for leg in plan.route)
         told = f"route of {length:.0f} m to the destination" if plan.route else "no destination: the way straight on"
         axes.set_title(f"{plan.name}: {told}", fontsize=11, loc="left")
-        _save(figure, path)
+        save_picture(figure, path)
 
 
 def section_of(plan: Plan, network: Network) -> Window:
@@ -132,7 +132,7 @@ def way_ahead(plan: Plan, network: Network) -> list[tuple[float, float]]:
 
 
 def _leg_points(network: Network, leg: RouteLeg) -> Iterator[tuple[float, float]]:
-    """Yield points along a leg, its ends a little within: beyond a lane section's border the number is another lane's."""
+    """Yield points along a leg, its ends a little within: beyond its section's border another lane has the number."""
     length = leg.s_to - leg.s_from
     inset = math.copysign(min(INSET, 0.5 * abs(length)), length)
     count = max(1, math.ceil(abs(length) / SPACING))
@@ -225,11 +225,3 @@ def _shortened(text: str, most: int) -> str:
 
 def _style() -> AbstractContextManager[None]:
     return mpl.rc_context({"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans"})
-
-
-def _save(figure: Figure, path: Path) -> None:
-    ending = path.suffix.lower()
-    if ending not in (".png", ".svg"):
-        raise ValueError(f"a picture is drawn as .png or .svg, not as '{path.suffix}'")
-    metadata = {"Software": None} if ending == ".png" else {"Date": None, "Creator": None}
-    figure.savefig(path, format=ending[1:], metadata=metadata)

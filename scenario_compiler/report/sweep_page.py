@@ -15,6 +15,7 @@ from typing import Any
 import jinja2
 import numpy as np
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.report import plots, sweep_plots
@@ -141,7 +142,7 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
         values=lambda name, index: page.rows[name][index],
     )
     path = folder / "report.html"
-    path.write_text(text, encoding="utf-8")
+    write_whole(path, text)
     return path
 
 

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.outputs import write_whole
 from scenario_compiler.roads import lanes, mesh
 from scenario_compiler.roads.lane_types import LANE_TYPES
 from scenario_compiler.roads.network import Network
@@ -108,11 +109,11 @@ def export_mesh(network: Network, path: str | Path) -> list[Path]:
     if ending == ".obj":
         materials = target.with_suffix(".mtl")
         text = _obj(network.name, materials.name, groups, _world_to_gltf(mesh.mesh_origin(network)))
-        target.write_text(text, encoding="utf-8", newline="\n")
-        materials.write_text(_mtl(groups), encoding="utf-8", newline="\n")
+        write_whole(target, text)
+        write_whole(materials, _mtl(groups))
         return [target, materials]
     document, data = _gltf(network, groups)
-    target.write_bytes(_glb(document, data) if ending == ".glb" else _text_gltf(document, data))
+    write_whole(target, _glb(document, data) if ending == ".glb" else _text_gltf(document, data))
     return [target]
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.source.openscenario.export.distribution import export_variation
@@ -60,8 +61,8 @@ def write_openscenario(
         raise ValueError(f"OpenSCENARIO is written in {', '.join(known)}, not in '{version}'")
     sink = Diagnostics()
     for file, content in export_files(plan, network, Path(path), known[version], sink, scenario).items():
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(content)
+        make_folder(file.parent)
+        write_whole(file, content)
     return sink
 
 

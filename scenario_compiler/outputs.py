@@ -1,0 +1,66 @@
+"""Files out: whole or not there.
+
+What cannot be written is an OSError that names the file and says why, for the command line to tell in one line.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+
+def write_whole(path: str | Path, content: bytes | str) -> None:
+    """Write a file that is whole or not there; text as UTF-8 with the line ends that it has. See `whole_file`."""
+    with whole_file(path) as file:
+        file.write(content.encode() if isinstance(content, str) else content)
+
+
+@contextlib.contextmanager
+def whole_file(path: str | Path) -> Iterator[BinaryIO]:
+    """Open a file that is whole or not there when it is closed, also when the machine stops.
+
+    The content goes to a draft beside the file, which then takes its place. A device or pipe is written to as it is.
+
+    Raises:
+        OSError: It cannot be written; nothing of it is left, and what was there before is as it was.
+    """
+    try:
+        target = Path(path).resolve()
+        with target.open("wb") if _is_special(target) else _draft_of(target) as file:
+            yield file
+    except OSError as fault:
+        raise _cannot(path, fault) from None
+
+
+def make_folder(path: str | Path) -> None:
+    """Make a folder and those above it where there are none; OSError where that cannot be."""
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as fault:
+        raise _cannot(path, fault) from None
+
+
+def _is_special(target: Path) -> bool:
+    return target.exists() and not target.is_file()
+
+
+@contextlib.contextmanager
+def _draft_of(target: Path) -> Iterator[BinaryIO]:
+    draft = target.with_name(f"{target.name}.tmp")
+    try:
+        with draft.open("wb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            draft.unlink()
+        raise
+
+
+def _cannot(path: str | Path, fault: OSError) -> OSError:
+    return OSError(fault.errno, f"cannot be written: {fault.strerror}", str(path))
