@@ -23,7 +23,10 @@ from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 BREAK_EVEN = 80
-"""Number of variants from which loading the compiled engine pays: 0.8 s against about 10 ms a variant."""
+"""Number of variants from which the compiled engine runs them.
+
+To load it takes as long as some ten of them interpreted; to make it for the first time takes a minute.
+"""
 
 PRESENTED = 1_000_000
 """Greatest number of variants whose rows are held in memory, for the report and the choice of traces."""

@@ -145,9 +145,17 @@ def from_sweep(plan: Plan, summaries: Floats, flat: Floats) -> tuple[Traces, End
     whole: Floats = np.moveaxis(flat.reshape(runs, -1, width)[:, :longest], -1, 0)
     over = np.arange(longest) >= rows[:, None]
 
+    judged = plan.controller is not None or bool(plan.criteria)
+    gone = over | (whole[TRACE_HEAD + ENTITY.index("present") :: TRACE_FIELDS] == 0.0)
+    any_over, any_gone = bool(over.any()), bool(gone.any())
+
     def head(name: str, nothing: float = np.nan) -> Floats:
+        """Return a field of the run, (runs, longest)."""
+        if not judged and name != "t":
+            return np.broadcast_to(nothing, over.shape)
         values: Floats = whole[HEAD.index(name)].copy()
-        values[over] = nothing
+        if any_over:
+            values[over] = nothing
         return values
 
     def body(name: str, nothing: float = np.nan) -> Floats:
@@ -156,34 +164,36 @@ def from_sweep(plan: Plan, summaries: Floats, flat: Floats) -> tuple[Traces, End
         What only the takeover's measures and the criteria look at is left out where a plan has neither.
         """
         if not judged and name not in MOTION:
-            return np.broadcast_to(nothing, present.shape)
+            return np.broadcast_to(nothing, (*over.shape, entities))
         values: Floats = whole[TRACE_HEAD + ENTITY.index(name) :: TRACE_FIELDS].copy()
-        values[gone] = nothing
+        if any_gone:
+            values[gone] = nothing
         return np.moveaxis(values, 0, -1)
 
-    judged = plan.controller is not None or bool(plan.criteria)
-    gone = over | (whole[TRACE_HEAD + ENTITY.index("present") :: TRACE_FIELDS] == 0.0)
-    present = np.moveaxis(~gone, 0, -1)
-    road = body("road", -1.0).astype(np.int64)
-    off_road = road < 0
+    road = body("road", -1.0)
+    lane, s, off = body("lane", 0.0), body("s"), body("off")
+    if judged:
+        off_road = road < 0.0
+        lane, s, off = (np.where(off_road, 0.0, each) for each in (lane, s, off))
     blocked, lane_end, h = head("blocked"), head("lane_end"), body("h")
     turn = 2 * np.pi
     around = ~((h >= 0) & (h < turn))
-    h[around] = np.mod(h[around], turn)
+    if around.any():
+        h[around] = np.mod(h[around], turn)
     vehicles = [entity.vehicle for entity in plan.entities]
     times = _first_times(summaries)
     traces = Traces(
         t=head("t"),
-        present=present,
+        present=np.moveaxis(~gone, 0, -1),
         x=body("x"),
         y=body("y"),
         h=h,
         v=body("v"),
         a=body("a"),
-        road=road,
-        lane=np.where(off_road, 0.0, body("lane", 0.0)).astype(np.int64),
-        s=np.where(off_road, 0.0, body("s")),
-        off=np.where(off_road, 0.0, body("off")),
+        road=road.astype(np.int64),
+        lane=lane.astype(np.int64),
+        s=s,
+        off=off,
         brake=body("brake"),
         cause=head("cause", 0.0).astype(np.int64),
         confidence_left=head("conf_left"),
