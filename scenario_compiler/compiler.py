@@ -19,6 +19,7 @@ from scenario_compiler.roads import Network
 from scenario_compiler.source import Source, drop_allowed, expand, parse
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.documents import map_place, read_scenario_document
+from scenario_compiler.source.openscenario.held import OpenScenario
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.variation import Vary
@@ -113,7 +114,12 @@ def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnos
     """
     path, name = split_target(target)
     read = read_source(path, sink)
-    scenario = None if read is None else expand(read[1], name, arguments, sink)
+    if read is None:
+        return None
+    source = read[1]
+    if isinstance(source, OpenScenario):
+        return None if source.variation is None or sink.has_errors else source.variation.vary
+    scenario = expand(source, name, arguments, sink)
     return None if scenario is None or sink.has_errors else scenario.vary
 
 
