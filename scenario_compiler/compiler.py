@@ -16,7 +16,7 @@ from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
-from scenario_compiler.source import Source, drop_allowed, expand, parse
+from scenario_compiler.source import Source, drop_allowed, expand, is_whole, parse
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.documents import map_place, read_scenario_document
 from scenario_compiler.source.openscenario.held import OpenScenario
@@ -101,7 +101,8 @@ def compile_target(
         return None
     document, source = read
     scenario = expand(source, name, arguments, sink)
-    done = None if scenario is None else compile_expanded(scenario, document, sink, maps, overrides or Overrides())
+    settings, whole = overrides or Overrides(), is_whole(source, sink)
+    done = None if scenario is None else compile_expanded(scenario, document, sink, maps, settings, whole=whole)
     drop_allowed(sink, source)
     return None if done is None else replace(done, plan=sealed(done.plan))
 
@@ -124,9 +125,18 @@ def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnos
 
 
 def compile_expanded(
-    scenario: Scenario, document: Document, sink: Diagnostics, maps: Sequence[Path], overrides: Overrides
+    scenario: Scenario,
+    document: Document,
+    sink: Diagnostics,
+    maps: Sequence[Path],
+    overrides: Overrides,
+    *,
+    whole: bool = True,
 ) -> Compilation | None:
-    """Compile an expanded scenario that was written in `document` but for the seal; None when the sink has errors."""
+    """Compile an expanded scenario that was written in `document` but for the seal; None when the sink has errors.
+
+    The plan of a scenario that could not be read as a whole is not checked by what it lacks.
+    """
     scenario = overrides.applied(scenario)
     network = open_map(scenario.map, document.folder, map_place(scenario, document), sink, maps)
     if network is None:
@@ -137,9 +147,8 @@ def compile_expanded(
         sink,
         values=parameter_values(scenario.parameters),
         perception=overrides.perception or "camera",
+        whole=whole,
     )
-    if plan is None:
-        return None
     check_controller(plan, sink)
     return None if sink.has_errors else Compilation(plan, network, scenario)
 

@@ -95,8 +95,8 @@ def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path]) -> Non
     if read is None:
         return
     document, source = read
-    for scenario in check_source(source, sink):
-        compile_expanded(scenario, document, sink, maps, Overrides())
+    for one in check_source(source, sink):
+        compile_expanded(one.scenario, document, sink, maps, Overrides(), whole=one.whole)
     drop_allowed(sink, source)
 
 

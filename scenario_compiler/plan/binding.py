@@ -460,6 +460,13 @@ def travel_direction(network: Network, road: str, lane: int) -> int:
     return lane_direction(network.tables, network.road_index(road), lane)
 
 
+def is_bound(network: Network, position: LanePosition, s: float) -> bool:
+    """Return whether the map has a position's road and, at s, its lane; binding has reported one that it has not."""
+    if position.road not in network.road_ids or not 0.0 <= s <= network.road(position.road).length:
+        return False
+    return any(one.lane == position.lane for one in network.lanes_at(position.road, s))
+
+
 def drivable_at(network: Network, road: str, lane: int, s: float) -> bool:
     """Return whether a lane is for driving at s."""
     return bool(is_drivable(lane_type(network.tables, network.road_index(road), lane, s)))

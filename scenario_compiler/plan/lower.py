@@ -104,8 +104,11 @@ def lower(
     *,
     values: Mapping[str, Value],
     perception: Perception = "camera",
-) -> Plan | None:
-    """Return the plan of a scenario on its map, checked but not yet sealed; None when the sink has errors.
+    whole: bool = True,
+) -> Plan:
+    """Return the plan of a scenario on its map, checked but not yet sealed; it can be run when the sink has no errors.
+
+    Every check looks at a plan whose positions are at fault too, so that all faults are found in one pass.
 
     Args:
         scenario: What was written, expanded.
@@ -113,13 +116,12 @@ def lower(
         sink: Where faults go.
         values: Values of the scenario's open parameters, for the checks.
         perception: What the lane confidence comes from; ideal without an automated vehicle.
+        whole: Whether all that was written could be read; the checks leave alone what is left of another scenario.
     """
     named = {} if scenario.spawn_points is None else {p.name: p.position for p in scenario.spawn_points.points}
     draft = Draft(scenario, network, sink, Binder(network, values, sink, named, forgiving=scenario.ego is None))
     for run_pass in PASSES:
         run_pass(draft)
-    if sink.has_errors:
-        return None
     ego = scenario.ego
     plan = Plan.model_construct(
         name=scenario.name,
@@ -147,18 +149,16 @@ def lower(
         derived={name: one.pose for name, one in draft.standings.items()},
         origins=draft.origins,
     )
-    return checked(plan, network, sink)
-
-
-def checked(plan: Plan, network: Network, sink: Diagnostics) -> Plan | None:
-    """Return a plan that no check finds fault with; None for any other."""
-    for check in CHECKS:
+    for check in CHECKS if whole else ():
         check(plan, network, sink)
-    return None if sink.has_errors else plan
+    return plan
 
 
 def bind_entities(draft: Draft) -> None:
-    """Bind every entity's start to a lane, in document order: an entity may stand relative to an earlier one."""
+    """Bind every entity's start to a lane, in document order: an entity may stand relative to an earlier one.
+
+    One whose start is at fault keeps it as it was written, so that no check takes it for one without.
+    """
     vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
     starts: dict[str, BoundPosition] = {}
     for entity in written_entities(draft.scenario):
@@ -166,8 +166,7 @@ def bind_entities(draft: Draft) -> None:
         start = None if written is None else draft.binder.bind(written, vehicle.center)
         if start is not None:
             starts[entity.id] = start
-        if start is not None or written is None:
-            draft.entities.append(make_entity(entity, start, vehicle))
+        draft.entities.append(make_entity(entity, start or written, vehicle))
     resolve_starts(draft, starts)
     for name in starts:
         if name in draft.unresolved:
@@ -200,7 +199,7 @@ def start_of(entity: Ego | Static | Dynamic) -> Position | None:
     return entity.at if isinstance(entity, Static) else entity.start
 
 
-def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | None, vehicle: Vehicle) -> Entity:
+def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | Position | None, vehicle: Vehicle) -> Entity:
     """Return the plan's entity for one of the scenario's."""
     if isinstance(entity, Static):
         return Entity.model_construct(
@@ -320,9 +319,8 @@ def add_traffic(draft: Draft) -> None:
     """Add the entities of background traffic."""
     vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
     for traffic in draft.scenario.traffic:
-        for road in traffic.roads:
-            draft.binder.on_road(traffic, road, 0.0, "roads")
-        if draft.sink.has_errors:
+        known = [draft.binder.on_road(traffic, road, 0.0, "roads") for road in traffic.roads]
+        if not all((*known, traffic.types, traffic.pedestrian_types)):
             continue
         entities = list(traffic_entities(traffic, vehicles, draft.network))
         starts = {entity.start.on: entity.start for entity in entities if isinstance(entity.start, RandomPosition)}

@@ -5,7 +5,8 @@ In: a document. Out: scenarios and diagnostics. Imports the vocabulary and the h
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did_you_mean
@@ -119,7 +120,26 @@ def drop_allowed(sink: Diagnostics, source: Source) -> None:
     sink.found[:] = [one for one in sink.found if kept(one)]
 
 
-def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
+@dataclass(frozen=True)
+class Expanded:
+    """A scenario of a file, and whether all of it could be read (see `is_whole`)."""
+
+    scenario: Scenario
+    whole: bool
+
+
+def is_whole(source: Source, found: Iterable[Diagnostic]) -> bool:
+    """Return whether a scenario says all that its author wrote, so that its plan can be checked by what it lacks.
+
+    Names that lead nowhere leave it whole. `found` is what expanding it has reported, and for a file in OpenSCENARIO
+    what reading it has.
+    """
+    faults = [one for one in found if one.severity is Severity.ERROR]
+    complete = source.complete if isinstance(source, Library) else True
+    return complete and all(one.code in names.LEAVING_WHOLE for one in faults)
+
+
+def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
     """Report every fault of every template and scenario of a file; return the scenarios at their defaults.
 
     A template is expanded once on its own: at its defaults, and what depends on a parameter without one is left open.
@@ -130,9 +150,15 @@ def check_source(source: Source, sink: Diagnostics) -> list[Scenario]:
         surroundings = around(source, folder, load_catalogs(folder / "catalogs", sink))
         for template in source.own_templates:
             check_template(source.templates[template], sink, surroundings)
-    expanded = [expand(source, name, {}, sink) for name in source.scenarios]
+    expanded = []
+    for name in source.scenarios:
+        found = Diagnostics(list(sink.found) if isinstance(source, OpenScenario) else [])
+        scenario = expand(source, name, {}, found)
+        if scenario is not None:
+            expanded.append(Expanded(scenario, is_whole(source, found)))
+        sink.found.extend(found.found)
     read_without_fault = all(one.place.file != source.document.path for one in sink.found)
     if isinstance(source, Library) and read_without_fault:
         judge_form(source.document, sink)
         report_unused_templates(source, sink)
-    return [scenario for scenario in expanded if scenario is not None]
+    return expanded

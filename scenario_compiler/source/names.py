@@ -127,6 +127,11 @@ TOO_MANY_WAYS = Code(
     "    <when><any>...3 choices...</any><any>...3 choices...</any> ... seven in all ...\n\n"
     "Write several `<when>`, or fewer choices.",
 )
+LEAVING_WHOLE = frozenset(
+    (UNKNOWN_ARGUMENT, DUPLICATE_NAME, UNKNOWN_DRIVER, UNKNOWN_WEATHER, UNKNOWN_ENTITY, UNKNOWN_EVENT)
+)
+"""Errors that leave every position, number and event of a scenario as it was written."""
+
 UNUSED_TEMPLATE = Code(
     "SC226",
     "unused-template",

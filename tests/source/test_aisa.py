@@ -133,7 +133,7 @@ def test_without_a_start_there_is_no_scenario(config: Source) -> None:
 
 def test_checking_the_file_finds_one_error(config: Source) -> None:
     sink = Diagnostics()
-    assert [one.name for one in check_source(config, sink)] == list(NAMES[1:])
+    assert [one.scenario.name for one in check_source(config, sink)] == list(NAMES[1:])
     assert [one.code.id for one in sink if one.severity is Severity.ERROR] == ["SC240"]
 
 

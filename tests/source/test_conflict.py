@@ -253,7 +253,7 @@ def test_checking_a_file_expands_every_scenario_and_template() -> None:
     text = text.replace("<static id=", "<static idd=", 1)
     sink = Diagnostics()
     scenarios = check_source(parsed(text, sink), sink)
-    assert [one.name for one in scenarios] == ["obstacle_ahead"]
+    assert [one.scenario.name for one in scenarios] == ["obstacle_ahead"]
     assert sorted(one.code.id for one in sink) == ["SC106", "SC107", "SC108"]
 
 

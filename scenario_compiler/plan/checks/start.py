@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
-from scenario_compiler.plan.binding import drivable_at
+from scenario_compiler.plan.binding import drivable_at, is_bound
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
@@ -24,6 +24,6 @@ def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
     start = None if plan.controller is None else plan.ego.start
     if not isinstance(start, LanePosition) or not isinstance(start.s, float):
         return
-    if not drivable_at(network, start.road, start.lane, start.s):
+    if is_bound(network, start, start.s) and not drivable_at(network, start.road, start.lane, start.s):
         message = f"'{plan.ego.id}' starts on lane {start.lane} of road '{start.road}', which is not for driving"
         sink.add(NOT_DRIVABLE, message, place_of(plan, f"entities/{plan.ego.id}"))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
 from scenario_compiler.expressions import Value
+from scenario_compiler.plan.binding import is_bound
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.conditions import (
@@ -76,10 +77,10 @@ def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
         for at, condition in enumerate(conditions_of(event.start))
         if (fault := never(condition, plan, network, values))
     }
-    possible = _possible(events, faults)
+    impossible = _impossible(events, faults)
     for path, event in events.items():
-        if path not in possible:
-            _report(path, event, possible, faults, sink)
+        if path in impossible:
+            _report(path, event, impossible, faults, sink)
     for failure in plan.camera.failures:
         onset = number_value(failure.onset, values)
         if onset >= plan.duration:
@@ -100,8 +101,8 @@ def events_of(plan: Plan) -> dict[str, Event]:
     return found
 
 
-def _possible(events: Mapping[str, Event], faults: Mapping[tuple[int, int], Never]) -> set[str]:
-    """Return the names, in full and their last parts, of the events that can happen.
+def _impossible(events: Mapping[str, Event], faults: Mapping[tuple[int, int], Never]) -> set[str]:
+    """Return the names, in full and their last parts, of the events that cannot happen.
 
     Each event that cannot is looked at once more for every event that it waits for, so chains take linear time.
     """
@@ -112,18 +113,18 @@ def _possible(events: Mapping[str, Event], faults: Mapping[tuple[int, int], Neve
             waiting.setdefault(_awaited(one.condition), []).append(path)
     never_happen: set[str] = set()
     open_paths = list(events)
-    possible = set(left)
+    impossible: set[str] = set()
     while open_paths:
         path = open_paths.pop()
-        if path in never_happen or _can_fire(path, events[path], possible, faults):
+        if path in never_happen or _can_fire(path, events[path], impossible, faults):
             continue
         never_happen.add(path)
         for name in _names(path):
             left[name] -= 1
             if left[name] == 0:
-                possible.discard(name)
+                impossible.add(name)
                 open_paths.extend(waiting.get(name, ()))
-    return possible
+    return impossible
 
 
 def _names(path: str) -> set[str]:
@@ -143,7 +144,7 @@ def conditions_of(trigger: Trigger | None) -> list[TriggerCondition]:
     return [] if trigger is None else [one for group in trigger.groups for one in group.conditions]
 
 
-def _can_fire(path: str, event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never]) -> bool:
+def _can_fire(path: str, event: Event, impossible: set[str], faults: Mapping[tuple[int, int], Never]) -> bool:
     """Return whether a group of the event's trigger has no condition that is never true."""
     if event.start is None or not event.start.groups:
         return True
@@ -151,29 +152,32 @@ def _can_fire(path: str, event: Event, possible: set[str], faults: Mapping[tuple
     for group in event.start.groups:
         numbered = list(enumerate(group.conditions, start=at))
         at += len(numbered)
-        if all((id(event), k) not in faults and _waits_well(one.condition, path, possible) for k, one in numbered):
+        if all((id(event), k) not in faults and _waits_well(one.condition, path, impossible) for k, one in numbered):
             return True
     return False
 
 
-def _waits_well(condition: Condition, path: str, possible: set[str]) -> bool:
-    """Return whether a condition of an event waits for no event that never happens, nor for its own."""
+def _waits_well(condition: Condition, path: str, impossible: set[str]) -> bool:
+    """Return whether a condition of an event waits for no event that never happens, nor for its own.
+
+    An event that there is not is a fault of its own.
+    """
     if isinstance(condition, ElementStateCondition):
         starts = condition.kind == "event" and condition.state in AFTER_A_START
-        return not starts or (condition.element in possible and condition.element != path)
+        return not starts or (condition.element not in impossible and condition.element != path)
     if not isinstance(condition, EventCondition):
         return True
-    return condition.name in possible and condition.name != path.rpartition("::")[2]
+    return condition.name not in impossible and condition.name != path.rpartition("::")[2]
 
 
 def _report(
-    path: str, event: Event, possible: set[str], faults: Mapping[tuple[int, int], Never], sink: Diagnostics
+    path: str, event: Event, impossible: set[str], faults: Mapping[tuple[int, int], Never], sink: Diagnostics
 ) -> None:
     """Report each place that keeps an event from happening, once."""
     for at, one in enumerate(conditions_of(event.start)):
         fault = faults.get((id(event), at))
         condition = one.condition
-        if fault is None and not _waits_well(condition, path, possible):
+        if fault is None and not _waits_well(condition, path, impossible):
             attribute = "element" if isinstance(condition, ElementStateCondition) else "name"
             fault = Never(NEVER_FIRES, "the event that it waits for never happens", attribute)
         if fault is not None:
@@ -250,7 +254,10 @@ def _never_so_far(
         or not isinstance(goal, LanePosition)
     ):
         return None
-    pose = network.lane_pose(goal.road, goal.lane, number_value(goal.s, values), number_value(goal.offset, values))
+    s = number_value(goal.s, values)
+    if not is_bound(network, goal, s):
+        return None
+    pose = network.lane_pose(goal.road, goal.lane, s, number_value(goal.offset, values))
     away = math.hypot(pose.x - start.x, pose.y - start.y) - number_value(condition.tolerance, values)
     reach = plan.ego.vehicle.max_speed * plan.duration
     reason = f"it is {away:.0f} m away, but no more than {reach:.0f} m are driven until the run ends"
