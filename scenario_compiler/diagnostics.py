@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import difflib
 import enum
-from collections.abc import Collection, Iterable, Iterator
+import importlib
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -92,6 +93,32 @@ class Code:
 
 
 CODES: dict[str, Code] = {}
+"""The codes of all modules that have been loaded, by their ids."""
+
+CODE_HOMES = (
+    "cli.run",
+    "roads.check",
+    "roads.xsd",
+    "source.aisa",
+    "source.openscenario.export.files",
+    "source.openscenario.validation",
+    "source.openscenario.xsd",
+    "validation",
+)
+"""Modules that bring in all others that declare codes. They are loaded only for who asks about a code by its name."""
+
+
+def all_codes() -> Mapping[str, Code]:
+    """Return every code that there is by its id, whatever has been loaded so far."""
+    for home in CODE_HOMES:
+        importlib.import_module(f"scenario_compiler.{home}")
+    return CODES
+
+
+def code_named(text: str) -> Code | None:
+    """Return the code with an id, in capitals or not; None when there is none."""
+    name = text.strip().upper()
+    return CODES.get(name) or all_codes().get(name)
 
 
 @dataclass(frozen=True, slots=True)

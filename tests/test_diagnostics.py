@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
+from scenario_compiler import diagnostics
 from scenario_compiler.diagnostics import (
     Code,
     CompileError,
@@ -13,6 +19,7 @@ from scenario_compiler.diagnostics import (
     Severity,
     as_record,
     as_text,
+    code_named,
     did_you_mean,
 )
 from scenario_compiler.document import MALFORMED
@@ -25,6 +32,28 @@ FAULT, HINT = MALFORMED, NOT_EXECUTED
 def test_a_code_is_declared_once() -> None:
     with pytest.raises(ValueError, match="SC102"):
         Code("SC102", "again", "")
+
+
+def test_every_code_that_is_declared_anywhere_can_be_explained() -> None:
+    """In a process of its own: here other tests have loaded what they need."""
+    package = Path(diagnostics.__file__).parent
+    declared = {
+        str(call.args[0].value)
+        for file in package.rglob("*.py")
+        for call in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "Code"
+        if isinstance(call.args[0], ast.Constant)
+    }
+    probe = "from scenario_compiler.diagnostics import all_codes; print(*all_codes())"
+    found = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True, timeout=60)
+    assert len(declared) > 190
+    assert sorted(declared.symmetric_difference(found.stdout.split())) == []
+
+
+def test_a_code_is_named_in_capitals_or_not() -> None:
+    assert code_named("sc102 ") is MALFORMED
+    assert code_named("SC40") is None
+    assert code_named("nonsense") is None
 
 
 def test_findings_come_in_the_order_of_the_files_and_once() -> None:

@@ -29,30 +29,35 @@ from scenario_compiler.roads.topology import build_links
 NOT_OPENDRIVE = Code(
     "SC301",
     "not-opendrive",
-    "The root element of the road file is not <OpenDRIVE>, or it holds no usable <road>. Check that the "
-    "scenario names the "
-    "right file.",
+    "The root element of the road file is not <OpenDRIVE>, or it holds no usable <road>."
+    "\n\n    <OpenSCENARIO>...</OpenSCENARIO>     in the file that `map` names"
+    "\n\nCheck that the scenario names the right file, and that every <road> has a reference line and a length.",
 )
 DUPLICATE_ROAD = Code(
     "SC302",
     "duplicate-road",
-    "Two roads have the same id. Links and positions name a road by its id, so only the first one is used.",
+    "Two roads have the same id. Links and positions name a road by its id, so only the first one is used."
+    '\n\n    <road id="4" ...>...</road>'
+    '\n    <road id="4" ...>...</road>     not used; which of them would road="4" mean?'
+    "\n\nGive one of them another id, and let the links that mean it name that.",
     Severity.WARNING,
 )
 UNUSABLE_ROAD = Code(
     "SC303",
     "unusable-road",
-    "A road cannot be used and is left out: it has no id, no reference line (<planView> with <geometry>), "
-    "or a length that "
-    "is 0 or negative.",
+    "A road cannot be used and is left out: it has no id, no reference line (<planView> with <geometry>), or a length "
+    "that is 0 or negative."
+    '\n\n    <road id="4" length="0">...</road>     a road that is 0 m long'
+    "\n\nAdd what is missing, or remove the road and the links to it.",
     Severity.WARNING,
 )
 UNKNOWN_WORD = Code(
     "SC304",
     "unknown-road-word",
-    "An attribute has a value that OpenDRIVE does not know (a lane type, a mark type, a colour, a traffic "
-    "rule). The default "
-    "is used in its place.",
+    "An attribute has a value that OpenDRIVE does not know (a lane type, a mark type, a colour, a traffic rule). The "
+    "default is used in its place."
+    '\n\n    <road id="4" rule="left" ...>     RHT or LHT'
+    "\n\nWrite a word of the standard. A file written for another program may have words of that program's own.",
     Severity.WARNING,
 )
 

@@ -26,13 +26,17 @@ SCHEMA_FAULT = Code(
     "SC331",
     "schema-fault",
     "The road file is not valid by the ASAM schema of the version that its header names. The message is the schema "
-    "processor's.",
+    "processor's."
+    "\n\n    validate town.xodr --xsd schemas     Element 'lane': This element is not expected."
+    "\n\nWithout --xsd the file is judged by this program's own reading of the standard, whose messages say more.",
 )
 NO_SCHEMA = Code(
     "SC332",
     "no-road-schema",
     "The folder given with --xsd has no usable schema for the version of the road file. The file was not checked "
-    "against a schema.",
+    "against a schema."
+    "\n\n    validate town.xodr --xsd schemas     no OpenDRIVE schema of version 1.7 in that folder"
+    "\n\nUnpack ASAM's schemas of that version into the folder, or leave --xsd out.",
     Severity.WARNING,
 )
 

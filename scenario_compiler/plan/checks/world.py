@@ -54,7 +54,7 @@ UNKNOWN_PHASE = Code(
 BAD_DATE = Code(
     "SC278",
     "bad-date",
-    "A date and time is not written as ISO 8601 has it."
+    "A date and time is not written as ISO 8601 has it: the date, a T, the time of day, and a zone where one is meant."
     '\n\n    <environment date_time="2026-06-21T18:30:00"/>     the date, a T, the time; a zone may follow',
 )
 UNKNOWN_ELEMENT = Code(

@@ -12,44 +12,52 @@ OFF_ROAD = Code(
     "SC355",
     "object-off-road",
     "An object, signal, tunnel or bridge lies beyond the end of its road, or farther to the side or in height than "
-    "anything that "
-    "belongs to a road. Rules: openmsl.net:xodr:1.4.0:road.semantic.object_position and signal_position.",
+    "anything that belongs to a road."
+    '\n\n    <road length="100" ...> ... <object id="1" s="140" t="5" .../>     40 m beyond the end'
+    "\n\nCorrect s, t and zOffset, or move it to the road that it stands at. Rules: "
+    "openmsl.net:xodr:1.4.0:road.semantic.object_position and signal_position.",
     Severity.WARNING,
 )
 ODD_SIZE = Code(
     "SC356",
     "odd-object-size",
-    "The size of an object or signal is missing, negative, or larger than such things are. It is drawn as it is "
-    "filed. Rules: "
-    "openmsl.net:xodr:1.4.0:road.semantic.object_size and signal_size.",
+    "The size of an object or signal is missing, negative, or larger than such things are. It is drawn as it is filed."
+    '\n\n    <object id="1" type="pole" height="4" .../>     neither a radius nor a length and a width'
+    "\n\nWrite its size in metres. Rules: openmsl.net:xodr:1.4.0:road.semantic.object_size and signal_size.",
     Severity.WARNING,
 )
 VALIDITY = Code(
     "SC357",
     "odd-lane-validity",
     "A signal or object is meant for lanes that the road does not have there, or on which traffic does not drive in "
-    "its direction "
-    "(orientation). Rule: openmsl.net:xodr:1.4.0:road.semantic.signal_object_lane_linkage.",
+    "its direction (orientation)."
+    '\n\n    <signal id="1" orientation="+" ...><validity fromLane="1" toLane="2"/></signal>     -1 and -2'
+    "\n\nName lanes that run the way that the orientation says, in right-hand traffic negative ids for '+'. Rule: "
+    "openmsl.net:xodr:1.4.0:road.semantic.signal_object_lane_linkage.",
     Severity.WARNING,
 )
 LOST_CORNER = Code(
     "SC359",
     "lost-corner",
-    "A marking or border of an object names a corner that no outline of the object has. Rule: "
-    "asam.net:xodr:1.7.0:road.object.no_cornerreference_if_no_outline.",
+    "A marking or border of an object names a corner that no outline of the object has."
+    '\n\n    <marking ...><cornerReference id="7"/></marking>     the outline has corners 0 to 3'
+    "\n\nName a corner of the outline. Rule: asam.net:xodr:1.7.0:road.object.no_cornerreference_if_no_outline.",
     Severity.WARNING,
 )
 NO_ORIENTATION = Code(
     "SC360",
     "object-without-orientation",
-    "An object does not say for which direction of travel it is meant (orientation '+', '-' or 'none'). Rule: "
-    "asam.net:xodr:1.7.0:road.object.orientation.",
+    "An object does not say for which direction of travel it is meant (orientation '+', '-' or 'none')."
+    '\n\n    <object id="1" type="barrier" s="10" t="4" .../>     for both directions?'
+    '\n\nWrite orientation="none" where it is meant for both. Rule: asam.net:xodr:1.7.0:road.object.orientation.',
     Severity.NOTE,
 )
 BOARDS = Code(
     "SC361",
     "signal-boards",
-    "A signal of type multiBoard holds static boards and variable message boards, and is dynamic. Rules: "
+    "A signal of type multiBoard holds static boards and variable message boards, and is dynamic."
+    '\n\n    <signal type="multiBoard" dynamic="no"><staticBoard .../></signal>     it has nothing that changes'
+    '\n\nAdd the boards and dynamic="yes", or make it a signal of another type. Rules: '
     "asam.net:xodr:1.8.0:road.signal.boards.multi_board_have_sub_boards and multi_board_use_dynamic_true.",
     Severity.WARNING,
 )

@@ -15,16 +15,18 @@ from scenario_compiler.structure.findings import Findings
 NEGATIVE_WIDTH = Code(
     "SC346",
     "negative-lane-width",
-    "A lane's width falls below 0, or its border crosses that of the lane beside it. The width counts as 0 there. "
-    "Rules: "
+    "A lane's width falls below 0, or its border crosses that of the lane beside it. The width counts as 0 there."
+    '\n\n    <width sOffset="0" a="3.5" b="-0.1" c="0" d="0"/>     less than 0 after 35 m'
+    "\n\nCorrect the polynomial, or end the lane in a lane section of its own. Rules: "
     "openmsl.net:xodr:1.4.0:road.semantic.lane_width, asam.net:xodr:1.4.0:road.lane.border.overlap_with_inner_lanes.",
     Severity.WARNING,
 )
 CURVE_LENGTH = Code(
     "SC347",
     "curve-length",
-    "The curve of a paramPoly3 is not as long as its geometry says. Positions along it are stretched or squeezed. "
-    "Rules: "
+    "The curve of a paramPoly3 is not as long as its geometry says. Positions along it are stretched or squeezed."
+    '\n\n    <geometry ... length="50"><paramPoly3 pRange="normalized" bU="30" .../></geometry>     30 m long'
+    "\n\nCorrect `length`, or `pRange`: normalized runs from 0 to 1, arcLength from 0 to the length. Rules: "
     "asam.net:xodr:1.7.0:road.geometry.parampoly3.length_match, arclength_range and normalized_range.",
     Severity.WARNING,
 )
@@ -32,40 +34,47 @@ CURVE_START = Code(
     "SC348",
     "curve-start",
     "A paramPoly3 does not start where its geometry says (aU, aV are not 0) or not in its direction (bV is not 0, bU "
-    "is not "
-    "positive). Rule: openmsl.net:xodr:1.4.0:road.geometry.parampoly3_attributes.",
+    "is not positive)."
+    '\n\n    <paramPoly3 aU="2" bU="50" aV="0" bV="1" .../>     starts 2 m ahead, and turned'
+    "\n\nPut the start into x, y and hdg of the <geometry>. Rule: "
+    "openmsl.net:xodr:1.4.0:road.geometry.parampoly3_attributes.",
     Severity.WARNING,
 )
 SECTION_START = Code(
     "SC349",
     "lane-section-start",
     "The lane sections of a road do not cover it: the first one does not start at 0, or one starts beyond the road's "
-    "end or where "
-    "another one starts. Rule: openmsl.net:xodr:1.4.0:road.semantic.lanesection_s.",
+    "end or where another one starts."
+    '\n\n    <lanes><laneSection s="5">...</laneSection></lanes>     without lanes from 0 to 5 m'
+    "\n\nCorrect s; the first section starts at 0. Rule: openmsl.net:xodr:1.4.0:road.semantic.lanesection_s.",
     Severity.WARNING,
 )
 LANE_ORDER = Code(
     "SC350",
     "lane-order",
     "The ids of the lanes of a section do not descend from left to right without a gap (..., 2, 1, 0, -1, -2, ...). "
-    "Lanes are "
-    "placed by their ids, so a gap or an exchange puts a lane where it does not belong. Rule: "
+    "Lanes are placed by their ids, so a gap or an exchange puts a lane where it does not belong."
+    '\n\n    <right><lane id="-1" .../><lane id="-3" .../></right>     -2 is missing'
+    "\n\nNumber the lanes without a gap, and correct the links to them. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.lane_id_order.",
     Severity.WARNING,
 )
 RECORD_OFFSET = Code(
     "SC351",
     "record-offset",
-    "The records of a lane (widths, borders, heights, marks, speeds) do not ascend in sOffset, start beyond the end "
-    "of their "
-    "section, or, for widths, borders and heights, do not start at 0. Rule: "
+    "The records of a lane (widths, borders, heights, marks, speeds) do not ascend in sOffset, start beyond the end of "
+    "their section, or, for widths, borders and heights, do not start at 0."
+    '\n\n    <lane id="-1"><width sOffset="5" a="3.5" .../></lane>     how wide is it before?'
+    "\n\nCorrect sOffset, which counts from the start of the lane section and not of the road. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.lane_property_sOffset.",
     Severity.WARNING,
 )
 LANE_WITHOUT_TYPE = Code(
     "SC352",
     "lane-without-type",
-    "A lane has the type 'none': it is there, and nothing may use it. Often the type was forgotten. Rule: "
+    "A lane has the type 'none': it is there, and nothing may use it. Often the type was forgotten."
+    '\n\n    <lane id="-2" type="none" level="false">'
+    "\n\nSay what it is: driving, shoulder, border, sidewalk, or another word of the standard. Rule: "
     "openmsl.net:xodr:1.4.0:road.semantic.lane_type_none.",
     Severity.NOTE,
 )
