@@ -162,6 +162,28 @@ def test_every_code_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("explain", "SC000") == 2
 
 
+@pytest.mark.parametrize(
+    ("option", "code", "hint"),
+    [
+        ("--error", "nonsense", "there is no code 'nonsense'"),
+        ("--error", "SC40", "did you mean 'SC"),
+        ("--allow", "SC999", "there is no code 'SC999'"),
+        ("--allow", "all", "there is no code 'all'"),
+    ],
+)
+def test_a_code_that_there_is_not_is_wrong_use(
+    conflict: Path, capsys: pytest.CaptureFixture[str], option: str, code: str, hint: str
+) -> None:
+    assert call("validate", conflict, option, code) == 2
+    assert hint in capsys.readouterr().err
+
+
+def test_a_code_may_be_written_in_small_letters() -> None:
+    late = Path(__file__).parent / "cases" / "SC402_after_the_end.xml"
+    assert call("validate", late) == 0
+    assert call("validate", late, "--error", "sc402") == 1
+
+
 def test_the_library_is_valid() -> None:
     assert call("validate", Path(__file__).parent.parent / "library") == 0
 

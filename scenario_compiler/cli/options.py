@@ -10,7 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
-from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity, did_you_mean, weighed
+from scenario_compiler.diagnostics import (
+    Diagnostic,
+    Diagnostics,
+    Severity,
+    all_codes,
+    code_named,
+    did_you_mean,
+    weighed,
+)
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
@@ -81,9 +89,29 @@ def add_diagnostics(parser: argparse.ArgumentParser) -> None:
     """Add how diagnostics are shown and weighed."""
     parser.add_argument("--format", choices=FORMATS, default="text", help="format of the diagnostics")
     parser.add_argument(
-        "--error", action="append", default=[], metavar="CODE|all", help="make it an error, even where a file allows it"
+        "--error",
+        action="append",
+        type=code_or_all,
+        default=[],
+        metavar="CODE|all",
+        help="make it an error, even where a file allows it",
     )
-    parser.add_argument("--allow", action="append", default=[], metavar="CODE", help="do not report it")
+    parser.add_argument(
+        "--allow", action="append", type=code_id, default=[], metavar="CODE", help="do not report it unless an error"
+    )
+
+
+def code_id(text: str) -> str:
+    """Return the id of the diagnostic code that an option names, in capitals or not."""
+    code = code_named(text)
+    if code is None:
+        raise argparse.ArgumentTypeError(f"there is no code '{text}'{suggestion(text.upper(), all_codes())}")
+    return code.id
+
+
+def code_or_all(text: str) -> str:
+    """Return the id of the diagnostic code that an option names, or `all`."""
+    return text if text == "all" else code_id(text)
 
 
 def new_sink(options: argparse.Namespace) -> Diagnostics:

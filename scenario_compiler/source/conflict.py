@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import CODES, Diagnostics, Place, Severity
+from scenario_compiler.diagnostics import Diagnostics, Place, Severity, all_codes, code_named, did_you_mean
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
@@ -281,12 +281,15 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
 
 
 def _allowed(element: etree._Element, reading: Reading) -> Iterator[str]:
-    """Yield the code of an `<allow>`; report one that is an error, which cannot be allowed."""
+    """Yield the code of an `<allow>`; report one that there is not, or an error, which cannot be allowed."""
     allow = read_word(element, Allow, reading)
     if allow is None:
         return
-    code = CODES.get(allow.code)
-    if code is not None and code.severity is Severity.ERROR:
+    code = code_named(allow.code)
+    if code is None:
+        hint = did_you_mean(allow.code, all_codes())
+        reading.sink.add(names.UNKNOWN_CODE, f"there is no code {allow.code}", allow.place_of("code"), hint=hint)
+    elif code.severity is Severity.ERROR:
         message = f"{code.id} ({code.name}) is an error: it must be mended"
         reading.sink.add(names.NOT_ALLOWABLE, message, allow.place_of("code"))
     else:

@@ -149,6 +149,15 @@ NOT_ALLOWABLE = Code(
     '    <allow code="SC226"/>     an unused template is a warning\n\n'
     "Remove the <allow> and mend what the error reports.",
 )
+UNKNOWN_CODE = Code(
+    "SC227",
+    "unknown-code",
+    "An <allow> names a code that no warning or note has, so nothing is kept quiet by it:\n\n"
+    '    <allow code="SC999"/>     SC401, an event that never fires, was meant\n\n'
+    "Correct the number. It stands behind the word `warning` of what is to be kept quiet, and "
+    "`scenario-compiler explain SC401` says what a code means.",
+    Severity.WARNING,
+)
 NO_START = Code(
     "SC240",
     "aisa-no-start",
