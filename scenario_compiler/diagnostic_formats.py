@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable
+from pathlib import PurePath
+from urllib.parse import quote
 
-from scenario_compiler.diagnostics import CODES, Diagnostic, Severity, as_record, as_text
+from scenario_compiler.diagnostics import CODES, Diagnostic, Place, Severity, as_record, as_text, position_text
 
 FORMATS = ("text", "json", "sarif", "github")
 
@@ -14,8 +17,14 @@ _GITHUB_LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.
 
 
 def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
-    """Return diagnostics in one of FORMATS; JSON and SARIF are whole documents even when there is none."""
-    found = list(diagnostics)
+    """Return diagnostics in one of FORMATS; JSON and SARIF are whole documents even when there is none.
+
+    Names of files that are no text in UTF-8 have their odd bytes as escapes, which JSON reads as such.
+    """
+    return _formatted(list(diagnostics), form).encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def _formatted(found: list[Diagnostic], form: str) -> str:
     if form == "json":
         return json.dumps([as_record(d) for d in found], indent=1, ensure_ascii=False)
     if form == "sarif":
@@ -41,14 +50,26 @@ def _sarif(found: list[Diagnostic]) -> dict[str, object]:
 
 
 def _sarif_result(d: Diagnostic) -> dict[str, object]:
-    region = {"startLine": max(d.place.line, 1), "startColumn": max(d.place.column, 1)}
     text = f"{d.message} ({d.hint})" if d.hint else d.message
-    return {
+    result: dict[str, object] = {
         "ruleId": d.code.id,
         "level": _SARIF_LEVEL[d.severity],
         "message": {"text": text},
-        "locations": [{"physicalLocation": {"artifactLocation": {"uri": d.place.file}, "region": region}}],
+        "locations": [_sarif_location(d.place)],
     }
+    uses = [_sarif_location(use) | {"message": {"text": "in this use"}} for use in d.chain()]
+    return result | {"relatedLocations": uses} if uses else result
+
+
+def _sarif_location(place: Place) -> dict[str, object]:
+    region = {"startLine": max(place.line, 1), "startColumn": max(place.column, 1)}
+    return {"physicalLocation": {"artifactLocation": {"uri": _uri(place.file)}, "region": region}}
+
+
+def _uri(file: str) -> str:
+    """Return a reference to a file as RFC 3986 wants it, whatever its name is made of."""
+    path = PurePath(file)
+    return path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))
 
 
 def _github(d: Diagnostic) -> str:
@@ -56,6 +77,7 @@ def _github(d: Diagnostic) -> str:
         return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
     text = f"{d.message} ({d.hint})" if d.hint else d.message
+    text = "\n".join([text, *(f"in this use: {position_text(use)}" for use in d.chain())])
     file = escaped(d.place.file).replace(":", "%3A").replace(",", "%2C")
     position = f"file={file},line={max(d.place.line, 1)},col={max(d.place.column, 1)}"
     return f"::{_GITHUB_LEVEL[d.severity]} {position},title={d.code.id}::{escaped(text)}"

@@ -215,7 +215,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 def as_text(diagnostic: Diagnostic) -> str:
     """Format as a compiler does: position, code, message, the source line with carets, hint and chain."""
     place = diagnostic.place
-    lines = [f"{_position(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
+    lines = [f"{position_text(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
     if place.source_line:
         gutter = f"{place.line:>5} | "
         lines.append(gutter + place.source_line.replace("\t", " "))
@@ -223,7 +223,7 @@ def as_text(diagnostic: Diagnostic) -> str:
             lines.append(" " * (len(gutter) + place.column - 1) + "^" * max(1, place.length))
     if diagnostic.hint:
         lines.append(f"      = help: {diagnostic.hint}")
-    lines.extend(f"      = in this use: {_position(use)}" for use in diagnostic.chain())
+    lines.extend(f"      = in this use: {position_text(use)}" for use in diagnostic.chain())
     return "\n".join(lines)
 
 
@@ -244,7 +244,8 @@ def as_record(diagnostic: Diagnostic) -> dict[str, object]:
     }
 
 
-def _position(place: Place) -> str:
+def position_text(place: Place) -> str:
+    """Return a place as FILE:LINE:COLUMN, without what is not known."""
     parts = [place.file]
     if place.line:
         parts.append(str(place.line))

@@ -1,0 +1,50 @@
+"""Diagnostics for other programs: places that they can open, and the uses that brought a place in."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.diagnostic_formats import FORMATS, formatted
+from scenario_compiler.diagnostics import Diagnostic, FilePlace
+from scenario_compiler.document import MALFORMED
+
+USE = FilePlace("two, three/b.xml", 9, 4, within=FilePlace("c%.xml", 2))
+FOUND = Diagnostic(MALFORMED, "50 % of it", FilePlace("q s/a#x ü.xml", 7, 3, 2, within=USE), "mend it")
+
+
+def test_sarif_has_the_uses_as_related_locations() -> None:
+    (result,) = json.loads(formatted([FOUND], "sarif"))["runs"][0]["results"]
+    (place,) = result["locations"]
+    assert place["physicalLocation"]["artifactLocation"]["uri"] == "q%20s/a%23x%20%C3%BC.xml"
+    uses = [one["physicalLocation"] for one in result["relatedLocations"]]
+    assert [use["artifactLocation"]["uri"] for use in uses] == ["two%2C%20three/b.xml", "c%25.xml"]
+    assert [use["region"]["startLine"] for use in uses] == [9, 2]
+
+
+def test_sarif_names_a_file_with_a_whole_path_by_its_scheme(tmp_path: Path) -> None:
+    place = FilePlace(str(tmp_path / "a b.xml"), 1)
+    (result,) = json.loads(formatted([Diagnostic(MALFORMED, "", place)], "sarif"))["runs"][0]["results"]
+    uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+    assert uri.startswith("file:///")
+    assert uri.endswith("/a%20b.xml")
+    assert "relatedLocations" not in result
+
+
+def test_github_shows_the_uses_below_the_message() -> None:
+    assert formatted([FOUND], "github") == (
+        "::error file=q s/a#x ü.xml,line=7,col=3,title=SC102::50 %25 of it (mend it)"
+        "%0Ain this use: two, three/b.xml:9:4%0Ain this use: c%25.xml:2"
+    )
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_name_that_is_no_text_can_be_written(form: str) -> None:
+    text = formatted([Diagnostic(MALFORMED, "odd", FilePlace("bad\udcff.xml", 1))], form)
+    assert text.encode("utf-8")
+    if form == "json":
+        assert json.loads(text)[0]["file"] == "bad\udcff.xml"
+    if form == "sarif":
+        assert '"bad%FF.xml"' in text
