@@ -7,23 +7,25 @@ calls another.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Severity
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
+from scenario_compiler.plan.criteria import check_criteria
 from scenario_compiler.plan.defaults import complete_takeover
 from scenario_compiler.plan.keeping import kept_entities
 from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg
+from scenario_compiler.plan.paint import check_paint
 from scenario_compiler.plan.places import spans_of
+from scenario_compiler.plan.provenance import origin_at
 from scenario_compiler.plan.standing import Standing, after_init, stands_at
 from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
-from scenario_compiler.vocabulary.markings import Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
     BoundPosition,
@@ -332,17 +334,30 @@ def add_traffic(draft: Draft) -> None:
 
 
 def check_markings(draft: Draft) -> None:
-    """Report marks on roads that the map does not have."""
-    scenario = draft.scenario
-    beside = [line for line in scenario.secondary_markings if isinstance(line, SecondaryMarkings)]
-    paint: tuple[Markings | SecondaryMarkings, ...] = (*scenario.markings, *beside)
-    for stretch in paint:
-        draft.binder.on_road(stretch, stretch.road, 0.0)
+    """Report paint where the map has no place for it."""
+    check_paint(draft.binder, draft.scenario)
+
+
+def check_spawn_points(draft: Draft) -> None:
+    """Report spawn points of the scenario's own that nothing uses and that lie nowhere."""
+    listed = () if draft.scenario.spawn_points is None else draft.scenario.spawn_points.points
+    ego = draft.scenario.ego
+    center = next((one.center for one in draft.scenario.vehicles if ego is not None and one.name == ego.model), 0.0)
+    told = {_spot(one) for one in draft.sink.found} if listed else set()
+    found = Diagnostics()
+    for point in listed:
+        replace(draft.binder, sink=found, named={}).bind(point.position, center)
+    draft.sink.found += [one for one in found if _spot(one) not in told]
+
+
+def _spot(one: Diagnostic) -> tuple[Code, str, int, int]:
+    return one.code, one.place.file, one.place.line, one.place.column
 
 
 def complete_policy(draft: Draft) -> None:
     """Fill in the numbers of the takeover policy that the author left out."""
     draft.takeover = complete_takeover(draft.scenario.takeover)
+    check_criteria(draft.scenario, draft.takeover, draft.sink)
 
 
 def fill_duration(draft: Draft) -> None:
@@ -383,9 +398,8 @@ def note_origins(draft: Draft) -> None:
         parts["controller"] = draft.scenario.ego.controller
     parts["takeover"] = draft.scenario.takeover
     for key, word in parts.items():
-        place = word.origin
-        if place.line:
-            draft.origins[key] = PlanOrigin.model_construct(file=place.file, line=place.line, column=place.column)
+        if word.origin.line:
+            draft.origins[key] = origin_at(word.origin)
 
 
 PASSES: tuple[Callable[[Draft], None], ...] = (
@@ -395,6 +409,7 @@ PASSES: tuple[Callable[[Draft], None], ...] = (
     place_by_init,
     add_traffic,
     check_markings,
+    check_spawn_points,
     complete_policy,
     fill_duration,
     add_kept_vehicles,

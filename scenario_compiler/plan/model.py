@@ -84,6 +84,9 @@ class PlanOrigin(PlanPart):
     file: str = Field(description="Path of the file.")
     line: int = Field(description="Line, counted from 1.")
     column: int = Field(description="Column, counted from 1; 0 when unknown.")
+    length: int = Field(default=0, description="Number of characters that it covers; 0 when unknown.")
+    source_line: str = Field(default="", description="Text of the line.")
+    within: PlanOrigin | None = Field(default=None, description="The use, of a template, that brought it in.")
 
 
 class Plan(PlanPart):

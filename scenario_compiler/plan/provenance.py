@@ -2,11 +2,28 @@
 
 from __future__ import annotations
 
-from scenario_compiler.diagnostics import FilePlace
-from scenario_compiler.plan.model import Plan
+from scenario_compiler.diagnostics import FilePlace, Place
+from scenario_compiler.plan.model import Plan, PlanOrigin
+
+
+def origin_at(place: Place) -> PlanOrigin:
+    """Return a place as a plan keeps it: with the text of its line and the uses around it."""
+    return PlanOrigin.model_construct(
+        file=place.file,
+        line=place.line,
+        column=place.column,
+        length=place.length,
+        source_line=place.source_line,
+        within=None if place.within is None else origin_at(place.within),
+    )
 
 
 def place_of(plan: Plan, part: str) -> FilePlace:
     """Return where a part ("entities/<id>", "controller", "takeover", "scenario") was written."""
     origin = plan.origins.get(part)
-    return FilePlace(plan.name) if origin is None else FilePlace(origin.file, origin.line, origin.column)
+    return FilePlace(plan.name) if origin is None else _place(origin)
+
+
+def _place(origin: PlanOrigin) -> FilePlace:
+    within = None if origin.within is None else _place(origin.within)
+    return FilePlace(origin.file, origin.line, origin.column, origin.length, origin.source_line, within)

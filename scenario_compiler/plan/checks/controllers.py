@@ -10,6 +10,7 @@ from scenario_compiler.vocabulary.actions import (
     AssignControllerAction,
     OverrideControllerAction,
 )
+from scenario_compiler.vocabulary.entities import Controller
 
 IDLE_CONTROLLER = Code(
     "SC282",
@@ -29,6 +30,14 @@ NO_PEDALS = Code(
     '\n      <when><time after="3"/> <do><override_controller input="brake" active="true"/></do></when>',
     Severity.WARNING,
 )
+NOT_ASKED = Code(
+    "SC506",
+    "controller-not-asked",
+    "The ego vehicle is given a controller of one's own, but runs with ideal perception. Then nothing renders images, "
+    "the automation itself keeps the lane by the map, and the controller is never asked. Run it with the camera:\n\n"
+    "    scenario-compiler run conflict.xml --controller our_lab:Steering --perception camera",
+    Severity.WARNING,
+)
 BAD_PROPERTY = Code(
     "SC284",
     "follow-property",
@@ -46,8 +55,15 @@ LEAST = {"timeGap": 0.1, "time_gap": 0.1, "minimum_gap": 0.1, "setSpeed": 0.0, "
 
 
 def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report actions on controllers that do nothing, and properties that are no numbers."""
+    """Report controllers that nothing asks, actions on controllers that do nothing, and properties that are no numbers.
+
+    With ideal perception the automation drives alone; a scenario that names no controller of its own means that.
+    """
     del network
+    own = plan.controller
+    if own is not None and plan.perception == "ideal" and own.model != Controller.model_construct().model:
+        message = f"'{own.model}' is not asked with ideal perception: the automation keeps the lane by the map"
+        sink.add(NOT_ASKED, message, own.place_of("model"), hint="--perception camera runs it")
     entities = {entity.id: entity for entity in plan.entities}
     for actor, word in plan.storyboard.actions():
         entity = entities.get(actor)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.binding import is_bound
+from scenario_compiler.plan.checks.ranges import beyond
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.conditions import (
@@ -17,11 +18,8 @@ from scenario_compiler.vocabulary.conditions import (
     DistanceCondition,
     ElementStateCondition,
     EventCondition,
-    LaneConfidenceCondition,
     ReachPositionCondition,
-    SensorHealthCondition,
     SimulationTimeCondition,
-    SpeedCondition,
     StandstillCondition,
     TimeHeadwayCondition,
     TimeToCollisionCondition,
@@ -188,26 +186,20 @@ def _report(
 def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[str, Value]) -> Never | None:
     """Return why a condition is never true before the run ends; None when it may be.
 
-    A speed is held against the vehicle's top speed, a way against what that speed covers in the run, a place against
+    What it measures is held against its bounds, a way against what that speed covers in the run, a place against
     the straight distance from the start.
     """
     condition = one.condition
-    if isinstance(condition, SimulationTimeCondition):
-        if not condition.rule.startswith("greater"):
-            return None
+    if isinstance(condition, SimulationTimeCondition) and condition.rule.startswith("greater"):
         begin = number_value(condition.after, values) + number_value(one.delay, values)
         late = f"the run ends at {plan.duration:g} s, before {begin:g} s"
         return Never(AFTER_THE_END, late, "after") if begin >= plan.duration else None
-    if isinstance(condition, TimeHeadwayCondition | DistanceCondition | TimeToCollisionCondition):
-        if condition.to and condition.to == condition.entity:
-            return Never(NEVER_FIRES, f"'{condition.to}' is not ahead of itself", "to")
-        zero = condition.rule == "lessThan" and number_value(condition.below, values) <= 0.0
-        return Never(NEVER_FIRES, "it is never below 0", "below") if zero else None
-    if isinstance(condition, LaneConfidenceCondition | SensorHealthCondition):
-        zero = number_value(condition.below, values) <= 0.0
-        return Never(NEVER_FIRES, "it is never below 0", "below") if zero else None
-    if isinstance(condition, SpeedCondition):
-        return _never_so_fast(condition, plan, values)
+    between = TimeHeadwayCondition | DistanceCondition | TimeToCollisionCondition
+    if isinstance(condition, between) and condition.to and condition.to == condition.entity:
+        return Never(NEVER_FIRES, f"'{condition.to}' is not ahead of itself", "to")
+    missed = beyond(condition, plan, values)
+    if missed is not None:
+        return Never(NEVER_FIRES, *missed)
     if isinstance(condition, StandstillCondition):
         begin = number_value(condition.duration, values)
         late = f"the run lasts {plan.duration:g} s, not {begin:g} s"
@@ -221,25 +213,6 @@ def never(one: TriggerCondition, plan: Plan, network: Network, values: Mapping[s
 
 def _top_speed(plan: Plan, entity: str) -> float:
     return next((one.vehicle.max_speed for one in plan.entities if one.id == entity), math.inf)
-
-
-def _never_so_fast(condition: SpeedCondition, plan: Plan, values: Mapping[str, Value]) -> Never | None:
-    value = number_value(condition.value, values)
-    top = _top_speed(plan, condition.entity)
-    least = 0.0
-    impossible = {
-        "lessThan": value <= least,
-        "lessOrEqual": value < least,
-        "greaterThan": value >= top,
-        "greaterOrEqual": value > top,
-        "equalTo": not least <= value <= top,
-        "notEqualTo": False,
-    }
-    reason = f"the speed of '{condition.entity}' lies between 0 and {top:g} m/s"
-    moving = next((one for one in plan.entities if one.id == condition.entity), None)
-    if moving is None or moving.kind != "ego":
-        return None
-    return Never(NEVER_FIRES, reason, "value") if impossible[condition.rule] else None
 
 
 def _never_so_far(

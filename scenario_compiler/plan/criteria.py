@@ -1,0 +1,30 @@
+"""Every criterion can be fulfilled: what it is about is there."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.vocabulary.criteria import ReachDestination, Requested
+from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.takeover import Takeover
+
+UNFULFILLABLE = Code(
+    "SC404",
+    "criterion-never-met",
+    "A criterion can never be fulfilled, so every run fails: the ego vehicle is to reach a destination and has none, "
+    "or a request is to have a cause that the takeover policy does not switch on."
+    '\n\n    <ego speed="10"> <start>...</start> </ego>     <destination>...</destination> is missing inside'
+    "\n    <criteria><reach_destination/></criteria>",
+    Severity.WARNING,
+)
+
+
+def check_criteria(scenario: Scenario, takeover: Takeover, sink: Diagnostics) -> None:
+    """Warn of criteria on a destination or a cause of requests that there is not; `takeover` has its causes."""
+    causes = {one.kind for one in takeover.causes}
+    for criterion in scenario.criteria:
+        if isinstance(criterion, ReachDestination) and (scenario.ego is None or scenario.ego.destination is None):
+            message = "the ego vehicle has no <destination> to reach"
+            sink.add(UNFULFILLABLE, message, criterion.origin)
+        elif isinstance(criterion, Requested) and criterion.cause is not None and criterion.cause not in causes:
+            message = f"no request has the cause '{criterion.cause}': the takeover has no such <cause>"
+            sink.add(UNFULFILLABLE, message, criterion.place_of("cause"))

@@ -1,0 +1,64 @@
+"""What findings of the checks say, beyond their place: source lines, uses, and what depends on the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.compiler import Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.plan.lower import Perception
+from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.plan.store import read_plan, write_plan
+
+EGO = '<ego speed="12"><start><spawn_point name="main_street"/></start>{}</ego>'
+OWN = '<controller model="tests.controllers.own:Steering"/>'
+
+
+def _file(folder: Path, body: str, inside: str = "") -> Path:
+    path = folder / "found.xml"
+    head = '<scenarios version="1"><scenario name="found" map="town_grid" duration="5">'
+    path.write_text(f"{head}\n{EGO.format(inside)}\n{body}\n</scenario></scenarios>", encoding="utf-8")
+    return path
+
+
+def test_a_finding_on_an_element_shows_its_line_and_the_use_that_brought_it_in(tmp_path: Path) -> None:
+    uses = '<use template="blocked_lane" distance="30"/>\n<use template="blocked_lane" distance="31"/>'
+    sink = Diagnostics()
+    compile_target(_file(tmp_path, uses), {}, sink)
+    (overlap,) = [one for one in sink if one.code.id == "SC381"]
+    text = as_text(overlap).splitlines()
+    assert '<static id="blocker"' in text[1]
+    assert text[2].strip() == "^^^^^^^"
+    assert text[-1].endswith("found.xml:4:1")
+
+
+def test_a_stored_plan_knows_the_lines_too(tmp_path: Path) -> None:
+    sink = Diagnostics()
+    done = compile_target(_file(tmp_path, '<use template="blocked_lane" distance="30"/>'), {}, sink)
+    assert done is not None
+    write_plan(done.plan, tmp_path / "plan.json")
+    stored = read_plan(tmp_path / "plan.json", sink)
+    assert stored is not None
+    for part in ("entities/ego", "entities/blocked_lane1.blocker", "controller", "scenario"):
+        assert place_of(stored, part) == place_of(done.plan, part)
+        assert place_of(stored, part).source_line
+
+
+@pytest.mark.parametrize(
+    ("perception", "inside", "controller", "told"),
+    [
+        ("ideal", OWN, None, True),
+        ("ideal", "", "tests.controllers.own:Steering", True),
+        ("ideal", "", None, False),
+        ("ideal", '<controller model="lane_detection"/>', None, False),
+        ("camera", OWN, None, False),
+    ],
+)
+def test_a_controller_that_ideal_perception_never_asks_is_told(
+    tmp_path: Path, perception: Perception, inside: str, controller: str | None, told: bool
+) -> None:
+    sink = Diagnostics()
+    compile_target(_file(tmp_path, "", inside), {}, sink, overrides=Overrides(perception, controller))
+    assert ("SC506" in {one.code.id for one in sink}) is told
