@@ -14,6 +14,7 @@ from statistics import NormalDist
 from typing import Literal
 
 from scenario_compiler.expressions import Value, format_value
+from scenario_compiler.vocabulary.scenario import ParameterKind
 
 ValueKind = Literal["number", "boolean", "text"]
 
@@ -69,6 +70,22 @@ def parse_distribution(text: str) -> Distribution:
     if not all(math.isfinite(number) for number in numbers):
         raise SweepError(f"the arguments of '{normalised}' are not all finite")
     return DISTRIBUTIONS[name](normalised, numbers)
+
+
+def misfit(axis: Distribution, kind: ParameterKind) -> str:
+    """Return what varies a parameter of a kind, where a distribution does not; an empty text where it does."""
+    if kind in ("text", "boolean"):
+        fits = axis.kind == "boolean" if kind == "boolean" else bool(axis.points)
+        values = "true, false" if kind == "boolean" else "value, value, ..."
+        return "" if fits else f"choice({values}) or values({values})"
+    if axis.kind != "number":
+        return "numbers alone"
+    counts = axis.text.startswith("poisson") or (
+        axis.points and all(float(value) % 1.0 == 0.0 for value in axis.points)
+    )
+    if kind == "integer" and not counts:
+        return "whole numbers: choice(1, 2, ...), values(1, 2, ...), grid(first, last, count) or poisson(mean)"
+    return ""
 
 
 def value_of(text: str) -> Value:

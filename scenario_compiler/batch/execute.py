@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
-from scenario_compiler.batch.distributions import SweepError, value_of
+from scenario_compiler.batch.distributions import Distribution, SweepError, misfit, value_of
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
 from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
@@ -19,6 +19,7 @@ from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, 
 from scenario_compiler.batch.sampling import Sample, Sampler, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families, Family
+from scenario_compiler.compiler import parameter_kinds
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.vocabulary.scenario import parameter_values
 
@@ -61,6 +62,7 @@ class SweepResult:
         table: The file of the rows.
         total: Number of variants.
         failed: Rows that are errors.
+        commonest: What most of those say; empty where there is none.
         form: What ran the variants.
         workers: Number of processes that did; 1 for this process alone.
     """
@@ -69,6 +71,7 @@ class SweepResult:
     table: Path
     total: int
     failed: int
+    commonest: str
     form: Form
     workers: int
 
@@ -187,13 +190,24 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     axes = spec.axes
     spec.traces_wanted()
     if not axes:
+        Families(target, spec, {}, sink, maps)  # what is wrong with the scenario itself comes first
         raise SweepError("nothing varies: give --vary NAME=DISTRIBUTION")
+    check_kinds(axes, target)
     middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}
     families = Families(target, spec, middle, sink, maps)
     fixed = {name: value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
     form = form_of(spec, families.base, sampler.total)
     return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total))
+
+
+def check_kinds(axes: Mapping[str, Distribution], target: str | Path) -> None:
+    """Raise SweepError where a distribution gives a parameter values that are not of its kind."""
+    kinds = {} if str(target).endswith(".json") else parameter_kinds(target)
+    for name, axis in axes.items():
+        wanted = misfit(axis, kinds[name]) if name in kinds else ""
+        if wanted:
+            raise SweepError(f"'{name}' is of the type {kinds[name]}, which {axis.text} does not fit: give it {wanted}")
 
 
 def form_of(spec: SweepSpec, base: Family, total: int) -> Form:
@@ -240,6 +254,13 @@ def open_executor(sweep: Sweep, workers: int, say: Callable[[str], None] | None 
 
         warm(say)
     return Pool(sweep.form, spec.seed, workers, spec.time_limit)
+
+
+def connect(sweep: Sweep, scheduler: str) -> Executor:
+    """Return what runs a sweep on a cluster; SweepError where none answers at the address of the scheduler."""
+    from scenario_compiler.batch.cluster import Cluster
+
+    return Cluster(sweep.form, sweep.spec.seed, scheduler)
 
 
 def execute(
@@ -314,16 +335,12 @@ def run_sweep(
     """
     sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
     store = sweep.store(folder)
-    store.open(resume=resume)
+    store.check(resume=resume)
     count = workers_for(sweep, workers)
     if not store.finished:
-        executor: Executor
-        if scheduler is None:
-            executor = open_executor(sweep, count, say)
-        else:
-            from scenario_compiler.batch.cluster import Cluster
-
-            executor = Cluster(sweep.form, spec.seed, scheduler)
+        cluster = None if scheduler is None else connect(sweep, scheduler)  # or there is nothing to resume
+        store.begin()
+        executor = open_executor(sweep, count, say) if cluster is None else cluster
         if say is not None:
             say(describe(sweep, count, scheduler))
         execute(sweep, store, executor, progress)
@@ -332,8 +349,9 @@ def run_sweep(
         present(sweep, folder, report=report)
     elif say is not None and (report or spec.traces):
         say(f"more than {PRESENTED} variants: no traces and no report, only the table")
-    failed = store.failures()
-    return SweepResult(folder, store.table, sweep.sampler.total, failed, sweep.form, count)
+    errors = store.errors()
+    commonest = max(errors, key=errors.__getitem__, default="")
+    return SweepResult(folder, store.table, sweep.sampler.total, errors.total(), commonest, sweep.form, count)
 
 
 def present(sweep: Sweep, folder: Path, *, report: bool) -> None:

@@ -8,6 +8,7 @@ equal bytes.
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -64,7 +65,12 @@ class ResultStore:
         self._manifest = {"format": FORMAT, **manifest}
 
     def open(self, *, resume: bool) -> None:
-        """Begin, or take up again, the sweep.
+        """Begin, or take up again, the sweep; raises as `check` and `begin` do."""
+        self.check(resume=resume)
+        self.begin()
+
+    def check(self, *, resume: bool) -> None:
+        """Look whether the sweep may begin, or be taken up again; nothing is written.
 
         Raises:
             SweepError: There is another sweep in the folder, or the same one without `resume`, or other files.
@@ -81,12 +87,15 @@ class ResultStore:
                 raise SweepError(f"{self.folder} holds another sweep: {_difference(found, self._manifest)}")
         elif self.folder.is_dir() and any(self.folder.iterdir()) and not self._unfinished_start():
             raise SweepError(f"{self.folder} is not empty and holds no sweep")
+
+    def begin(self) -> None:
+        """Make the folder the sweep's own, unless the sweep is finished; OSError when it cannot be written."""
         if self.finished:
             return
         make_folder(self._parts)
         for left in self.folder.glob("**/*.tmp"):
             left.unlink()
-        write_whole(path, (json.dumps(self._manifest, indent=1, sort_keys=True) + "\n").encode())
+        write_whole(self.folder / MANIFEST, (json.dumps(self._manifest, indent=1, sort_keys=True) + "\n").encode())
 
     def _unfinished_start(self) -> bool:
         return all(path.name == PARTS or path.suffix == ".tmp" for path in self.folder.iterdir())
@@ -118,11 +127,11 @@ class ResultStore:
         results = _read(self._part(number), ["result"])["result"].to_pylist()
         return len(results), results.count("error")
 
-    def failures(self) -> int:
-        """Return how many rows of the table are errors."""
+    def errors(self) -> Counter[str]:
+        """Return what the rows of the table that are errors say, and how often, the first in the table first."""
         with pq.ParquetFile(self.table) as file:
-            groups = (file.read_row_group(k, columns=["result"]) for k in range(file.num_row_groups))
-            return sum(group["result"].to_pylist().count("error") for group in groups)
+            groups = (file.read_row_group(k, columns=["error"]) for k in range(file.num_row_groups))
+            return Counter(error for group in groups for error in group["error"].to_pylist() if error)
 
     def merge(self, parts: int) -> None:
         """Make the table of all parts, in order, and drop them."""

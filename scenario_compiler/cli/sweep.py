@@ -138,7 +138,10 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
     print(f"{result.total} variants, {result.failed} failed: {result.table}")
     if options.report:
         print(f"report: {result.folder / 'report.html'}")
-    return FINE
+    if result.failed:
+        share = "all" if result.failed == result.total else f"{result.failed} of {result.total}"
+        print(f"scenario-compiler: {share} variants failed, most often: {result.commonest}", file=sys.stderr)
+    return AT_FAULT if result.failed == result.total else FINE
 
 
 def _search(options: argparse.Namespace, sink: Diagnostics) -> int:

@@ -5,19 +5,20 @@ from __future__ import annotations
 from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.expressions import ExpressionError, format_value, parse_expression
 from scenario_compiler.source import codes, names
-from scenario_compiler.source.parameters import STRUCTURAL_KINDS, Declared, limits, typed
+from scenario_compiler.source.parameters import Declared, limits, typed
 from scenario_compiler.source.values import outside
 from scenario_compiler.vocabulary.scenario import Parameter
-from scenario_compiler.vocabulary.variation import Axis, Choice, Constraint, Vary
+from scenario_compiler.vocabulary.variation import Axis, Choice, Constraint, Grid, Poisson, Vary
 
 BAD_VARIATION = Code(
     "SC250",
     "bad-variation",
-    "A <vary> describes a distribution that there cannot be, gives a parameter values outside its limits, or varies "
-    "one twice:\n\n"
+    "A <vary> describes a distribution that there cannot be, gives a parameter values outside its limits or not of its "
+    "type, or varies one twice:\n\n"
     '    <parameter name="gap" type="time" default="2" min="1" max="4"/>\n'
     '    <vary><uniform parameter="gap" least="0.5" greatest="3"/></vary>     0.5 is below the least value, 1\n\n'
-    "Correct the numbers, or widen the parameter's limits.",
+    "Correct the numbers, or widen the parameter's limits. An integer takes whole numbers, a text or a boolean what a "
+    "<choice> lists.",
 )
 
 
@@ -49,8 +50,11 @@ def _check_values(axis: Axis, parameter: Parameter, sink: Diagnostics) -> None:
         for text in axis.of:
             if typed(text, parameter, axis.place_of("of"), sink) is None:
                 return
-    elif parameter.type in STRUCTURAL_KINDS and parameter.type != "integer":
-        message = f"'{parameter.name}' is a {parameter.type}, which only <choice> varies"
+    elif parameter.type == "integer" and not (isinstance(axis, Poisson) or _counts(axis)):
+        message = f"'{parameter.name}' is an integer: whole numbers are listed, counted by <poisson>, or <grid> steps"
+        sink.add(BAD_VARIATION, message, axis.place_of("parameter"))
+    elif parameter.type in ("text", "boolean"):
+        message = f"'{parameter.name}' is a {parameter.type}, which only <choice>, <values> and <weighted> vary"
         sink.add(BAD_VARIATION, message, axis.place_of("parameter"))
     for value in axis.extent():
         fault = outside(value, limits(parameter))
@@ -58,6 +62,11 @@ def _check_values(axis: Axis, parameter: Parameter, sink: Diagnostics) -> None:
             message = f"{parameter.name} may become {format_value(value)}, but must be {fault}"
             sink.add(BAD_VARIATION, message, axis.origin)
             return
+
+
+def _counts(axis: Axis) -> bool:
+    """Return whether an axis is a grid of whole numbers."""
+    return isinstance(axis, Grid) and axis.first % 1.0 == 0.0 == (axis.last - axis.first) % max(axis.count - 1, 1)
 
 
 def _check_constraint(constraint: Constraint, declared: Declared, sink: Diagnostics) -> None:

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenario_compiler.batch.distributions import SweepError, parse_distribution
+from scenario_compiler.batch.distributions import SweepError, misfit, parse_distribution
 from scenario_compiler.batch.sampling import latin_hypercube, make_sampler, sobol
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.vocabulary.scenario import ParameterKind
 
 
 def _values(text: str, count: int = 4001) -> list[float]:
@@ -71,6 +72,25 @@ def test_choices_keep_their_type() -> None:
     assert parse_distribution("choice(a, 2)").points == ("a", "2")
     assert parse_distribution("weighted(a, 1, 2, 1)").points == ("a", "2")
     assert parse_distribution("values(a, 2)").listed
+
+
+@pytest.mark.parametrize(
+    ("text", "fitting"),
+    [
+        ("uniform(1, 5)", {"length"}),
+        ("histogram(1, 1, 2)", {"length"}),
+        ("poisson(2)", {"length", "integer"}),
+        ("grid(1, 5, 3)", {"length", "integer", "text"}),
+        ("grid(1, 2, 3)", {"length", "text"}),
+        ("choice(1, 2)", {"length", "integer", "text"}),
+        ("weighted(1, 2, 2.5, 1)", {"length", "text"}),
+        ("values(true, false)", {"boolean", "text"}),
+        ("choice(a, 1)", {"text"}),
+    ],
+)
+def test_a_distribution_fits_the_kinds_whose_values_it_gives(text: str, fitting: set[str]) -> None:
+    kinds: tuple[ParameterKind, ...] = ("length", "integer", "text", "boolean")
+    assert {kind for kind in kinds if not misfit(parse_distribution(text), kind)} == fitting
 
 
 def test_a_random_sample_depends_on_seed_and_index_alone() -> None:

@@ -77,6 +77,10 @@ def test_the_variation_of_a_file_is_found(tmp_path: Path) -> None:
         ('<choice parameter="gap" of="30 100"/>', ["SC112"]),
         ('<choice parameter="gap" of="30, 40"/>', ["SC250"]),
         ('<uniform parameter="kind" least="1" greatest="2"/>', ["SC250"]),
+        ('<uniform parameter="count" least="1" greatest="2"/>', ["SC250"]),
+        ('<grid parameter="count" first="1" last="2" count="3"/>', ["SC250"]),
+        ('<grid parameter="count" first="1" last="5" count="3"/>', []),
+        ('<grid parameter="count" first="2" last="2" count="1"/>', []),
         ('<poisson parameter="count" mean="2"/><poisson parameter="count" mean="2"/>', ["SC250"]),
     ],
 )

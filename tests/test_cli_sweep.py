@@ -1,0 +1,159 @@
+"""`sweep` as a user meets it: what is refused before anything runs, how failures end, and that its page is true."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.batch.distributions import DISTRIBUTIONS
+from scenario_compiler.cli import main
+
+CONFLICT = """\
+<scenarios version="1">
+  <scenario name="short" map="town_grid" duration="0.5">
+    <parameter name="speed" type="speed" default="12" max="30"/>
+    <parameter name="number" type="integer" default="2"/>
+    <parameter name="model" type="text" default="vehicle.audi.tt"/>
+    <parameter name="busy" type="boolean" default="true"/>
+    {}
+    <ego speed="$speed" model="$model"><start><lane road="1" lane="-1" s="20"/></start></ego>
+    <repeat count="$number" as="i">
+      <if test="$busy"><static id="parked"><at><lane road="1" lane="-1" s="${{100 + 10 * $i}}"/></at></static></if>
+    </repeat>
+  </scenario>
+</scenarios>
+"""
+
+VALUES = """\
+<OpenSCENARIO>
+  <FileHeader revMajor="1" revMinor="2" date="2024-01-01T00:00:00" author="a" description="d"/>
+  <ParameterValueDistribution>
+    <ScenarioFile filepath="varied.xosc"/>
+    <Stochastic numberOfTestRuns="3" randomSeed="1">
+      <StochasticDistribution parameterName="{}">
+        <UniformDistribution><Range lowerLimit="5" upperLimit="9"/></UniformDistribution>
+      </StochasticDistribution>
+    </Stochastic>
+  </ParameterValueDistribution>
+</OpenSCENARIO>
+"""
+
+SCENARIO = """\
+<OpenSCENARIO>
+  <FileHeader revMajor="1" revMinor="2" date="2024-01-01T00:00:00" author="a" description="d"/>
+  <ParameterDeclarations>
+    <ParameterDeclaration name="Speed" parameterType="double" value="7"/>
+    <ParameterDeclaration name="Number" parameterType="integer" value="7"/>
+    <ParameterDeclaration name="Name" parameterType="string" value="7"/>
+  </ParameterDeclarations>
+  <CatalogLocations/>
+  <RoadNetwork><LogicFile filepath="town_grid"/></RoadNetwork>
+  <Entities/>
+  <Storyboard><Init><Actions/></Init><StopTrigger/></Storyboard>
+</OpenSCENARIO>
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, with a scenario that has a parameter of each kind."""
+    monkeypatch.chdir(tmp_path)
+    Path("it.xml").write_text(CONFLICT.format(""))
+    return tmp_path
+
+
+def call(*arguments: object) -> int:
+    """Return the exit code of a command."""
+    with pytest.raises(SystemExit) as left:
+        main([str(argument) for argument in arguments])
+    assert isinstance(left.value.code, int)
+    return left.value.code
+
+
+def sweep(*options: object, target: str = "it.xml") -> int:
+    """Return the exit code of a sweep into `out`, without a report."""
+    return call("sweep", target, "--perception", "ideal", "--no-report", *options, "-o", "out")
+
+
+@pytest.mark.parametrize(
+    ("vary", "fitting"),
+    [
+        ("number=uniform(1, 5)", "whole numbers"),
+        ("number=choice(1, 1.5)", "whole numbers"),
+        ("model=uniform(1, 2)", "choice(value, value, ...)"),
+        ("busy=poisson(2)", "choice(true, false)"),
+        ("speed=choice(fast, slow)", "numbers"),
+    ],
+)
+def test_what_does_not_fit_the_type_is_refused(vary: str, fitting: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", vary, "--samples", 3) == 2
+    name, _, _ = vary.partition("=")
+    err = capsys.readouterr().err
+    assert f"'{name}' is of the type " in err
+    assert fitting in err
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize("vary", ["number=grid(0, 1, 2)", "busy=values(true, false)", "model=choice(vehicle.audi.a2)"])
+def test_what_fits_the_type_is_run(vary: str) -> None:
+    assert sweep("--vary", vary) == 0
+
+
+def test_a_scenario_that_says_so_itself_is_at_fault(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("it.xml").write_text(CONFLICT.format('<vary><uniform parameter="number" least="1" greatest="5"/></vary>'))
+    assert sweep() == 1
+    assert "error[SC250]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "refused"), [("Number", True), ("Name", True), ("Speed", False)])
+def test_values_of_openscenario_are_checked_too(name: str, refused: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("varied.xosc").write_text(SCENARIO)
+    Path("values.xosc").write_text(VALUES.format(name))
+    sweep("--duration", "0.5", target="values.xosc")
+    assert (f"'{name}' is of the type " in capsys.readouterr().err) == refused
+
+
+@pytest.mark.parametrize("vary", [[], ["--vary", "speed=uniform(5, 10)"]])
+def test_a_scenario_that_is_not_there_is_said_to_be_none(vary: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep(*vary, target="it.xml#zzz") == 1
+    assert "there is no scenario 'zzz'" in capsys.readouterr().err
+
+
+def test_a_sweep_of_which_all_variants_fail_is_at_fault(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", "speed=values(40, 50, 60)") == 1
+    out, err = capsys.readouterr()
+    assert "3 variants, 3 failed" in out
+    assert "all variants failed, most often: speed is 40, but must be at most 30" in err
+
+
+def test_a_sweep_of_which_some_variants_fail_tells_their_number(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", "speed=values(10, 20, 60)") == 0
+    assert "1 of 3 variants failed, most often: speed is 60, but must be at most 30" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("address", ["banana", "http://here:1"])
+def test_an_address_that_is_none_leaves_no_folder(address: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", "speed=uniform(5, 10)", "--scheduler", address) == 2
+    assert f"'{address}' is no address of a scheduler" in capsys.readouterr().err
+    assert not Path("out").exists()
+    assert sweep("--vary", "speed=uniform(5, 10)") == 0
+
+
+def test_the_page_has_all_distributions(repository: Path) -> None:
+    page = (repository / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `")]
+    assert {name for row in rows for name in re.findall(r"`(\w+)\(", row)} == set(DISTRIBUTIONS)
+
+
+def test_the_page_names_all_options_of_its_own(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Those that `run` has too are not the page's."""
+    own, shared = ({*re.findall(r"--[a-z-]+", _help(command, capsys))} for command in ("sweep", "run"))
+    page = (repository / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    assert own - shared <= {*re.findall(r"--[a-z-]+", page)}
+
+
+def _help(command: str, capsys: pytest.CaptureFixture[str]) -> str:
+    assert call(command, "--help") == 0
+    return capsys.readouterr().out
