@@ -82,12 +82,24 @@ def test_weather_weakens_paint_in_the_published_order(road_camera: RoadCamera) -
     assert contrast("HardRainSunset") < 25.0
 
 
-def test_nights_are_dark_and_fog_hides_what_is_far(road_camera: RoadCamera) -> None:
+def test_nights_are_dark(road_camera: RoadCamera) -> None:
     assert shot(road_camera, HERE, weather("ClearNight")).mean() < 0.5 * shot(road_camera).mean()
-    fog = CLEAR.model_copy(update={"fog_density": 100.0, "fog_distance": 0.0})
-    clear, veiled = (np.abs(shot(road_camera, HERE, sky, CAR).astype(int) - shot(road_camera, HERE, sky)).max()
-                     for sky in (CLEAR, fog))  # fmt: skip
-    assert veiled < 0.8 * clear
+
+
+@pytest.mark.parametrize("falloff", [-1.0, 0.0, 0.2, 1.0])
+def test_the_thickest_fog_hides_what_is_50_m_ahead_and_not_what_is_near(
+    road_camera: RoadCamera, falloff: float
+) -> None:
+    """Also a fog that grows thinner with height: it lies on the road."""
+    fog = CLEAR.model_copy(update={"fog_density": 100.0, "fog_distance": 0.0, "fog_falloff": falloff})
+
+    def seen(car: Box) -> float:
+        clear, veiled = (np.abs(shot(road_camera, HERE, sky, car).astype(int) - shot(road_camera, HERE, sky)).max()
+                         for sky in (CLEAR, fog))  # fmt: skip
+        return float(veiled / clear)
+
+    assert seen(CAR._replace(x=HERE.x + 50.0)) < 0.1
+    assert seen(CAR._replace(x=HERE.x + 12.0)) > 0.3
 
 
 def test_a_car_ahead_covers_the_road(road_camera: RoadCamera) -> None:

@@ -14,7 +14,7 @@ from scenario_compiler.engine import visibility
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.source.openscenario.actions import ACTIONS, read_actions, write_action
 from scenario_compiler.source.openscenario.actions import UNSAID as UNSAID_ACTIONS
-from scenario_compiler.source.openscenario.actions.environment import FOG_AT_ONE
+from scenario_compiler.source.openscenario.actions.environment import FOG_AT_ONE, FOG_THINNED
 from scenario_compiler.source.openscenario.conditions import BY_ENTITY, BY_VALUE, OWN, read_condition, write_condition
 from scenario_compiler.source.openscenario.output import VERSIONS, Output, Version
 from scenario_compiler.source.openscenario.positions import POSITIONS, read_position, write_position
@@ -167,4 +167,4 @@ def test_expressions_are_written_where_the_version_has_them(text: str, version: 
 
 
 def test_fog_is_as_thick_as_the_cameras_see_it() -> None:
-    assert visibility.FOG_AT_ONE == FOG_AT_ONE
+    assert (visibility.FOG_AT_ONE, visibility.FOG_THINNED) == (FOG_AT_ONE, FOG_THINNED)

@@ -59,8 +59,8 @@ _WETNESS = {
 }
 _PERCENT_PER_MM = 2.0
 _HURRICANE = 32.7
-FOG_AT_ONE = 0.035
-"""Extinction of the thickest fog of CARLA's numbers, 1/m, as this world's cameras see it."""
+FOG_AT_ONE, FOG_THINNED = 0.07, 0.083
+"""Extinction of the thickest fog of CARLA's numbers, 1/m, and how much its falloff thins it, as our cameras see it."""
 
 _FIVE_PERCENT = math.log(20.0)
 _CLEAREST = 100000.0
@@ -202,7 +202,7 @@ def _weather_element(numbers: dict[str, float], word: WeatherAction, output: Out
     bright = max(math.sin(altitude), 0.0)
     sun = made("Sun", azimuth=output.text(azimuth, word), elevation=output.text(altitude, word))
     sun.set(light, output.text(100000.0 * bright if light == "illuminance" else bright, word))
-    dense = numbers["fog_density"] / 100.0 * math.exp(-1.3 * min(max(numbers["fog_falloff"], 0.0), 5.0))
+    dense = numbers["fog_density"] / 100.0 * math.exp(-FOG_THINNED * min(max(numbers["fog_falloff"], 0.0), 5.0))
     seen = _FIVE_PERCENT / (FOG_AT_ONE * dense**1.5) if dense > 1.0e-6 else _CLEAREST
     fog = made("Fog", visualRange=output.text(min(seen + max(numbers["fog_distance"], 0.0), _CLEAREST), word))
     falling = made("Precipitation", precipitationType="rain" if rain > 0.0 else "dry")
