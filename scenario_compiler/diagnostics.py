@@ -196,13 +196,19 @@ class CompileError(Exception):
 MOST_COMPARED = 200
 """Most names that a word is compared with; among more, those that begin alike."""
 
+MOST_KNOWN = 2000
+"""Most names among which one is looked for: a file that has more may have as many faults."""
+
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return a hint naming the nearest of `known`, or listing them when none is near and they are few.
 
     A name that is empty, as where an author has left it out, is not offered.
     """
-    names = sorted({name for name in known if name.strip()})
+    offered = list(known)
+    if len(offered) > MOST_KNOWN:
+        return ""
+    names = sorted({name for name in offered if name.strip()})
     alike = names if len(names) <= MOST_COMPARED else [name for name in names if name[:1] == word[:1]][:MOST_COMPARED]
     near = difflib.get_close_matches(word, alike, n=1, cutoff=0.6)
     if near:
@@ -212,19 +218,35 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return ""
 
 
+WIDEST_LINE = 240
+"""Most characters that are shown of a source line: a file may be one line of many megabytes, with many findings."""
+
+
 def as_text(diagnostic: Diagnostic) -> str:
     """Format as a compiler does: position, code, message, the source line with carets, hint and chain."""
     place = diagnostic.place
     lines = [f"{position_text(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
     if place.source_line:
         gutter = f"{place.line:>5} | "
-        lines.append(gutter + place.source_line.replace("\t", " "))
+        shown, before = _excerpt(place)
+        lines.append(gutter + shown.replace("\t", " "))
         if place.column:
-            lines.append(" " * (len(gutter) + place.column - 1) + "^" * max(1, place.length))
+            carets = "^" * max(1, min(place.length, len(shown) - before))
+            lines.append(" " * (len(gutter) + before) + carets)
     if diagnostic.hint:
         lines.append(f"      = help: {diagnostic.hint}")
     lines.extend(f"      = in this use: {position_text(use)}" for use in diagnostic.chain())
     return "\n".join(lines)
+
+
+def _excerpt(place: Place) -> tuple[str, int]:
+    """Return what is shown of a place's line, and the number of characters before the place in it."""
+    text, before = place.source_line, max(0, place.column - 1)
+    if len(text) <= WIDEST_LINE:
+        return text, before
+    start = max(0, before - WIDEST_LINE // 4)
+    left, right = "..." * (start > 0), "..." * (start + WIDEST_LINE < len(text))
+    return left + text[start : start + WIDEST_LINE] + right, before - start + len(left)
 
 
 def as_record(diagnostic: Diagnostic) -> dict[str, object]:

@@ -56,6 +56,16 @@ def test_a_code_is_named_in_capitals_or_not() -> None:
     assert code_named("nonsense") is None
 
 
+def test_of_a_long_line_only_the_neighbourhood_is_shown() -> None:
+    line = "x" * 5000 + "here" + "y" * 5000
+    _, shown, carets = as_text(Diagnostic(FAULT, "wrong", FilePlace("a", 1, 5001, 4, line))).splitlines()
+    assert len(shown) < 300
+    assert shown[carets.index("^") :].startswith("here")
+    assert carets.count("^") == 4
+    wide = as_text(Diagnostic(FAULT, "wrong", FilePlace("a", 1, 5001, 5000, line)))
+    assert max(map(len, wide.splitlines())) < 300
+
+
 def test_findings_come_in_the_order_of_the_files_and_once() -> None:
     sink = Diagnostics()
     for file, line, column in (("b", 1, 1), ("a", 2, 1), ("a", 1, 9), ("a", 1, 2), ("a", 1, 2)):

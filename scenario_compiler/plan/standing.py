@@ -19,10 +19,12 @@ from scenario_compiler.roads.relative import across_road, lanes_away
 from scenario_compiler.roads.travel import advance
 from scenario_compiler.vocabulary.actions import AddEntityAction, TeleportAction
 from scenario_compiler.vocabulary.positions import (
+    BesidePosition,
     BoundPosition,
     FreePosition,
     LanesAwayPosition,
     Position,
+    RelativeLanePosition,
     RelativeObjectPosition,
     RelativeRoadPosition,
     RelativeWorldPosition,
@@ -74,7 +76,9 @@ def stands_at(binder: Binder, position: Position | BoundPosition, standings: Sta
     if isinstance(position, LanesAwayPosition | RelativeRoadPosition):
         base = standings.get(position.entity)
         return None if base is None or base.lane is None else _along_road(binder, position, base.lane)
-    lanes = {name: one.lane for name, one in standings.items() if one.lane is not None}
+    name = position.entity if isinstance(position, BesidePosition | RelativeLanePosition) else ""
+    base = standings.get(name)
+    lanes = {} if base is None or base.lane is None else {name: base.lane}
     try:
         found = binder.resolve(position, lanes)
     except ValueError:  # a place that the map does not have, which binding it has reported

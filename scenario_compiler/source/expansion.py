@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -53,14 +54,18 @@ class Around:
     catalogs: Catalogs
     complete: bool
 
-    def expander(self) -> Expander:
-        """Return what puts the items of one scenario in place."""
-        return Expander(self.templates, self.library_templates, self.complete)
+    def expander(self, *, trial: bool = False) -> Expander:
+        """Return what puts the items of one scenario in place, or of a template that is tried on its own."""
+        return Expander(self.templates, self.library_templates, self.complete, trial)
 
 
 def around(library: Library, folder: Path, catalogs: Catalogs) -> Around:
     """Return what surrounds the scenarios of a file; `folder` is the library's."""
     return Around(library.templates, folder / "templates", catalogs.extended(library.catalogs), library.complete)
+
+
+MOST_READINGS = 8
+"""Readings of a scenario that may find another parameter which decides more than numbers; real ones need two."""
 
 
 def expand_scenario(
@@ -69,13 +74,14 @@ def expand_scenario(
     """Return the scenario; None when too much of it is missing or wrong.
 
     Parameters that fill numbers alone stay open. One that decides anything else turns out to do so while reading; then
-    the scenario is read again with that parameter's value in its place everywhere.
+    the scenario is read again with that parameter's value in its place everywhere. What it decides may hold another
+    such; after some rounds of this no parameter stays open.
     """
     head = part.reading(sink, Environment())
     declared = read_parameters(part.element, head)
     values = bind_arguments(declared, arguments, sink)
     settled = {name for name in values if declared.known[name].type in STRUCTURAL_KINDS}
-    while True:
+    for number in count(1):
         attempt = Diagnostics()
         environment = _environment(declared, values, settled)
         scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(declared.known, values)
@@ -84,7 +90,8 @@ def expand_scenario(
             if scenario is not None and scenario.vary is not None:
                 check_variation(scenario.vary, declared, sink)
             return scenario
-        settled |= environment.structural
+        settled |= environment.structural if number < MOST_READINGS else set(values)
+    raise AssertionError("with every parameter settled, none turns out to be structural")
 
 
 def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
@@ -92,7 +99,7 @@ def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
     declared = template_parameters(part, sink)
     values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
     reading = part.reading(sink, _environment(declared, values, set(values)))
-    expander = surroundings.expander()
+    expander = surroundings.expander(trial=True)
     scope = Scope(part.name, Scope())
     expander.add_template(part, reading, scope)
     actors = [actor for actor, _ in expander.contents.actors]
@@ -121,7 +128,10 @@ class _Attempt:
         self.words: dict[str, Any] = {}
 
     def scenario(self, parameters: Mapping[str, Parameter], values: Mapping[str, Value]) -> Scenario | None:
-        """Return the scenario, or None when its head or its ego vehicle cannot be read, or it has no known vehicle."""
+        """Return the scenario.
+
+        None when its head or its ego vehicle cannot be read, or it has no known vehicle, or too many items.
+        """
         element = self.part.element
         fields = read_attributes(element, ScenarioElement, self.reading)
         preset = (fields or {}).pop("weather", "ClearNoon")
@@ -129,12 +139,13 @@ class _Attempt:
         weather = self._weather(preset)
         takeover = self._takeover()
         ego = self.words.get("ego")
-        if fields is None or not isinstance(ego, Ego):
+        if fields is None or not isinstance(ego, Ego) or self.expander.has_too_many:
             return None
         ego = self.scope.resolved(ego, self.sink)
         actors, happenings = self._contents(ego)
         vehicles = catalog_vehicles([ego, *actors], self.around.catalogs, self.sink)
-        traffic = [traffic_models(one, self.around.catalogs, self.sink) for one in self.expander.contents.traffic]
+        flows = self.expander.contents.traffic.values()
+        traffic = [traffic_models(one, self.around.catalogs, self.sink) for one in flows]
         if not vehicles:
             return None
         storyboard = storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings))

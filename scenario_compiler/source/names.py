@@ -114,7 +114,7 @@ UNKNOWN_EVENT = Code(
 TOO_MANY_ITEMS = Code(
     "SC223",
     "too-many-items",
-    "Uses and loops bring more into a scenario than can be meant; nothing more is added:\n\n"
+    "Uses and loops bring more into a scenario than can be meant; it is looked at no further:\n\n"
     '    <repeat count="1000"><repeat count="1000"><use template="jam"/></repeat></repeat>\n\n'
     "A loop makes at most 1000 rounds, and a scenario holds at most 20000 items. Make the counts smaller, or use "
     "<traffic> where many vehicles are wanted.",

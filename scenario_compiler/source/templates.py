@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from itertools import count
 from pathlib import Path
 from typing import Any, cast
 
@@ -52,6 +51,7 @@ class Scope:
         all_read: Every id here could be read; else one that is not known may well be there.
         uses: Names of the uses that stand here.
         events: Name of an event as this scope knows it, to its name in the whole scenario.
+        numbered: Last number of a part without an id, by what its name begins with.
     """
 
     name: str = ""
@@ -60,6 +60,7 @@ class Scope:
     all_read: bool = True
     uses: set[str] = field(default_factory=set)
     events: dict[str, str] = field(default_factory=dict)
+    numbered: dict[str, int] = field(default_factory=dict)
 
     def declare(self, local: str) -> str:
         """Make an id known here and, behind the names of the uses, in the scopes around; return it in full."""
@@ -94,10 +95,16 @@ class Scope:
         """
         if wanted in self.uses:
             sink.add(names.DUPLICATE_NAME, f"a part '{wanted}' is there already", place)
-        numbered = (f"{stem}{number}" for number in count(1))
-        name = wanted or next(name for name in numbered if name not in self.uses)
+        name = wanted or self._numbered(stem)
         self.uses.add(name)
         return name
+
+    def _numbered(self, stem: str) -> str:
+        number = self.numbered.get(stem, 0) + 1
+        while f"{stem}{number}" in self.uses:
+            number += 1
+        self.numbered[stem] = number
+        return f"{stem}{number}"
 
     def resolve(self, name: str) -> str | None:
         """Return the id in the whole scenario that a name means here: the nearest scope that knows it decides."""
@@ -185,7 +192,7 @@ class Contents:
     """What the items of a scenario come to, in document order, each with the scope that its references mean."""
 
     actors: list[tuple[Static | Dynamic, Scope]] = field(default_factory=list)
-    traffic: list[Traffic] = field(default_factory=list)
+    traffic: dict[str, Traffic] = field(default_factory=dict)
     markings: list[Markings] = field(default_factory=list)
     lines: list[tuple[SecondaryMarkings | LineBeside, Scope]] = field(default_factory=list)
     happenings: list[tuple[str, EntityWhen | When, Scope]] = field(default_factory=list)
@@ -194,6 +201,9 @@ class Contents:
 
 MOST_ITEMS = 20_000
 """Greatest number of items of a scenario, those of uses and loops counted each time."""
+
+MOST_ITEMS_TRIED = 1000
+"""Items after which a template has been looked at enough that is used once on its own, to find what is wrong in it."""
 
 LOOPS = ((Repeat.tag(), "as"), (For.tag(), "each"))
 """The loops' tags, and the attribute of each that names its variable."""
@@ -207,15 +217,29 @@ class Expander:
         own: Templates of the file and its includes.
         library: Folder of the library's templates.
         complete: `own` has all that the file and its includes hold.
+        trial: A template is used on its own: the items that come after enough of them are left out, which is no fault.
         contents: Where everything goes.
+        declared: Parameters of the templates that have been used, by where these stand.
         unread: Ids of actors that are written but cannot be read: references to them are no faults.
     """
 
     own: Mapping[str, Part]
     library: Path
     complete: bool = True
+    trial: bool = False
     contents: Contents = field(default_factory=Contents)
+    declared: dict[str, Declared] = field(default_factory=dict)
     unread: set[str] = field(default_factory=set)
+
+    @property
+    def most(self) -> int:
+        """Greatest number of items."""
+        return MOST_ITEMS_TRIED if self.trial else MOST_ITEMS
+
+    @property
+    def has_too_many(self) -> bool:
+        """True where some items were left out because there are too many."""
+        return self.contents.count > self.most
 
     def add_items(
         self,
@@ -228,6 +252,7 @@ class Expander:
         """Read and add the items of a scenario or template; `chain` names the templates around them."""
         for element in elements:
             if not self._counted(element, reading):
+                scope.all_read = False
                 return
             word = rule.words[str(element.tag)]
             if word is If:
@@ -259,10 +284,10 @@ class Expander:
     def _counted(self, element: etree._Element, reading: Reading) -> bool:
         """Count an item; return whether it may be added, and report the first that is too many."""
         self.contents.count += 1
-        if self.contents.count == MOST_ITEMS + 1:
-            message = f"more than {MOST_ITEMS} items come together here"
+        if self.contents.count == self.most + 1 and not self.trial:
+            message = f"more than {self.most} items come together here"
             reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
-        return self.contents.count <= MOST_ITEMS
+        return not self.has_too_many
 
     def _add_branch(self, element: etree._Element, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
         """Add the items of an `<if>` that its test asks for; look through the others for what is wrong in any case."""
@@ -347,10 +372,10 @@ class Expander:
 
     def _add_traffic(self, traffic: Traffic, scope: Scope, sink: Diagnostics) -> None:
         full = scope.in_full(traffic.id)
-        if any(one.id == full for one in self.contents.traffic):
+        if full in self.contents.traffic:
             sink.add(names.DUPLICATE_NAME, f"traffic '{traffic.id}' is there already", traffic.place_of("id"))
             return
-        self.contents.traffic.append(traffic.model_copy(update={"id": full}).written_at(traffic.origin))
+        self.contents.traffic[full] = traffic.model_copy(update={"id": full}).written_at(traffic.origin)
 
     def _add_use(self, use: Use, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
         template = self.find(use, reading.sink)
@@ -364,8 +389,9 @@ class Expander:
             return
         name = scope.name_use(use, reading.sink)
         inner = Scope(name, scope)
-        parameters = template_parameters(template, reading.sink)
-        environment = bind_use(parameters, use.arguments, reading, use)
+        if identity not in self.declared:
+            self.declared[identity] = template_parameters(template, reading.sink)
+        environment = bind_use(self.declared[identity], use.arguments, reading, use)
         inside = template.reading(reading.sink, environment, use.origin)
         self.add_template(template, inside, inner, (*chain, identity))
 

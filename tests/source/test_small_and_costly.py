@@ -1,0 +1,79 @@
+"""Small files that ask for much: each is checked in little time, with few words."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.validation import validate_file
+
+MOST_SECONDS = 6.0
+"""CPU time that one may take at the most, s: on an idle machine none takes 2."""
+
+EGO = '<ego speed="12"><start><spawn_point name="main_street"/></start></ego>'
+CAR = '<static id="s{0}"><at><ahead_of entity="{1}" distance="30"/></at></static>'
+
+
+def _file(items: str, *, before: str = "", templates: str = "") -> str:
+    head = f'<scenarios version="1">{templates}<scenario name="a" map="town_grid" duration="5">'
+    return f"{head}{before}{EGO}{items}</scenario></scenarios>"
+
+
+def _nested_templates() -> str:
+    """Return templates each of which uses the next ten times."""
+    uses = "".join(
+        f'<template name="t{i}"><repeat count="10"><use template="t{i + 1}"/></repeat></template>' for i in range(12)
+    )
+    return uses + f'<template name="t12">{CAR.format("", "ego")}</template>'
+
+
+def _nested_ifs() -> str:
+    """Return branches each of which holds the next, behind many items that are read again with each."""
+    tests = "".join(f'<if test="${{$p{i} > 0}}">' for i in range(60))
+    return f'<repeat count="1000">{CAR.format("", "ego")}</repeat>{tests}{CAR.format("", "ego")}{"</if>" * 60}'
+
+
+FILES = {
+    "nested loops": (_file(f'<repeat count="1000"><repeat count="1000">{CAR.format("", "ego")}</repeat></repeat>'), 1),
+    "templates of templates": (_file('<use template="t0"/>', templates=_nested_templates()), 1),
+    "many uses of one template": (
+        _file('<use template="t" x="1"/>' * 8000, templates=f'<template name="t">{CAR.format("", "ego")}</template>'),
+        8000,
+    ),
+    "branches in branches": (
+        _file(_nested_ifs(), before="".join(f'<parameter name="p{i}" type="length" default="1"/>' for i in range(60))),
+        1000,
+    ),
+    "many names that nobody has": (_file("".join(CAR.format(i, f"x{i}") for i in range(3000))), 3000),
+    "a long line with many faults": (_file('<static id="s" at=""/>' * 3000), 6000),
+}
+"""Files, and how many findings each has."""
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_it_is_checked_in_little_time(tmp_path: Path, name: str) -> None:
+    text, findings = FILES[name]
+    file = tmp_path / "costly.xml"
+    file.write_text(text, encoding="utf-8")
+    sink = Diagnostics()
+    before = time.process_time()
+    validate_file(file, sink)
+    found = list(sink)
+    told = sum(len(as_text(one)) for one in found)
+    assert time.process_time() - before < MOST_SECONDS
+    assert len(found) == findings
+    assert told < 2000 * findings
+
+
+def test_a_template_that_is_large_on_its_own_is_no_fault(tmp_path: Path) -> None:
+    """It is looked at in part only, and so nothing is said of what it names beyond that."""
+    file = tmp_path / "large.xml"
+    row = f'<repeat count="900" id="row">{CAR.format("a", "ego")}{CAR.format("b", "ego")}</repeat>'
+    last = CAR.format("c", "row.900.sb")
+    file.write_text(f'<scenarios version="1"><template name="t">{row}{last}</template></scenarios>', encoding="utf-8")
+    sink = Diagnostics()
+    validate_file(file, sink)
+    assert list(sink) == []
