@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -19,6 +19,7 @@ Value: TypeAlias = float | bool | str
 MAX_DEPTH = 64
 MAX_LENGTH = 4096
 MAX_SIGNS = 400
+MAX_SHOWN = 100
 LEAST_TO_CHECK = 2 * MAX_DEPTH
 """Length of a text that keeps all bounds, whatever it says."""
 
@@ -137,7 +138,7 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "sign": (1, _sign),
     "radians": (1, math.radians),
     "degrees": (1, math.degrees),
-    "pow": (2, lambda a, b: float(a) ** b),
+    "pow": (2, lambda a, b: a**b),
     "min": (-1, min),
     "max": (-1, max),
     "if": (3, None),  # type: ignore[dict-item]  # evaluated lazily
@@ -158,7 +159,7 @@ _BINARY: dict[str, tuple[int, Callable[[Any, Any], Any]]] = {
     "*": (6, lambda a, b: a * b),
     "/": (6, lambda a, b: a / b),
     "%": (6, _mod),
-    "^": (8, lambda a, b: float(a) ** b),
+    "^": (8, lambda a, b: a**b),
 }
 _UNARY_POWER = 7
 _NOT_POWER = 3
@@ -271,8 +272,9 @@ def _evaluate(node: _Node, values: Mapping[str, Value]) -> Value:
     try:
         return _apply(node.function, arguments)
     except (ArithmeticError, ValueError, TypeError) as error:
-        shown = ", ".join(str(a) for a in arguments)
-        raise ExpressionError(f"'{node.function}' has no value for {shown}: {error}") from None
+        shown = _text(_Call(node.function, tuple(_Literal(a) for a in arguments)))
+        shown = shown if len(shown) <= MAX_SHOWN else f"{shown[:MAX_SHOWN]}..."
+        raise ExpressionError(f"{shown} has no value: {_reason(node.function, arguments, error)}") from None
 
 
 def _apply(function: str, arguments: list[Value]) -> Value:
@@ -287,13 +289,47 @@ def _apply(function: str, arguments: list[Value]) -> Value:
         result = _BINARY[function][1](arguments[0], arguments[1])
     else:
         result = FUNCTIONS[function][1](*arguments)
-    if isinstance(result, (bool, str)):
+    if isinstance(result, str):
+        return _checked_text(function, result)
+    if isinstance(result, bool):
         return result
     if isinstance(result, complex):
-        raise ValueError("the result is not real")
+        raise ValueError(function)
     if not math.isfinite(result):
-        raise ValueError("the result is not finite")
+        raise OverflowError(function)
     return float(result)
+
+
+def _checked_text(function: str, text: str) -> str:
+    """Return a text that only a function on texts may have, in which nobody doubles it without end."""
+    if function not in ("+", "min", "max"):
+        raise TypeError(function)
+    if len(text) > MAX_LENGTH:
+        raise OverflowError(function)
+    return text
+
+
+_NO_VALUE = {
+    "sqrt": "a negative number has no root",
+    "log": "only a number above 0 has a logarithm",
+    "asin": "it takes a number from -1 to 1",
+    "acos": "it takes a number from -1 to 1",
+    "^": "a negative number has whole powers only",
+    "pow": "a negative number has whole powers only",
+}
+"""What is at fault where a function has no value for a number."""
+
+
+def _reason(function: str, arguments: Sequence[Value], error: Exception) -> str:
+    """Return why a function has no value, in the words of the language; `error` is Python's."""
+    text = next((one for one in arguments if isinstance(one, str)), None)
+    if isinstance(error, OverflowError):
+        return "the result is too large a number" if text is None else f"a text has at most {MAX_LENGTH} characters"
+    if text is not None:
+        return f"'{text}' is a text, not a number"
+    if isinstance(error, ZeroDivisionError):
+        return "0 has no negative powers" if function in ("^", "pow") else "nothing can be divided by 0"
+    return _NO_VALUE.get(function, "it is not defined there")
 
 
 def _collect(node: _Node, found: set[str]) -> None:
@@ -319,6 +355,8 @@ def _text(node: _Node) -> str:
     if isinstance(node, _Name):
         return f"${node.name}"
     parts = [_text(argument) for argument in node.arguments]
+    if node.function == "^" and parts[0].startswith("-"):
+        parts[0] = f"({parts[0]})"  # the sign of a number that was put in a name's place belongs to the number
     if node.function in _BINARY:
         return f"({parts[0]} {node.function} {parts[1]})"
     if node.function in ("negative", "positive"):

@@ -57,6 +57,45 @@ def test_value(text: str, value: Value) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("name + 1", "('car' + 1) has no value: 'car' is a text, not a number"),
+        ("name * flag", "('car' * true) has no value: 'car' is a text, not a number"),
+        ("'3' ^ 2", "('3' ^ 2) has no value: '3' is a text, not a number"),
+        ("name < 1", "('car' < 1) has no value: 'car' is a text, not a number"),
+        ("-name", "(-'car') has no value: 'car' is a text, not a number"),
+        ("max(name, 1)", "max('car', 1) has no value: 'car' is a text, not a number"),
+        ("a / 0", "(2 / 0) has no value: nothing can be divided by 0"),
+        ("a % 0", "(2 % 0) has no value: nothing can be divided by 0"),
+        ("0 ^ -a", "(0 ^ -2) has no value: 0 has no negative powers"),
+        ("(-8) ^ 0.5", "((-8) ^ 0.5) has no value: a negative number has whole powers only"),
+        ("2 ^ 5000", "(2 ^ 5000) has no value: the result is too large a number"),
+        ("1e300 * 1e300", "(1e+300 * 1e+300) has no value: the result is too large a number"),
+        ("exp(9999)", "exp(9999) has no value: the result is too large a number"),
+        ("sqrt(-a)", "sqrt(-2) has no value: a negative number has no root"),
+        ("log(0)", "log(0) has no value: only a number above 0 has a logarithm"),
+        ("acos(a)", "acos(2) has no value: it takes a number from -1 to 1"),
+    ],
+)
+def test_why_there_is_no_value_is_said_in_the_languages_words(text: str, reason: str) -> None:
+    with pytest.raises(ExpressionError) as caught:
+        parse_expression(text).evaluate(VALUES)
+    assert str(caught.value) == reason
+
+
+def test_texts_do_not_grow_without_end() -> None:
+    twice = parse_expression("$x + $x")
+    with pytest.raises(ExpressionError, match=f"a text has at most {MAX_LENGTH} characters") as caught:
+        twice.evaluate({"x": "x" * MAX_LENGTH})
+    assert len(str(caught.value)) < 300
+
+
+def test_a_negative_value_keeps_its_sign_in_a_power() -> None:
+    squared = parse_expression("$x ^ 2").substitute({"x": -2.0})
+    assert squared.evaluate({}) == parse_expression(squared.text).evaluate({}) == 4.0
+
+
+@pytest.mark.parametrize(
     ("text", "offset"),
     [
         ("1 +", 3),

@@ -51,8 +51,21 @@ def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPo
                 str(entry["road"]), int(entry["lane"]), float(entry["s"]), str(entry.get("summary", ""))
             )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        sink.add(BAD_DESCRIPTION, f"cannot read the map's description: {error}", FilePlace(str(description)))
+        sink.add(BAD_DESCRIPTION, f"cannot read the map's description: {_reason(error)}", FilePlace(str(description)))
     return points
+
+
+def _reason(error: Exception) -> str:
+    """Return what is wrong with a description, for its author."""
+    if isinstance(error, OSError):
+        return str(error.strerror)
+    if isinstance(error, tomllib.TOMLDecodeError):
+        return f"it is not TOML: {error}"
+    if isinstance(error, UnicodeDecodeError):
+        return "it is not written in UTF-8"
+    if isinstance(error, KeyError):
+        return f"a [[spawn_point]] has no {error.args[0]}"
+    return "a [[spawn_point]] has a text where a number is due, or is no table"
 
 
 @lru_cache(maxsize=8)

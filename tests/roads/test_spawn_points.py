@@ -1,0 +1,35 @@
+"""The description of a map (map.toml): what is wrong in it is said in words for its author."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.roads.spawn_points import read_spawn_points
+
+POINT = '[[spawn_point]]\nname = "a"\nroad = "1"\nlane = -1\ns = 20.0\n'
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (POINT.replace("lane = -1\n", "").encode(), "a [[spawn_point]] has no lane"),
+        (POINT.replace("20.0", '"far"').encode(), "a [[spawn_point]] has a text where a number is due"),
+        (b"spawn_point = 3", "a [[spawn_point]] has a text where a number is due, or is no table"),
+        (b"[[spawn_point", "it is not TOML"),
+        (b"\xff\xfe", "it is not written in UTF-8"),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path: Path, content: bytes, reason: str) -> None:
+    (tmp_path / "map.toml").write_bytes(content)
+    sink = Diagnostics()
+    read_spawn_points(str(tmp_path / "map.xodr"), sink)
+    assert [one.code.id for one in sink] == ["SC378"]
+    assert reason in next(iter(sink)).message
+
+
+def test_the_points_come_in_the_order_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "map.toml").write_text(POINT.replace('"a"', '"b"') + POINT, encoding="utf-8")
+    assert list(read_spawn_points(str(tmp_path / "map.xodr"), Diagnostics())) == ["b", "a"]
