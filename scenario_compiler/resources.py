@@ -64,6 +64,10 @@ class MapSearch:
         return found
 
 
+PUBLISHED_AS = {"conflictmap": "HRI_custommap"}
+"""Names of maps in scenario files, and those of the files that they are published as: the AISA toolkit's own map."""
+
+
 class MapNotFoundError(FileNotFoundError):
     """No map of that name on the search path; `looked` lists the files that were tried."""
 
@@ -79,14 +83,16 @@ def find_map(name: str, *, beside: Path | None = None, folders: Sequence[Path] =
 
     A relative path is tried from the folder of the file that names it, whole and then by its bare name; then on the
     search path: `folders`, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, the maps that
-    come along. Names are case-sensitive on every system and ".xodr" may be left out.
+    come along; then the same for the name that a map is published under. Names are case-sensitive on every system and
+    ".xodr" may be left out.
 
     Raises:
         MapNotFoundError: No such file; says where it looked.
     """
     search = MapSearch(beside, tuple(folders))
     looked: list[Path] = []
-    for candidate in _candidates(name, search):
+    published = PUBLISHED_AS.get(name)
+    for candidate in [*_candidates(name, search), *([] if published is None else _candidates(published, search))]:
         looked.append(candidate)
         if _is_exact_file(candidate):
             return candidate

@@ -15,21 +15,23 @@ from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.plan.lower import Perception
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Recording
-from scenario_compiler.resources import schema_file
+from scenario_compiler.resources import library_folder, schema_file
 from scenario_compiler.source import expand
-from scenario_compiler.source.aisa import KNOWN
+from scenario_compiler.source.aisa import KNOWN, filed_scenario
 from scenario_compiler.source.aisa_conversion import convert_aisa
 from scenario_compiler.source.aisa_file import AisaConfig
+from scenario_compiler.source.catalogs import load_catalogs
 
 MAPS = {
     "Town01": "Scenic/assets/maps/CARLA/Town01.xodr",
     "Town04": "Scenic/assets/maps/CARLA/Town04.xodr",
     "Town05": "opendrive-test-files/OpenDrive/Town05.xodr",
-    "conflictmap": "aisa-toolkit/custommap/HRI_custommap.xodr",
+    "HRI_custommap": "aisa-toolkit/custommap/HRI_custommap.xodr",
 }
 """Where the corpus keeps the maps that the file names."""
 
 CONVERTED = sorted(set(KNOWN) - {"lanesdefault"})
+"""Scenarios with a start, which say the same in our language."""
 
 
 @pytest.fixture(scope="module")
@@ -151,14 +153,42 @@ def test_little_noise_does_no_harm_and_much_does(file: Path, maps: Path) -> None
     assert _first(much, "request") is not None
 
 
-@pytest.mark.parametrize(("name", "distance"), [("customvanishing", "2541"), ("customramp", "837")])
-def test_start_off_the_custom_map_is_an_error_with_a_way_out(file: Path, maps: Path, name: str, distance: str) -> None:
-    compilation, sink = _compiled(f"{file}#{name}", maps)
+@pytest.mark.parametrize(
+    ("name", "distance", "filed"), [("customvanishing", "2541", "2793,1068,0"), ("customramp", "837", "1231,-237,0")]
+)
+@pytest.mark.parametrize("town", [{}, {"town": "HRI_custommap"}])
+def test_start_off_the_custom_map_is_an_error_with_a_way_out(
+    file: Path, maps: Path, name: str, distance: str, filed: str, town: dict[str, str]
+) -> None:
+    compilation, sink = _compiled(f"{file}#{name}", maps, **town)
     assert compilation is None
-    assert "SC374" in _codes(sink)
-    (note,) = [one for one in sink if one.code.id == "SC243"]
-    assert distance in note.message
-    assert "--set start=" in note.hint
+    (fault,) = [one for one in sink if one.severity is Severity.ERROR]
+    assert fault.code.id == "SC243"
+    assert distance in fault.message
+    assert "--set start=" in fault.hint
+    assert ("--set obstacles=false" in fault.hint) is (name == "customramp")
+    _, measured = _compiled(f"{file}#{name}", maps, start=filed, obstacles="false", **town)
+    (off_road,) = [one for one in measured if one.severity is Severity.ERROR]
+    assert off_road.code.id == "SC374"
+    assert f"is {distance} m away" in off_road.hint
+
+
+def test_obstacles_off_the_custom_map_are_one_error_with_a_way_out(file: Path, maps: Path) -> None:
+    compilation, sink = _compiled(f"{file}#customramp", maps, start="413,39,90")
+    assert compilation is None
+    (fault,) = [one for one in sink if one.severity is Severity.ERROR]
+    assert (fault.code.id, "--set obstacles=false" in fault.hint) == ("SC243", True)
+
+
+def test_the_custom_map_is_found_by_the_name_that_it_is_published_under(file: Path, maps: Path, tmp_path: Path) -> None:
+    compilation, sink = _compiled(f"{file}#customvanishing", maps, start="413,39,90")
+    assert compilation is not None
+    assert Path(compilation.network.path).name == "HRI_custommap.xodr"
+    (warning,) = [one for one in sink if one.code.id == "SC305"]
+    assert "23 more" in warning.hint
+    _, sink = _compiled(f"{file}#customvanishing", tmp_path, start="413,39,90")
+    (missing,) = [one for one in sink if one.code.id == "SC204"]
+    assert "HRI_custommap.xodr" in missing.hint
 
 
 @pytest.mark.parametrize(
@@ -208,6 +238,25 @@ def test_converted_file_is_of_our_schema(converted: Path) -> None:
     schema.assertValid(etree.parse(converted))
 
 
+def test_a_scenario_without_a_start_is_converted_to_one_that_must_be_given_it(converted: Path, maps: Path) -> None:
+    compilation, sink = _compiled(f"{converted}#lanesdefault", maps)
+    assert compilation is None
+    assert _codes(sink) == {"SC214"}
+    given = {"start_x": "151.4", "start_y": "-91.5", "start_yaw": "90"}
+    recording, _ = _played(f"{converted}#lanesdefault", maps, duration=2.0, **given)
+    assert recording.v[-1, 0] > 1.0
+
+
+def test_what_is_converted_with_a_gap_is_told(file: Path) -> None:
+    sink = Diagnostics()
+    read = read_source(file, sink)
+    assert read is not None
+    assert isinstance(read[1], AisaConfig)
+    convert_aisa(read[1], sink)
+    assert _codes(sink, Severity.WARNING) == {"SC240", "SC243"}
+    assert not sink.has_errors
+
+
 def test_converted_file_says_what_could_not_be_converted(converted: Path) -> None:
     text = converted.read_text(encoding="utf-8")
     assert "lanesdefault: the scenario 'lanesdefault' has no waypoint named 'start'" in text
@@ -230,5 +279,7 @@ def test_converted_scenario_says_the_same(file: Path, converted: Path, name: str
     assert before is not None
     assert after is not None
     sink = Diagnostics()
-    assert expand(after[1], name, {}, sink) == expand(before[1], name, {}, Diagnostics())
+    catalogs = load_catalogs(library_folder() / "catalogs", sink)
+    assert isinstance(before[1], AisaConfig)
+    assert expand(after[1], name, {}, sink) == filed_scenario(before[1], name, {}, Diagnostics(), catalogs)
     assert not list(sink)

@@ -329,31 +329,33 @@ class Binder:
 
     def _bind_world(self, position: WorldPosition, center: float) -> LanePosition | None:
         x, y, yaw = (self.value(n, position) for n in (position.x, position.y, position.yaw))
-        heading = yaw
+        written, heading = (x, y), yaw
         if position.frame == "carla":
-            x, y = point_from_carla(x, y)
+            written = x, y = point_from_carla(x, y)
             heading = heading_from_carla(math.degrees(yaw))
             x, y = reference_from_center(x, y, heading, center)
         found = self.network.locate(x, y)
         if not found:
-            nearest = self.network.locate(x, y, nearest=True)
-            hint = ""
-            if nearest:
-                pose = self.network.lane_pose(nearest[0].road, nearest[0].lane, nearest[0].s)
-                away = math.dist((x, y), (pose.x, pose.y))
-                hint = (
-                    f"the nearest lane is {away:.0f} m away: road '{nearest[0].road}', lane {nearest[0].lane}, "
-                    f"s = {nearest[0].s:.1f} m"
-                )
-            self.sink.add(
-                OFF_ROAD,
-                f"the point ({x:g}, {y:g}) in OpenDRIVE's axes lies on no lane of '{self.network.name}'",
-                position.origin,
-                hint=hint,
-            )
+            message = f"the point ({written[0]:g}, {written[1]:g}) in OpenDRIVE's axes lies on no lane"
+            hint = self._nearest_road(*written)
+            self.sink.add(OFF_ROAD, f"{message} of '{self.network.name}'", position.origin, hint=hint)
             return None
         best = min(found, key=lambda lane: self._preference(lane, heading))
         return self._facing(best, heading, position)
+
+    def _nearest_road(self, x: float, y: float) -> str:
+        """Return how far a point is from the middle of a lane of the nearest road: one for driving where it has one."""
+        nearest = self.network.locate(x, y, nearest=True)
+        if not nearest:
+            return ""
+        road, s = nearest[0].road, nearest[0].s
+        lanes = [one.lane for one in self.network.lanes_at(road, s)]
+        away = {}
+        for lane in [one for one in lanes if drivable_at(self.network, road, one, s)] or [nearest[0].lane]:
+            pose = self.network.lane_pose(road, lane, s)
+            away[lane] = math.dist((x, y), (pose.x, pose.y))
+        lane = min(away, key=lambda one: away[one])
+        return f"the nearest road is {away[lane]:.0f} m away: road '{road}', lane {lane}, s = {s:.1f} m"
 
     def _preference(self, lane: FoundLane, heading: float) -> tuple[bool, bool, float]:
         """Order lanes that contain a point: drivable first, then by direction, then by distance to the centre."""

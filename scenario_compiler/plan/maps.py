@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.diagnostics import (
+    Code,
+    Diagnostic,
+    Diagnostics,
+    FilePlace,
+    Place,
+    Severity,
+    did_you_mean,
+)
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
+from scenario_compiler.resources import PUBLISHED_AS, MapNotFoundError, find_map, known_maps
 from scenario_compiler.roads import Network, load_network
 
 UNKNOWN_MAP = Code(
@@ -39,7 +49,8 @@ def open_map(
         folders = list(dict.fromkeys(str(file.parent) for file in missing.looked))
         hint = did_you_mean(Path(name).stem, known_maps(maps))
         get = "give its folder with --maps, or set CARLA_ROOT to a CARLA installation for CARLA's towns"
-        hint = "; ".join(part for part in (hint, get, "looked in: " + ", ".join(folders)) if part)
+        published = f"it is published as {PUBLISHED_AS[name]}.xodr" if name in PUBLISHED_AS else hint
+        hint = "; ".join(part for part in (published, get, "looked in: " + ", ".join(folders)) if part)
         sink.add(UNKNOWN_MAP, f"there is no map '{name}'", place, hint=hint)
         return None
     status = path.stat()
@@ -53,7 +64,21 @@ def _loaded(path: Path, modified: int, size: int) -> tuple[Network | None, tuple
     """Return a map and what is wrong with it; many scenarios in a row lie on one, which is read once as it stands."""
     del modified, size
     sink = Diagnostics()
-    return load_network(path, sink=sink), tuple(sink.found)
+    return load_network(path, sink=sink), tuple(_counted(sink, path))
+
+
+def _counted(found: Diagnostics, path: Path) -> Iterator[Diagnostic]:
+    """Yield the errors of a map, and of its warnings the first of each code, which says how many there are."""
+    mild = [one for one in found if one.severity is not Severity.ERROR]
+    counts = Counter(one.code for one in mild)
+    yield from (one for one in found if one.severity is Severity.ERROR)
+    for one in mild:
+        more = counts.pop(one.code, 0) - 1
+        if more > 0:
+            hint = f"{more} more in this map: `scenario-compiler map check {path}` shows them"
+            yield replace(one, hint="; ".join(part for part in (one.hint, hint) if part))
+        elif more == 0:
+            yield one
 
 
 def open_plan_map(plan: Plan, sink: Diagnostics, maps: Sequence[Path] = ()) -> Network | None:

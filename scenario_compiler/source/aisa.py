@@ -15,6 +15,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.expressions import Expression, Value, format_value, parse_expression
+from scenario_compiler.resources import PUBLISHED_AS
 from scenario_compiler.source import names
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import Catalogs
@@ -62,25 +63,28 @@ class _Known:
         gold: Number, urgency and response in Gold et al. 2018, as the paper's table 1 quotes them.
         summary: What happens.
         moving: The obstacle drifts across the road.
-        off_map: Distance of the start to the nearest road of the published custom map, m; 0: it lies on its map.
+        off_map: The filed start's CARLA x, y, and its distance from the middle of the nearest road's nearest lane for
+            driving on the published custom map, m; None: it lies on its map.
     """
 
     summary: str
     gold: tuple[int, str, str] | None = None
     obstacles: tuple[tuple[float, float, float], ...] = ()
     moving: bool = False
-    off_map: float = 0.0
+    off_map: tuple[float, float, float] | None = None
 
 
 _MARKINGS, _OBSTACLE = (10, "3", "1"), (9, "3", "1-3")
 KNOWN: dict[str, _Known] = {
     "lanesdefault": _Known("Lane keeping on a town road"),
-    "customvanishing": _Known("Lane markings vanish on a road of their own", _MARKINGS, off_map=2541.0),
+    "customvanishing": _Known(
+        "Lane markings vanish on a road of their own", _MARKINGS, off_map=(2793.0, 1068.0, 2541.0)
+    ),
     "customramp": _Known(
         "The lane beside the entrance ramp is full",
         (5, "3", "3"),
         tuple((2370.0 + 1000.0 * i, -256.0, 90.0) for i in range(8)),
-        off_map=837.0,
+        off_map=(1231.0, -237.0, 837.0),
     ),
     "obstaclestatic": _Known("A car stands across the lane ahead", _OBSTACLE, ((151.4, -38.4, 0.0),)),
     "obstacledynamic": _Known("A car drifts across the lane ahead", _OBSTACLE, ((155.4, -38.4, 180.0),), moving=True),
@@ -95,11 +99,12 @@ OFF_MAP = Code(
     "SC243",
     "aisa-start-off-map",
     "The scenario's start, its destination and the obstacles that the toolkit's code adds lie far off every road of "
-    "the custom map that the toolkit publishes. On that map the scenario cannot run as it is filed.\n\n"
+    "the custom map that the toolkit publishes, HRI_custommap.xodr, which its file calls `conflictmap`. On that map "
+    "the scenario cannot run as it is filed.\n\n"
     "Start it elsewhere, in CARLA's axes, metres and degrees: --set start=X,Y,YAW, with --set obstacles=false where "
-    "the toolkit's obstacles lie off the map too. Or name a map that reaches there: --set town=NAME."
-    "\n\n    scenario-compiler run aisa_conflicts.xml#narrowingroad --set start=151.4,-91.5,90",
-    Severity.NOTE,
+    "the toolkit's code adds obstacles. On a map that does reach there, say that they are meant: --set town=NAME and "
+    "--set obstacles=true."
+    "\n\n    scenario-compiler run aisa_conflicts.xml#customramp --set start=413,39,90 --set obstacles=false",
 )
 BAD_POSE = Code(
     "SC244",
@@ -107,6 +112,10 @@ BAD_POSE = Code(
     "`start` and `dest` are set as X,Y or X,Y,YAW: CARLA's axes, m and degrees, such as --set start=151.4,-91.5,90."
     "\n\n    scenario-compiler run aisa_conflicts.xml#lanesdefault --set start=151.4,-91.5,90",
 )
+
+
+CUSTOM_MAP = ("conflictmap", PUBLISHED_AS["conflictmap"])
+"""The toolkit's own map: as its file calls it, and as it is published."""
 
 
 class Waypoint(Word):
@@ -162,15 +171,36 @@ _SETTINGS: tuple[Parameter, ...] = (
 def expand_aisa(
     config: AisaConfig, name: str, arguments: Mapping[str, str], sink: Diagnostics, catalogs: Catalogs
 ) -> Scenario | None:
-    """Return a scenario of the toolkit's file with what the toolkit's code adds to it; None when it cannot be read."""
+    """Return a scenario of the toolkit's file with what the toolkit's code adds to it; None when it cannot be read.
+
+    Of one that is known to lie far off its map, that is all there is to say.
+    """
+    scenario = filed_scenario(config, name, arguments, sink, catalogs)
+    lies_off = report_off_map(config, name, arguments, sink)
+    return None if lies_off else scenario
+
+
+def filed_scenario(
+    config: AisaConfig,
+    name: str,
+    arguments: Mapping[str, str],
+    sink: Diagnostics,
+    catalogs: Catalogs,
+    *,
+    usual_start: WorldPosition | None = None,
+) -> Scenario | None:
+    """Return a scenario as the file and the toolkit's code have it, wherever it lies; None when it cannot be read.
+
+    One without a start has the usual one; where there is none, that is an error.
+    """
     element = config.scenarios[name]
     reading = Reading(config.document, sink, Environment())
     origin = reading.origin(element)
     known = KNOWN.get(name, _Known(""))
     values = _attributes(element, arguments, reading)
     waypoints = _waypoints(element, values, reading)
+    start = waypoints["start"].position() if "start" in waypoints else usual_start
     _note_unused(element, values, reading)
-    _note_off_map(known, element, arguments, reading)
     weather_id = str(values.get("WeatherId", "1"))
     weather = weather_preset(weather_id)
     if weather is None:
@@ -184,7 +214,7 @@ def expand_aisa(
             _place_of("WeatherId", element, arguments, reading),
             hint="WeatherId 10 is HardRainSunset" if name == "vanishinglanes_weather" else "",
         )
-    if "start" not in waypoints:
+    if start is None:
         sink.add(
             names.NO_START,
             f"the scenario '{name}' has no waypoint named 'start'",
@@ -192,9 +222,9 @@ def expand_aisa(
             hint="pass --set start=X,Y,YAW (CARLA's axes), or add "
             '<waypoint name="start" x=... y=... z=... yaw=... pitch="0" roll="0"/> to its <waypoints>',
         )
-    if "town" not in values or weather is None or "start" not in waypoints:
+    if "town" not in values or weather is None or start is None:
         return None
-    ego = _ego(waypoints).written_at(origin)
+    ego = _ego(start, waypoints.get("dest")).written_at(origin)
     actors = _obstacles(known, origin) if values.get("obstacles", True) else []
     happenings = [(one.id, when) for one in actors if isinstance(one, Dynamic) for when in one.whens]
     bare = tuple(one.model_copy(update={"whens": ()}) if isinstance(one, Dynamic) else one for one in actors)
@@ -271,16 +301,26 @@ def _pose(name: str, text: str) -> Waypoint | None:
     return Waypoint(name=name, x=x, y=y, yaw=math.radians(yaw)).written_at(COMMAND_LINE)
 
 
-def _note_off_map(known: _Known, element: etree._Element, arguments: Mapping[str, str], reading: Reading) -> None:
-    """Say that a start of the file lies off the custom map that the toolkit publishes."""
-    if known.off_map and not {"start", "town"} & arguments.keys():
-        reading.sink.add(
-            OFF_MAP,
-            f"the start of '{element.get('name')}' lies {known.off_map:.0f} m off the published custom map's roads",
-            reading.origin(element),
-            hint="--set start=X,Y,YAW runs it from elsewhere"
-            + (", with --set obstacles=false" if known.obstacles else ""),
-        )
+def report_off_map(
+    config: AisaConfig, name: str, arguments: Mapping[str, str], sink: Diagnostics, severity: Severity = Severity.ERROR
+) -> bool:
+    """Report a start of the file, or obstacles of the code, that lie off the toolkit's custom map; return whether."""
+    known, element = KNOWN.get(name, _Known("")), config.scenarios[name]
+    if known.off_map is None:
+        return False
+    reading = Reading(config.document, Diagnostics(), Environment())
+    start = _waypoints(element, {}, reading).get("start")
+    on_custom_map = arguments.get("town", element.get("town")) in CUSTOM_MAP
+    without = "--set obstacles=false" if known.obstacles and "obstacles" not in arguments else ""
+    if on_custom_map and "start" not in arguments and start is not None and (start.x, start.y) == known.off_map[:2]:
+        message = f"the start of '{name}' lies {known.off_map[2]:.0f} m off the roads of {CUSTOM_MAP[1]}.xodr, its map"
+        hint = f"--set start=X,Y,YAW{without and f' {without}'} runs it from elsewhere"
+        sink.add(OFF_MAP, message, start.origin, hint=hint, severity=severity)
+        return True
+    if without:
+        message = f"the cars that the toolkit's code adds to '{name}' lie off its map"
+        sink.add(OFF_MAP, message, reading.origin(element), hint=f"{without} leaves them out", severity=severity)
+    return bool(without)
 
 
 def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: Reading) -> None:
@@ -294,14 +334,14 @@ def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: 
             reading.sink.add(names.NOT_EXECUTED, f"the toolkit never uses {name}", reading.origin(element, name))
 
 
-def _ego(waypoints: Mapping[str, Waypoint]) -> Ego:
+def _ego(start: WorldPosition, destination: Waypoint | None) -> Ego:
     noise: Expression = parse_expression("$sensor_noise")
     return Ego(
         model=MODEL,
         speed=0.0,
         desired_speed=DESIRED_SPEED,
-        start=waypoints["start"].position(),
-        destination=waypoints["dest"].position() if "dest" in waypoints else None,
+        start=start,
+        destination=None if destination is None else destination.position(),
         camera=Camera(sensor_noise=noise),
     )
 

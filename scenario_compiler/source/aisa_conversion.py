@@ -7,13 +7,16 @@ from collections.abc import Iterator
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.expressions import parse_expression
 from scenario_compiler.resources import library_folder
-from scenario_compiler.source.aisa import expand_aisa
+from scenario_compiler.source import names
+from scenario_compiler.source.aisa import filed_scenario, report_off_map
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
 from scenario_compiler.source.conflict import EntityWhen, ScenarioElement
 from scenario_compiler.source.writing import write_word
-from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.positions import WorldPosition
+from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Do
 from scenario_compiler.vocabulary.takeover import Driver, DriverModel
 
@@ -23,11 +26,27 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
+START = WorldPosition(
+    frame="carla",
+    x=parse_expression("$start_x"),
+    y=parse_expression("$start_y"),
+    yaw=parse_expression("radians($start_yaw)"),
+)
+"""Start of a converted scenario whose original has none."""
+
+START_PARAMETERS = (
+    Parameter.model_construct(name="start_x", type="length", summary="x of the start in CARLA's axes, m."),
+    Parameter.model_construct(name="start_y", type="length", summary="y of the start in CARLA's axes, m."),
+    Parameter.model_construct(name="start_yaw", type="angle", summary="Heading at the start in CARLA's axes, degrees."),
+)
+"""Where it is to be given."""
+
+
 def convert_aisa(source: AisaConfig, sink: Diagnostics) -> str:
     """Return a file of the toolkit in our language.
 
-    A scenario that cannot be read stands there as a comment that says why; its faults go to the sink as warnings of
-    the original file do, and the rest is converted.
+    A scenario without a start gets parameters for it, which must be given as `--set start=...` must in the original;
+    a warning says so. One that cannot be read stands there as a comment, and its faults go to the sink.
     """
     root = etree.Element("scenarios", version="1")
     catalogs = load_catalogs(library_folder() / "catalogs", sink)
@@ -39,10 +58,15 @@ def convert_aisa(source: AisaConfig, sink: Diagnostics) -> str:
 
 def _converted(source: AisaConfig, name: str, catalogs: Catalogs, sink: Diagnostics) -> Iterator[etree._Element]:
     found = Diagnostics()
-    scenario = expand_aisa(source, name, {}, found, catalogs)
+    scenario = filed_scenario(source, name, {}, found, catalogs, usual_start=START)
+    if scenario is not None and scenario.ego is not None and scenario.ego.start == START:
+        scenario = scenario.model_copy(update={"parameters": (*scenario.parameters, *START_PARAMETERS)})
+        message = f"the scenario '{name}' has no waypoint named 'start'; converted, its start is to be given"
+        hint = "--set start_x=X --set start_y=Y --set start_yaw=YAW, in CARLA's axes"
+        found.add(names.NO_START, message, scenario.origin, hint=hint, severity=Severity.WARNING)
+    report_off_map(source, name, {}, found, Severity.WARNING)
     for one in found:
-        if one.severity is not Severity.ERROR:
-            sink.add(one.code, one.message, one.place, hint=one.hint)
+        sink.found.append(one)
         yield _comment(f"{name}: {one.message}")
     for element in source.scenarios[name].iterfind("object"):
         attributes = " ".join(f'{key}="{element.get(key)}"' for key in map(str, element.attrib))

@@ -90,7 +90,7 @@ def test_what_is_set_is_checked(config: Source, arguments: dict[str, str], code:
 def test_obstacles_of_the_toolkits_code(config: Source) -> None:
     static, _ = _expanded(config, "obstaclestatic")
     narrow, _ = _expanded(config, "narrowingroad")
-    ramp, _ = _expanded(config, "customramp")
+    ramp, _ = _expanded(config, "customramp", start="413,39,90", obstacles="true")
     assert static is not None
     assert narrow is not None
     assert ramp is not None
@@ -131,16 +131,16 @@ def test_without_a_start_there_is_no_scenario(config: Source) -> None:
     assert found == [("SC240", 7), ("SC241", 11), ("SC241", 12), ("SC241", 13), ("SC241", 14)]
 
 
-def test_checking_the_file_finds_one_error(config: Source) -> None:
+def test_checking_the_file_finds_the_three_that_cannot_run_as_they_are(config: Source) -> None:
     sink = Diagnostics()
-    assert [one.scenario.name for one in check_source(config, sink)] == list(NAMES[1:])
-    assert [one.code.id for one in sink if one.severity is Severity.ERROR] == ["SC240"]
+    assert [one.scenario.name for one in check_source(config, sink)] == list(NAMES[3:])
+    assert [one.code.id for one in sink if one.severity is Severity.ERROR] == ["SC240", "SC243", "SC243"]
 
 
 def test_the_papers_situations_are_named(config: Source) -> None:
     numbers = {}
     for name in NAMES[1:]:
-        scenario, _ = _expanded(config, name)
+        scenario, _ = _expanded(config, name, start="413,39,90", obstacles="false")
         assert scenario is not None
         assert scenario.classification is not None
         assert scenario.classification.criticality == ""
