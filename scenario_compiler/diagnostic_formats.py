@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 from urllib.parse import quote
 
@@ -57,8 +57,14 @@ def _sarif_result(d: Diagnostic) -> dict[str, object]:
         "message": {"text": text},
         "locations": [_sarif_location(d.place)],
     }
-    uses = [_sarif_location(use) | {"message": {"text": "in this use"}} for use in d.chain()]
-    return result | {"relatedLocations": uses} if uses else result
+    others = [_sarif_location(place) | {"message": {"text": message}} for message, place in _others(d)]
+    return result | {"relatedLocations": others} if others else result
+
+
+def _others(d: Diagnostic) -> Iterator[tuple[str, Place]]:
+    """Yield the places around the finding's own, and what each is: the uses that brought it in, what else it names."""
+    yield from (("in this use", use) for use in d.chain())
+    yield from ((one.message, one.place) for one in d.related)
 
 
 def _sarif_location(place: Place) -> dict[str, object]:
@@ -77,7 +83,7 @@ def _github(d: Diagnostic) -> str:
         return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
     text = f"{d.message} ({d.hint})" if d.hint else d.message
-    text = "\n".join([text, *(f"in this use: {position_text(use)}" for use in d.chain())])
+    text = "\n".join([text, *(f"{message}: {position_text(place)}" for message, place in _others(d))])
     file = escaped(d.place.file).replace(":", "%3A").replace(",", "%2C")
     position = f"file={file},line={max(d.place.line, 1)},col={max(d.place.column, 1)}"
     return f"::{_GITHUB_LEVEL[d.severity]} {position},title={d.code.id}::{escaped(text)}"

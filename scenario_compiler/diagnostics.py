@@ -122,14 +122,23 @@ def code_named(text: str) -> Code | None:
 
 
 @dataclass(frozen=True, slots=True)
+class Related:
+    """Another place that a finding speaks of, and what is there."""
+
+    message: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding: what is wrong, where, and what the author can do about it."""
+    """One finding: what is wrong, where, what the author can do about it, and which other places it speaks of."""
 
     code: Code
     message: str
     place: Place
     hint: str = ""
     severity: Severity = Severity.ERROR
+    related: tuple[Related, ...] = ()
 
     def chain(self) -> Iterator[Place]:
         """Yield the uses that brought the place in, innermost first."""
@@ -151,9 +160,18 @@ class Diagnostics:
     found: list[Diagnostic] = field(default_factory=list)
     insisted: frozenset[str] = frozenset()
 
-    def add(self, code: Code, message: str, place: Place, *, hint: str = "", severity: Severity | None = None) -> None:
+    def add(
+        self,
+        code: Code,
+        message: str,
+        place: Place,
+        *,
+        hint: str = "",
+        severity: Severity | None = None,
+        related: tuple[Related, ...] = (),
+    ) -> None:
         """Report one finding with the code's severity, unless another is given."""
-        self.found.append(Diagnostic(code, message, place, hint, severity or code.severity))
+        self.found.append(Diagnostic(code, message, place, hint, severity or code.severity, related))
 
     @property
     def has_errors(self) -> bool:
@@ -223,20 +241,27 @@ WIDEST_LINE = 240
 
 
 def as_text(diagnostic: Diagnostic) -> str:
-    """Format as a compiler does: position, code, message, the source line with carets, hint and chain."""
+    """Format as a compiler does: position, code, message, the source line with carets, hint, chain, other places."""
     place = diagnostic.place
     lines = [f"{position_text(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
-    if place.source_line:
-        gutter = f"{place.line:>5} | "
-        shown, before = _excerpt(place)
-        lines.append(gutter + shown.replace("\t", " "))
-        if place.column:
-            carets = "^" * max(1, min(place.length, len(shown) - before))
-            lines.append(" " * (len(gutter) + before) + carets)
+    lines.extend(_source(place))
     if diagnostic.hint:
         lines.append(f"      = help: {diagnostic.hint}")
     lines.extend(f"      = in this use: {position_text(use)}" for use in diagnostic.chain())
+    for other in diagnostic.related:
+        lines.append(f"      = {other.message}: {position_text(other.place)}")
+        lines.extend(_source(other.place))
     return "\n".join(lines)
+
+
+def _source(place: Place) -> Iterator[str]:
+    """Yield the line of a place and the carets below it, where they are known."""
+    if place.source_line:
+        gutter = f"{place.line:>5} | "
+        shown, before = _excerpt(place)
+        yield gutter + shown.replace("\t", " ")
+        if place.column:
+            yield " " * (len(gutter) + before) + "^" * max(1, min(place.length, len(shown) - before))
 
 
 def _excerpt(place: Place) -> tuple[str, int]:
@@ -263,6 +288,10 @@ def as_record(diagnostic: Diagnostic) -> dict[str, object]:
         "length": place.length,
         "hint": diagnostic.hint,
         "chain": [{"file": use.file, "line": use.line, "column": use.column} for use in diagnostic.chain()],
+        "related": [
+            {"message": one.message, "file": one.place.file, "line": one.place.line, "column": one.place.column}
+            for one in diagnostic.related
+        ],
     }
 
 

@@ -122,6 +122,7 @@ def test_record_holds_plain_values() -> None:
         "length": 3,
         "hint": "",
         "chain": [{"file": "b", "line": 4, "column": 5}],
+        "related": [],
     }
 
 

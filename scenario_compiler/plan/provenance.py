@@ -5,6 +5,9 @@ from __future__ import annotations
 from scenario_compiler.diagnostics import FilePlace, Place
 from scenario_compiler.plan.model import Plan, PlanOrigin
 
+LONGEST_LINE = 2000
+"""Most characters of a line that a plan keeps the text of; a file may be one line of many megabytes."""
+
 
 def origin_at(place: Place) -> PlanOrigin:
     """Return a place as a plan keeps it: with the text of its line and the uses around it."""
@@ -13,7 +16,7 @@ def origin_at(place: Place) -> PlanOrigin:
         line=place.line,
         column=place.column,
         length=place.length,
-        source_line=place.source_line,
+        source_line=place.source_line if len(place.source_line) <= LONGEST_LINE else "",
         within=None if place.within is None else origin_at(place.within),
     )
 

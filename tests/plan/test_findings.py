@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
+from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.lower import Perception
 from scenario_compiler.plan.provenance import place_of
@@ -31,7 +33,38 @@ def test_a_finding_on_an_element_shows_its_line_and_the_use_that_brought_it_in(t
     text = as_text(overlap).splitlines()
     assert '<static id="blocker"' in text[1]
     assert text[2].strip() == "^^^^^^^"
-    assert text[-1].endswith("found.xml:4:1")
+    assert text[3].endswith("in this use: " + str(tmp_path / "found.xml:4:1"))
+    assert text[4].startswith("      = 'blocked_lane1.blocker' stands here: ")
+    assert text[5:] == text[1:3]
+
+
+@pytest.mark.parametrize("form", ["json", "sarif", "github"])
+def test_an_overlap_points_at_the_other_entity_in_every_format(tmp_path: Path, form: str) -> None:
+    body = '<static id="a"><at><ahead_of entity="ego" distance="30"/></at></static>'
+    sink = Diagnostics()
+    compile_target(_file(tmp_path, body + "\n" + body.replace('"a"', '"b"')), {}, sink)
+    text = formatted(sink, form)
+    if form == "github":
+        assert text.startswith("::error file=")
+        assert "line=4,col=1" in text
+        assert f"'a' stands here: {tmp_path / 'found.xml'}:3:1" in text
+        return
+    found = json.loads(text)
+    if form == "json":
+        (other,) = found[0]["related"]
+        assert (other["message"], other["line"], other["column"]) == ("'a' stands here", 3, 1)
+    else:
+        (other,) = found["runs"][0]["results"][0]["relatedLocations"]
+        assert other["message"]["text"] == "'a' stands here"
+        assert other["physicalLocation"]["region"] == {"startLine": 3, "startColumn": 1}
+
+
+def test_of_a_very_long_line_a_plan_keeps_no_text(tmp_path: Path) -> None:
+    sink = Diagnostics()
+    done = compile_target(_file(tmp_path, "", inside=" " * 3000), {}, sink)
+    assert done is not None
+    assert place_of(done.plan, "entities/ego").column == 1
+    assert place_of(done.plan, "entities/ego").source_line == ""
 
 
 def test_a_stored_plan_knows_the_lines_too(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.diagnostics import Code, Diagnostics, Related, Severity
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Entity, Plan, StartPose
 from scenario_compiler.plan.provenance import place_of
@@ -41,7 +41,9 @@ def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
         hit = next((one for one in near if overlap_at_start(one, plan.derived[one.id], other, there)), None)
         if hit is not None:
             message = f"'{hit.id}' and '{other.id}' overlap at the start"
-            sink.add(OVERLAP, message, place_of(plan, f"entities/{other.id}"), severity=severity)
+            place, there_too = (place_of(plan, f"entities/{one.id}") for one in (other, hit))
+            related = (Related(f"'{hit.id}' stands here", there_too),)
+            sink.add(OVERLAP, message, place, severity=severity, related=related)
         cells.setdefault((column, row), []).append(other)
 
 
