@@ -14,7 +14,7 @@ from scenario_compiler.document import Document, Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
 
 _PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_.]*)\Z")
-_EXPRESSION = re.compile(r"\$\{([^{}]*)\}\Z")
+_EXPRESSION = re.compile(r"\$\{([ \t\r\n]*[^{} \t\r\n][^{}]*)\}\Z")
 
 Binding: TypeAlias = Expression | Value
 

@@ -27,8 +27,11 @@ NUMBER = r"[+\-]?([0-9]{1,30}(\.[0-9]{1,30})?|\.[0-9]{1,30})([eE][+\-]?[0-9]{1,2
 INTEGER = r"[+\-]?[0-9]{1,9}"
 """A whole number as XML writes it."""
 
-EXPRESSION = r"\$[A-Za-z_][A-Za-z0-9_.]*|\$\{[^{}]*\}"
-"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal."""
+EXPRESSION = r"\$[A-Za-z_][A-Za-z0-9_.]*|\$\{[ \t\r\n]*[^{} \t\r\n][^{}]*\}"
+"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal; `${}` is none.
+
+What an expression comes to is no matter of form: a schema takes any for any value, and the reader judges the value.
+"""
 
 AttributeKind = Literal["number", "fixed_number", "integer", "boolean", "choice", "text"]
 """What an attribute holds. A `number` may stay open in a plan; the other kinds decide structure."""
