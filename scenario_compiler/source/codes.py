@@ -65,7 +65,7 @@ WRONG_VALUE = Code(
     "choices, a fraction where a whole number belongs:\n\n"
     '    <ego speed="50 km/h">     write the number alone, in m/s: speed="13.9"\n\n'
     "Numbers are decimal with a point, in the unit that the message names. `$name` and `${expression}` may stand for "
-    "any value.",
+    "any value; what they come to counts then.",
 )
 OUT_OF_LIMITS = Code(
     "SC112",

@@ -36,7 +36,7 @@ _NOTHING = """
 _SIMPLE_TYPES = f"""
   <xs:simpleType name="expression">
     <xs:annotation>
-      <xs:documentation>A parameter, $name, or an expression over parameters, ${{...}}; its value counts.</xs:documentation>
+      <xs:documentation>A parameter, $name, or an expression, ${{...}}; what it comes to counts.</xs:documentation>
     </xs:annotation>
     <xs:restriction base="xs:token"><xs:pattern value={quoteattr(EXPRESSION)}/></xs:restriction>
   </xs:simpleType>

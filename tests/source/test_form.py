@@ -239,6 +239,16 @@ def test_both_judges_agree_on_any_number(text: str) -> None:
         assert disagreement(mutant) == ""
 
 
+@pytest.mark.parametrize("text", ["${}", "${ }", "${\n}"])
+def test_an_expression_says_something(text: str) -> None:
+    root = etree.fromstring(
+        b'<catalog version="1"><vehicle name="v" length="4" width="2" height="1" wheelbase="2" center="1"/></catalog>'
+    )
+    root[0].set("length", text)
+    assert not SCHEMA.validate(root)
+    assert faults(root)
+
+
 def test_second_judge_reports_what_the_reader_let_pass() -> None:
     sink = Diagnostics()
     text = '<scenarios version="1">\n  <scenario name="a"/>\n</scenarios>'
