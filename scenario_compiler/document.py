@@ -176,8 +176,9 @@ def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
     try:
         raw = read_file(path)
     except FileNotFoundError as error:
-        why = "it is a link to nothing" if Path(path).is_symlink() else error.strerror
-        sink.add(UNREADABLE, f"cannot read the file: {why}", FilePlace(name), hint=_beside(Path(path)))
+        dangling = Path(path).is_symlink()
+        why, hint = ("it is a link to nothing", "") if dangling else (error.strerror, _beside(Path(path)))
+        sink.add(UNREADABLE, f"cannot read the file: {why}", FilePlace(name), hint=hint)
         return None
     except OSError as error:
         sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(name))
