@@ -11,14 +11,15 @@ from scenario_compiler.vocabulary.word import number_value
 EMPTY_STRETCH = Code(
     "SC388",
     "empty-stretch",
-    "A stretch of paint ends before it begins. `from` and `to` are measured along the road's reference line, whichever "
-    "way its lanes go; of a line beside an entity, from the entity to where it faces."
+    "A stretch of paint ends before it begins, so it is not what was meant. `from` and `to` are measured along the "
+    "road's reference line, whichever way its lanes go; of a line beside an entity, from the entity to where it faces."
     '\n\n    <markings road="1" from="200" to="100" quality="0"/>     write from="100" to="200"',
+    Severity.WARNING,
 )
 
 
 def check_paint(binder: Binder, scenario: Scenario) -> None:
-    """Report stretches that end before they begin, or lie where the map has no road or no lane with such a mark."""
+    """Report marks of roads and lanes that the map does not have, and warn of stretches that lie nowhere."""
     for stretch in (*scenario.markings, *scenario.secondary_markings):
         begin, end = number_value(stretch.s_from, binder.values), number_value(stretch.s_to, binder.values)
         if end < begin:
@@ -29,15 +30,14 @@ def check_paint(binder: Binder, scenario: Scenario) -> None:
 
 
 def _check_on_road(binder: Binder, stretch: Markings | SecondaryMarkings, begin: float, end: float) -> None:
-    """Report a stretch that its road is too short for: an error where nothing of it lies there."""
+    """Warn of a stretch that its road is too short for, and report marks of a lane that is nowhere along it."""
     road = binder.network.road(stretch.road)
     if end > road.length:
         beyond = begin >= road.length
         s, attribute = (begin, "from") if beyond else (end, "to")
         message = f"s = {s:g} m is outside road '{stretch.road}', which is {road.length:.2f} m long"
-        hint = "" if beyond else "the road's end is meant"
-        severity = None if beyond else Severity.WARNING
-        binder.sink.add(BEYOND_ROAD, message, stretch.place_of(attribute), hint=hint, severity=severity)
+        hint = "nothing is painted" if beyond else "the road's end is meant"
+        binder.sink.add(BEYOND_ROAD, message, stretch.place_of(attribute), hint=hint, severity=Severity.WARNING)
         if beyond:
             return
     if isinstance(stretch, Markings) and stretch.lane is not None:

@@ -66,7 +66,7 @@ class Never:
 
 
 def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report events, failures and a stop that never come about."""
+    """Report events that never come about."""
     values = parameter_values(plan.parameters)
     events = events_of(plan)
     faults = {
@@ -79,11 +79,6 @@ def check_triggers(plan: Plan, network: Network, sink: Diagnostics) -> None:
     for path, event in events.items():
         if path in impossible:
             _report(path, event, impossible, faults, sink)
-    for failure in plan.camera.failures:
-        onset = number_value(failure.onset, values)
-        if onset >= plan.duration:
-            message = f"the failure begins at {onset:g} s, but the run ends at {plan.duration:g} s"
-            sink.add(AFTER_THE_END, message, failure.place_of("onset"))
 
 
 def events_of(plan: Plan) -> dict[str, Event]:
