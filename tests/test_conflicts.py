@@ -74,6 +74,22 @@ def test_a_failing_camera_makes_the_car_ask_within_a_second() -> None:
     assert outcome.cause in ("sensor_health", "lane_confidence")
 
 
+FAILING = """<scenarios version="1"><scenario name="failing" map="town_grid" duration="4.5" control_every="2">
+<ego speed="12"><start><spawn_point name="main_street"/></start>
+<camera sensor_noise="5"><failure kind="{}" onset="2" ramp="1"/></camera></ego>
+<takeover budget="7"><driver preset="absent"/></takeover></scenario></scenarios>"""
+
+
+@pytest.mark.parametrize("perception", ["camera", "ideal"])
+@pytest.mark.parametrize("kind", ["noise", "dropout", "freeze", "blackout", "blur", "dirt"])
+def test_whatever_fails_in_a_noisy_camera_makes_the_car_ask(kind: str, perception: Perception, tmp_path: Path) -> None:
+    file = tmp_path / "failing.xml"
+    file.write_text(FAILING.format(kind), encoding="utf-8")
+    compilation = compile_target(file, {}, Diagnostics(), overrides=Overrides(perception=perception))
+    assert compilation is not None
+    assert 2.0 <= first(played(compilation)[1], "request") <= 4.2
+
+
 def test_a_little_noise_is_no_failure() -> None:
     _, recording, _ = played(compiled("sensor_failure", duration=3.0, onset=0.5, sigma=5))
     assert first(recording, "warning") == math.inf

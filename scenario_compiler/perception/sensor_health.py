@@ -7,12 +7,15 @@ car changes in every image, what sticks to the lens does not.
     noise    `confidence.noise_of`
     tones    99th percentile of the brightest channel after a mean over 5 x 5 pixels, grey levels
     blur     a step blurred by a Gaussian of radius r has the slope step / (2.5 r): the largest steps over 40 pixels by
-             the largest slopes, both as 99.8th percentiles, geometric mean of rows and columns
+             the largest slopes, both as 99.8th percentiles, geometric mean of rows and columns. Noise has slopes of its
+             own, so it is smoothed first, and what is left of it is subtracted from the squares of steps and slopes,
+             as is the square of the radius of the smoothing from that of the blur
     dirt     share of the ground near the car whose blocks of 8 x 8 pixels have not changed: the rims of blotches do, so
              that it is 0.05 to 0.1 less than what dirt covers
     frozen   the image is equal to the one before
 
-What they do not cover: dirt and frozen images at a standstill, dirt in the sky, blur that noise hides.
+What they do not cover: dirt and frozen images at a standstill, dirt in the sky, blur under noise of 15 grey levels
+and more in the dark.
 """
 
 from __future__ import annotations
@@ -35,6 +38,15 @@ STEP = 40
 
 SHARPEST, SLOPE_OF_STEP = 99.8, 2.507
 """Percentile of slopes and steps that counts, and the square root of 2 pi."""
+
+RAREST = 3.09
+"""The same percentile of the absolute value of a normal variable, in standard deviations."""
+
+SMOOTHED = 4.0
+"""Noise is smoothed the more the stronger it is: by a Gaussian of the radius sqrt(noise / 4), pixels."""
+
+LEAST_SMOOTHING = 0.6
+"""Least radius that is smoothed by: a narrower Gaussian is hardly one between pixels."""
 
 SPARSE = 4
 """Every which row or column is looked at: enough for percentiles."""
@@ -106,7 +118,7 @@ class SensorMonitor:
             self._frozen = False
         dirt = self._still_share(image, noise, travelled)
         self._last = image
-        return SensorHealth(noise, tones_of(image), blur_of(image), dirt, self._frozen)
+        return SensorHealth(noise, tones_of(image), blur_of(image, noise), dirt, self._frozen)
 
     def _still_share(self, image: Image, noise: float, travelled: float) -> float:
         near = image[image.shape[0] * 5 // 8 :, :, 1]
@@ -134,18 +146,38 @@ def tones_of(image: Image) -> float:
     return float(np.percentile(cv2.blur(image, (5, 5))[::SPARSE, ::SPARSE].max(axis=2), 99))
 
 
-def blur_of(image: Image) -> float:
-    """Return the radius of the blur of a BGR image, in 1/512 of its width."""
+def blur_of(image: Image, noise: float) -> float:
+    """Return the radius of the blur of a BGR image, in 1/512 of its width.
+
+    Args:
+        image: (height, width, 3) uint8.
+        noise: Standard deviation of its noise in a channel, grey levels.
+    """
     scale = image.shape[1] / 512.0
     step = max(round(STEP * scale), 2)
-    green = image[:, :, 1].astype(np.int16)
-    rows, columns = green[::SPARSE], green[:, ::SPARSE]
-    across = _radius(np.abs(rows[:, step:] - rows[:, :-step]), np.abs(rows[:, 1:] - rows[:, :-1]))
-    down = _radius(np.abs(columns[step:] - columns[:-step]), np.abs(columns[1:] - columns[:-1]))
-    return float(math.sqrt(across * down) / scale)
+    left = noise / math.sqrt(3.0)
+    radius = math.sqrt(left / SMOOTHED)
+    smoothed = radius >= LEAST_SMOOTHING
+    grey = cv2.transform(image.astype(np.float32), np.full((1, 3), 1.0 / 3.0, np.float32))
+    if smoothed:
+        grey = cv2.GaussianBlur(grey, (0, 0), radius)
+    here = 1.0 / (2.0 * math.sqrt(math.pi) * radius) if smoothed else 1.0
+    beside = here * math.exp(-0.25 / (radius * radius)) if smoothed else 0.0
+    by_noise = (left * RAREST * math.sqrt(2.0) * here, left * RAREST * math.sqrt(2.0 * here * (here - beside)))
+    rows, columns = grey[::SPARSE], grey[:, ::SPARSE]
+    across = _radius(np.abs(rows[:, step:] - rows[:, :-step]), np.abs(rows[:, 1:] - rows[:, :-1]), by_noise)
+    down = _radius(np.abs(columns[step:] - columns[:-step]), np.abs(columns[1:] - columns[:-1]), by_noise)
+    own = radius * radius if smoothed else 0.0
+    return math.sqrt(math.sqrt(max(across * across - own, 0.0)) * math.sqrt(max(down * down - own, 0.0))) / scale
 
 
-def _radius(steps: NDArray[np.int16], slopes: NDArray[np.int16]) -> float:
+def _radius(steps: Floats, slopes: Floats, by_noise: tuple[float, float]) -> float:
     """Return the radius of the blur of the largest steps; half a grey level is the least slope that can be seen."""
-    slope = max(float(np.percentile(slopes, SHARPEST)), 0.5)
-    return float(np.percentile(steps, SHARPEST)) / slope / SLOPE_OF_STEP
+    step, slope = (_beyond_noise(found, noise) for found, noise in zip((steps, slopes), by_noise, strict=True))
+    return step / max(slope, 0.5) / SLOPE_OF_STEP
+
+
+def _beyond_noise(differences: Floats, noise: float) -> float:
+    """Return the percentile that counts of differences, less what noise alone gives."""
+    largest = float(np.percentile(differences, SHARPEST))
+    return math.sqrt(max(largest * largest - noise * noise, 0.0))

@@ -70,6 +70,13 @@ def test_a_slight_fault_is_none(weather: str, state: Degradation) -> None:
     assert watched(weather, state).health > 0.85
 
 
+@pytest.mark.parametrize("weather", WEATHERS)
+@pytest.mark.parametrize("sigma", [2.0, 5.0, 10.0])
+def test_noise_neither_hides_blur_nor_is_taken_for_it(weather: str, sigma: float) -> None:
+    assert watched(weather, Degradation(sigma=sigma)).blur < 3.5
+    assert watched(weather, Degradation(sigma=sigma, blur=9.0)).blur > 6.0
+
+
 def test_each_fault_is_measured_as_what_it_is() -> None:
     assert watched("ClearNoon", Degradation(sigma=20.0)).noise == pytest.approx(20.0, abs=1.5)
     assert watched("ClearNoon", Degradation(blur=5.0)).blur == pytest.approx(6.0, abs=1.5)
