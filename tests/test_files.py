@@ -10,9 +10,11 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.files import read_file
 from scenario_compiler.plan.store import read_plan
+from scenario_compiler.recording.trajectory import read_trajectory
 from scenario_compiler.roads import load_network
 from scenario_compiler.source import parse
 from scenario_compiler.source.documents import read_scenario_document
+from scenario_compiler.structure.schemas import find_schema
 
 INCLUDING = '<scenarios version="1"><include file="{}"/></scenarios>'
 
@@ -57,6 +59,19 @@ def test_no_reader_waits_for_one(tmp_path: Path, kind: str) -> None:
     assert document is not None
     parse(document, sink)
     assert [*found, *(one.code.id for one in sink.found)] == ["SC101", "SC130", "SC101", "SC220"]
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder", "loop"])
+def test_in_a_folder_of_schemas_it_is_none(tmp_path: Path, kind: str) -> None:
+    odd = _odd(tmp_path, kind)
+    odd.rename(odd.with_name("OpenDRIVE_1.4.xsd"))
+    assert find_schema(tmp_path, "OpenDRIVE", 4) is None
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "loop"])
+def test_trajectories_are_not_read_from_it(tmp_path: Path, kind: str) -> None:
+    with pytest.raises(OSError, match=r"pipe, a socket or a device|symbolic links"):
+        read_trajectory(_odd(tmp_path, kind))
 
 
 def _odd(folder: Path, kind: str) -> Path:

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
@@ -165,6 +166,6 @@ def write_outcome(outcome: Outcome, path: Path) -> None:
 def read_outcome(path: Path) -> Outcome:
     """Read an outcome back; OutcomeError when the file holds none."""
     try:
-        return Outcome.model_validate_json(path.read_bytes())
+        return Outcome.model_validate_json(read_file(path))
     except ValidationError as problem:
         raise OutcomeError(f"{path} is no outcome: {problem}") from problem

@@ -8,6 +8,7 @@ import math
 from itertools import pairwise
 from pathlib import Path
 
+from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.decimals import shortest
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
@@ -50,9 +51,9 @@ def read_trajectory(path: Path) -> Recording:
     """
     rows: dict[float, dict[str, dict[str, str]]] = {}
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            for row in csv.DictReader(file, strict=True):
-                rows.setdefault(_finite(row["t"]), {})[row["name"]] = row
+        text = io.StringIO(read_file(path).decode(), newline="")
+        for row in csv.DictReader(text, strict=True):
+            rows.setdefault(_finite(row["t"]), {})[row["name"]] = row
         return _recorded(path.stem, rows)
     except (csv.Error, KeyError, TypeError, ValueError, OverflowError) as problem:
         raise TrajectoryError(f"{path} holds no trajectories: {problem!r}") from problem

@@ -15,6 +15,7 @@ from typing import cast
 from lxml import etree
 
 from scenario_compiler.document import Document
+from scenario_compiler.files import read_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +39,10 @@ def find_schema(folder: Path, root: str, minor: int) -> Path | None:
 
 
 def _schema_minor(path: Path, root: str) -> int | None:
-    raw = path.read_bytes()
+    try:
+        raw = read_file(path)
+    except OSError:
+        return None
     if re.search(rb"<xsd?:element\s+name=[\"']" + root.encode() + rb"[\"']", raw) is None:
         return None
     for text in (path.stem, path.parent.name, raw[:400].decode("utf-8", "replace")):
