@@ -153,22 +153,24 @@ def blur_of(image: Image, noise: float) -> float:
         image: (height, width, 3) uint8.
         noise: Standard deviation of its noise in a channel, grey levels.
     """
-    scale = image.shape[1] / 512.0
+    scale = float(image.shape[1] / 512.0)
     step = max(round(STEP * scale), 2)
     left = noise / math.sqrt(3.0)
-    radius = math.sqrt(left / SMOOTHED)
-    smoothed = radius >= LEAST_SMOOTHING
     grey = cv2.transform(image.astype(np.float32), np.full((1, 3), 1.0 / 3.0, np.float32))
-    if smoothed:
+    radius, here, beside = math.sqrt(left / SMOOTHED), 1.0, 0.0
+    if radius >= LEAST_SMOOTHING:
         grey = cv2.GaussianBlur(grey, (0, 0), radius)
-    here = 1.0 / (2.0 * math.sqrt(math.pi) * radius) if smoothed else 1.0
-    beside = here * math.exp(-0.25 / (radius * radius)) if smoothed else 0.0
+        here = 1.0 / (2.0 * math.sqrt(math.pi) * radius)
+        beside = here * math.exp(-0.25 / (radius * radius))
+    else:
+        radius = 0.0
+    # `here` and `beside` are the smoothing's correlation along a row of a pixel with itself and with the next.
     by_noise = (left * RAREST * math.sqrt(2.0) * here, left * RAREST * math.sqrt(2.0 * here * (here - beside)))
     rows, columns = grey[::SPARSE], grey[:, ::SPARSE]
     across = _radius(np.abs(rows[:, step:] - rows[:, :-step]), np.abs(rows[:, 1:] - rows[:, :-1]), by_noise)
     down = _radius(np.abs(columns[step:] - columns[:-step]), np.abs(columns[1:] - columns[:-1]), by_noise)
-    own = radius * radius if smoothed else 0.0
-    return math.sqrt(math.sqrt(max(across * across - own, 0.0)) * math.sqrt(max(down * down - own, 0.0))) / scale
+    squared = (max(found * found - radius * radius, 0.0) for found in (across, down))
+    return math.prod(squared) ** 0.25 / scale
 
 
 def _radius(steps: Floats, slopes: Floats, by_noise: tuple[float, float]) -> float:
