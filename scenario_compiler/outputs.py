@@ -28,8 +28,9 @@ def whole_file(path: str | Path) -> Iterator[BinaryIO]:
         OSError: It cannot be written; nothing of it is left, and what was there before is as it was.
     """
     try:
-        target = Path(path).resolve()
-        with target.open("wb") if _is_special(target) else _draft_of(target) as file:
+        given = Path(path)
+        special = given.exists() and not given.is_file()
+        with given.open("wb") if special else _draft_of(given.resolve()) as file:
             yield file
     except OSError as fault:
         raise _cannot(path, fault) from None
@@ -41,10 +42,6 @@ def make_folder(path: str | Path) -> None:
         Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as fault:
         raise _cannot(path, fault) from None
-
-
-def _is_special(target: Path) -> bool:
-    return target.exists() and not target.is_file()
 
 
 @contextlib.contextmanager

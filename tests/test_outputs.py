@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import shutil
 import signal
@@ -175,6 +176,12 @@ def test_a_link_keeps_pointing_and_a_device_is_written_to() -> None:
     assert Path("real.txt").read_text() == "new\n"
     write_whole("/dev/null", b"gone")
     assert Path("/dev/null").is_char_device()
+
+
+def test_a_plan_is_written_to_a_pipe() -> None:
+    words = [sys.executable, "-m", "scenario_compiler", "compile", "mine.xml", "-o", "/dev/stdout"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["name"] == "short"
 
 
 @pytest.mark.parametrize("write", [lambda path: write_whole(path, "it"), make_folder])
