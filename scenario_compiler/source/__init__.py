@@ -134,9 +134,8 @@ def is_whole(source: Source, found: Iterable[Diagnostic]) -> bool:
     Names that lead nowhere leave it whole. `found` is what expanding it has reported, and for a file in OpenSCENARIO
     what reading it has.
     """
-    faults = [one for one in found if one.severity is Severity.ERROR]
     complete = source.complete if isinstance(source, Library) else True
-    return complete and all(one.code in names.LEAVING_WHOLE for one in faults)
+    return complete and all(one.code in names.LEAVING_WHOLE for one in found if one.severity is Severity.ERROR)
 
 
 def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
@@ -160,5 +159,6 @@ def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
     read_without_fault = all(one.place.file != source.document.path for one in sink.found)
     if isinstance(source, Library) and read_without_fault:
         judge_form(source.document, sink)
+    if isinstance(source, Library) and is_whole(source, sink):
         report_unused_templates(source, sink)
     return expanded

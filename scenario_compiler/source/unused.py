@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from lxml import etree
+
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.source import names
-from scenario_compiler.source.conflict import Library, Part, Use
+from scenario_compiler.source.conflict import Library, ScenarioElement, Use
 
 
 def report_unused_templates(library: Library, sink: Diagnostics) -> None:
@@ -12,14 +14,15 @@ def report_unused_templates(library: Library, sink: Diagnostics) -> None:
     if not library.scenarios:
         return
     reached: set[str] = set()
-    waiting = [name for part in library.scenarios.values() for name in _used_by(part)]
+    scenarios = library.document.root.iterchildren(ScenarioElement.tag())
+    waiting = [name for element in scenarios for name in _used_by(element)]
     while waiting:
         name = waiting.pop()
         if "$" in name:
             return
         if name not in reached:
             reached.add(name)
-            waiting += _used_by(library.templates[name]) if name in library.templates else []
+            waiting += _used_by(library.templates[name].element) if name in library.templates else []
     for name in library.own_templates:
         if name and name not in reached:
             part = library.templates[name]
@@ -27,5 +30,5 @@ def report_unused_templates(library: Library, sink: Diagnostics) -> None:
             sink.add(names.UNUSED_TEMPLATE, f"no scenario of this file uses the template '{name}'", place)
 
 
-def _used_by(part: Part) -> list[str]:
-    return [str(use.get("template", "")) for use in part.element.iter(Use.tag())]
+def _used_by(element: etree._Element) -> list[str]:
+    return [str(use.get("template", "")) for use in element.iter(Use.tag())]

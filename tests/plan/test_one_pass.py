@@ -24,7 +24,7 @@ def _scenario(name: str, body: str, ego: str = EGO, end: str = "") -> str:
 
 def _codes(folder: Path, *scenarios: str) -> list[str]:
     path = folder / "faults.xml"
-    path.write_text(f'<scenarios version="1">{"".join(scenarios)}</scenarios>', encoding="utf-8")
+    path.write_text("\n".join(['<scenarios version="1">', *scenarios, "</scenarios>"]), encoding="utf-8")
     sink = Diagnostics()
     validate_file(path, sink)
     return [one.code.id for one in sink]
@@ -76,6 +76,18 @@ def test_a_start_off_every_road_hides_no_other_fault_and_is_no_missing_start(tmp
     body = '<static id="a"><at><lane road="1" lane="-1" s="30"/></at></static>'
     found = _codes(tmp_path, _scenario("one", body + body.replace('"a"', '"b"') + LATE, ego))
     assert sorted(found) == ["SC376", "SC381", "SC402"]
+
+
+def test_a_fault_of_names_hides_no_unused_template(tmp_path: Path) -> None:
+    templates = "".join(f'<template name="{name}">{OVERLAPPING}</template>' for name in ("forgotten", "wanted"))
+    unknown = '<static id="c"><at><ahead_of entity="egoo" distance="60"/></at></static>'
+    twice = _scenario("one", "") + _scenario("one", '<use template="wanted"/>')
+    assert _codes(tmp_path, templates, _scenario("two", unknown), twice) == ["SC226", "SC222", "SC216"]
+
+
+def test_a_template_that_is_asked_for_by_another_name_is_not_told_to_be_unused(tmp_path: Path) -> None:
+    template = f'<template name="wanted">{OVERLAPPING}</template>'
+    assert _codes(tmp_path, template, _scenario("one", '<use template="wantd"/>')) == ["SC213"]
 
 
 def test_what_could_not_be_read_is_not_missed_by_the_checks(tmp_path: Path) -> None:
