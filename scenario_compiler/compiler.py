@@ -9,7 +9,7 @@ from pathlib import Path
 from lxml import etree
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import CompileError, Diagnostics
+from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import Document
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
@@ -59,7 +59,7 @@ class Overrides:
         if self.duration is not None:
             changes["duration"] = self.duration
         if self.controller is not None and scenario.ego is not None:
-            named = Controller(model=self.controller).written_at(scenario.ego.controller.origin)
+            named = Controller(model=self.controller).written_at(FilePlace("--controller"))
             changes["ego"] = scenario.ego.model_copy(update={"controller": named})
         return scenario.model_copy(update=changes)
 
