@@ -18,6 +18,7 @@ Value: TypeAlias = float | bool | str
 
 MAX_DEPTH = 64
 MAX_LENGTH = 4096
+MAX_LENGTH_PUT_TOGETHER = 16 * MAX_LENGTH
 MAX_SIGNS = 400
 MAX_SHOWN = 100
 LEAST_TO_CHECK = 2 * MAX_DEPTH
@@ -92,7 +93,14 @@ class Expression:
         return True
 
     def substitute(self, replacements: Mapping[str, Expression | Value]) -> Expression:
-        """Return the expression with names replaced by values or other expressions."""
+        """Return the expression with names replaced by values or other expressions.
+
+        Raises ExpressionError, before it is made, where it would be very long: each of many templates may double it.
+        """
+        lengths = {name: len(new.text) for name, new in replacements.items() if isinstance(new, Expression)}
+        longer = sum(lengths.get(name, 0) for name in _NAME_IN_TEXT.findall(self.text)) if lengths else 0
+        if longer > MAX_LENGTH_PUT_TOGETHER:
+            raise ExpressionError("the expression becomes too long where the meaning of its names is put in")
         tree = _substitute(self.tree, replacements)
         return Expression(_text(tree), tree)
 
@@ -168,6 +176,9 @@ _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>\$?[A-Za-z_][A-Za-z0-9_.]*)"
     r"|(?P<text>'[^']*')|(?P<sign><=|>=|==|!=|[-+*/%^<>(),])|(?P<end>$))"
 )
+
+
+_NAME_IN_TEXT = re.compile(r"\$([A-Za-z0-9_.]+)")
 
 
 class _Parser:

@@ -80,7 +80,10 @@ class Environment:
                 raise UndeterminedError(name)
             if name not in self.bindings:
                 raise UnknownNameError(name, start + _find(name, inner), self.bindings)
-        return expression.substitute(self.bindings)
+        meant = expression.substitute(self.bindings)
+        if meant.names and not meant.bounded:
+            raise ExpressionError("the expression becomes too long where the meaning of its names is put in", start)
+        return meant
 
     def settled(self, expression: Expression) -> Value:
         """Return the present value of an expression that decides structure, and remember what it depends on."""

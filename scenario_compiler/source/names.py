@@ -116,8 +116,8 @@ TOO_MANY_ITEMS = Code(
     "too-many-items",
     "Uses and loops bring more into a scenario than can be meant; it is looked at no further:\n\n"
     '    <repeat count="1000"><repeat count="1000"><use template="jam"/></repeat></repeat>\n\n'
-    "A loop makes at most 1000 rounds, and a scenario holds at most 20000 items. Make the counts smaller, or use "
-    "<traffic> where many vehicles are wanted.",
+    "A loop makes at most 1000 rounds, a scenario holds at most 20000 items, and uses, loops and branches stand in "
+    "one another at most 100 deep. Make the counts smaller, or use <traffic> where many vehicles are wanted.",
 )
 TOO_MANY_WAYS = Code(
     "SC229",

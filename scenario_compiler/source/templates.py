@@ -197,6 +197,7 @@ class Contents:
     lines: list[tuple[SecondaryMarkings | LineBeside, Scope]] = field(default_factory=list)
     happenings: list[tuple[str, EntityWhen | When, Scope]] = field(default_factory=list)
     count: int = 0
+    depth: int = 0
 
 
 MOST_ITEMS = 20_000
@@ -204,6 +205,9 @@ MOST_ITEMS = 20_000
 
 MOST_ITEMS_TRIED = 1000
 """Items after which a template has been looked at enough that is used once on its own, to find what is wrong in it."""
+
+MOST_NESTED, MOST_NESTED_TRIED = 100, 10
+"""Greatest depth of uses, loops and branches in one another, and that in a template that is looked at on its own."""
 
 LOOPS = ((Repeat.tag(), "as"), (For.tag(), "each"))
 """The loops' tags, and the attribute of each that names its variable."""
@@ -250,36 +254,47 @@ class Expander:
         chain: tuple[str, ...] = (),
     ) -> None:
         """Read and add the items of a scenario or template; `chain` names the templates around them."""
+        self.contents.depth += 1
         for element in elements:
             if not self._counted(element, reading):
                 scope.all_read = False
-                return
+                break
             word = rule.words[str(element.tag)]
             if word is If:
                 self._add_branch(element, reading, scope, chain)
-                continue
-            if word in (Repeat, For):
+            elif word in (Repeat, For):
                 self._add_rounds(element, word, reading, scope, chain)
-                continue
-            item = read_word(element, word, reading)
-            if isinstance(item, Static | Dynamic):
-                self._add_actor(item, scope, reading.sink)
-            elif isinstance(item, Row | WorkZone):
-                for one in members(item):
-                    self._add_actor(one, scope, reading.sink)
-                self.contents.lines += [(line, scope) for line in lines(item)]
-            elif isinstance(item, Traffic):
-                self._add_traffic(item, scope, reading.sink)
-            elif isinstance(item, Markings):
-                self.contents.markings.append(item)
-            elif isinstance(item, SecondaryMarkings | LineBeside):
-                self.contents.lines.append((item, scope))
-            elif isinstance(item, EntityWhen):
-                self.contents.happenings.append((item.entity, scope.name_event(item, reading.sink), scope))
-            elif isinstance(item, Use):
-                self._add_use(item, reading, scope, chain)
             else:
-                self._lose(element, scope)
+                self._add_item(element, word, reading, scope, chain)
+        self.contents.depth -= 1
+
+    def _add_item(
+        self,
+        element: etree._Element,
+        word: type[Word],
+        reading: Reading,
+        scope: Scope,
+        chain: tuple[str, ...],
+    ) -> None:
+        item = read_word(element, word, reading)
+        if isinstance(item, Static | Dynamic):
+            self._add_actor(item, scope, reading.sink)
+        elif isinstance(item, Row | WorkZone):
+            for one in members(item):
+                self._add_actor(one, scope, reading.sink)
+            self.contents.lines += [(line, scope) for line in lines(item)]
+        elif isinstance(item, Traffic):
+            self._add_traffic(item, scope, reading.sink)
+        elif isinstance(item, Markings):
+            self.contents.markings.append(item)
+        elif isinstance(item, SecondaryMarkings | LineBeside):
+            self.contents.lines.append((item, scope))
+        elif isinstance(item, EntityWhen):
+            self.contents.happenings.append((item.entity, scope.name_event(item, reading.sink), scope))
+        elif isinstance(item, Use):
+            self._add_use(item, reading, scope, chain)
+        else:
+            self._lose(element, scope)
 
     def _counted(self, element: etree._Element, reading: Reading) -> bool:
         """Count an item; return whether it may be added, and report the first that is too many."""
@@ -287,7 +302,12 @@ class Expander:
         if self.contents.count == self.most + 1 and not self.trial:
             message = f"more than {self.most} items come together here"
             reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
-        return not self.has_too_many
+        if self.contents.depth <= (MOST_NESTED_TRIED if self.trial else MOST_NESTED):
+            return not self.has_too_many
+        if not self.trial:
+            message = f"more than {MOST_NESTED} uses, loops and branches are nested here"
+            reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
+        return False
 
     def _add_branch(self, element: etree._Element, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
         """Add the items of an `<if>` that its test asks for; look through the others for what is wrong in any case."""
