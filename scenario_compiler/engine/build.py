@@ -190,16 +190,32 @@ def _load_engine(path: Path, say: Callable[[str], None] | None) -> CompiledEngin
         from scenario_compiler.engine.linking import machine_code_of
 
         code = machine_code_of(engine_text(checked=bounds_checked()))
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_suffix(f".{os.getpid()}.tmp")
+        try:
+            keep_code(path, code)
+        except OSError as fault:
+            if say is not None:
+                say(f"the compiled engine is not kept for the next time: {path}: {fault.strerror}")
+    return CompiledEngine(code)
+
+
+def keep_code(path: Path, code: bytes) -> None:
+    """Keep machine code in a file, whole or not at all; OSError where that cannot be."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_suffix(f".{os.getpid()}.tmp")
+    try:
         draft.write_bytes(hashlib.sha256(code).digest() + code)
         draft.replace(path)
-    return CompiledEngine(code)
+    except OSError:
+        draft.unlink(missing_ok=True)
+        raise
 
 
 def kept_code(path: Path) -> bytes | None:
     """Return the machine code that a file keeps behind its digest; None where there is none, or half of it."""
-    kept = path.read_bytes() if path.is_file() else b""
+    try:
+        kept = path.read_bytes()
+    except OSError:
+        return None
     size = hashlib.sha256().digest_size
     return kept[size:] if hashlib.sha256(kept[size:]).digest() == kept[:size] else None
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.engine.build import code_file, compile_engine, kept_code
+from scenario_compiler.engine.build import code_file, compile_engine, keep_code, kept_code
 
 LOAD = """
 import sys
@@ -42,3 +42,16 @@ def test_half_a_file_is_none(tmp_path: Path) -> None:
     assert kept_code(tmp_path / "not there") is None
     file.write_bytes(whole)
     assert kept_code(file) == whole[32:]
+
+
+def test_a_cache_that_cannot_be_written_costs_the_next_compilation_alone(tmp_path: Path) -> None:
+    compile_engine()
+    code = code_file().read_bytes()[32:]
+    (tmp_path / "engine").write_text("a file where the folder was to be")
+    with pytest.raises(OSError, match="engine"):
+        keep_code(tmp_path / "engine" / "key.code", code)
+    (tmp_path / "key.code").mkdir()
+    with pytest.raises(IsADirectoryError):
+        keep_code(tmp_path / "key.code", code)
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["engine", "key.code"]
+    assert kept_code(tmp_path / "engine" / "key.code") is kept_code(tmp_path / "key.code") is None
