@@ -235,12 +235,14 @@ def plan_routes(draft: Draft) -> None:
             draft.destination = LanePosition.model_construct(
                 road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset
             )
-    for actor in draft.scenario.actors:
-        if isinstance(actor, Dynamic) and actor.destination is not None:
-            _, legs = find_way(draft, actor.id, actor.destination)
-            draft.entities = [
-                one.model_copy(update={"route": legs}) if one.id == actor.id else one for one in draft.entities
-            ]
+    routes = {
+        actor.id: find_way(draft, actor.id, actor.destination)[1]
+        for actor in draft.scenario.actors
+        if isinstance(actor, Dynamic) and actor.destination is not None
+    }
+    draft.entities = [
+        one.model_copy(update={"route": routes[one.id]}) if one.id in routes else one for one in draft.entities
+    ]
 
 
 def find_way(draft: Draft, entity: str, written: Position) -> tuple[FoundLane | None, tuple[RouteLeg, ...]]:
