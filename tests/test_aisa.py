@@ -156,18 +156,18 @@ def test_little_noise_does_no_harm_and_much_does(file: Path, maps: Path) -> None
 @pytest.mark.parametrize(
     ("name", "distance", "filed"), [("customvanishing", "2541", "2793,1068,0"), ("customramp", "837", "1231,-237,0")]
 )
-@pytest.mark.parametrize("town", [{}, {"town": "HRI_custommap"}])
+@pytest.mark.parametrize("town", ["conflictmap", "HRI_custommap"])
 def test_start_off_the_custom_map_is_an_error_with_a_way_out(
-    file: Path, maps: Path, name: str, distance: str, filed: str, town: dict[str, str]
+    file: Path, maps: Path, name: str, distance: str, filed: str, town: str
 ) -> None:
-    compilation, sink = _compiled(f"{file}#{name}", maps, **town)
+    compilation, sink = _compiled(f"{file}#{name}", maps, town=town)
     assert compilation is None
     (fault,) = [one for one in sink if one.severity is Severity.ERROR]
     assert fault.code.id == "SC243"
     assert distance in fault.message
     assert "--set start=" in fault.hint
     assert ("--set obstacles=false" in fault.hint) is (name == "customramp")
-    _, measured = _compiled(f"{file}#{name}", maps, start=filed, obstacles="false", **town)
+    _, measured = _compiled(f"{file}#{name}", maps, start=filed, obstacles="false", town=town)
     (off_road,) = [one for one in measured if one.severity is Severity.ERROR]
     assert off_road.code.id == "SC374"
     assert f"is {distance} m away" in off_road.hint
@@ -242,8 +242,8 @@ def test_a_scenario_without_a_start_is_converted_to_one_that_must_be_given_it(co
     compilation, sink = _compiled(f"{converted}#lanesdefault", maps)
     assert compilation is None
     assert _codes(sink) == {"SC214"}
-    given = {"start_x": "151.4", "start_y": "-91.5", "start_yaw": "90"}
-    recording, _ = _played(f"{converted}#lanesdefault", maps, duration=2.0, **given)
+    target = f"{converted}#lanesdefault"
+    recording, _ = _played(target, maps, duration=2.0, start_x="151.4", start_y="-91.5", start_yaw="90")
     assert recording.v[-1, 0] > 1.0
 
 
