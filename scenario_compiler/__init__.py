@@ -9,7 +9,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from scenario_compiler.compiler import Compilation, compile_built, compile_scenario
+    from scenario_compiler.compiler import Compilation, Overrides, compile_built, compile_scenario
     from scenario_compiler.controllers import Control, ControllerModel, ControllerParams
     from scenario_compiler.diagnostics import CompileError
     from scenario_compiler.plan.model import Plan
@@ -30,6 +30,7 @@ _HOMES = {
     "ControllerParams": "controllers",
     "Network": "roads",
     "Outcome": "recording.outcome",
+    "Overrides": "compiler",
     "Plan": "plan.model",
     "Recording": "recording.recording",
     "Run": "report.run",
@@ -52,6 +53,7 @@ __all__ = [
     "ControllerParams",
     "Network",
     "Outcome",
+    "Overrides",
     "Plan",
     "Recording",
     "Run",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import get_args
 
 from lxml import etree
 
@@ -37,19 +38,30 @@ class Compilation:
 
 @dataclass(frozen=True)
 class Overrides:
-    """What a command sets in place of the scenario; None leaves it to the scenario.
+    """What is set in place of what a scenario says; None leaves it to the scenario.
 
     Attributes:
-        perception: What the lane confidence comes from.
-        controller: Name of the ego vehicle's controller.
-        step: Length of a time step, s.
-        duration: When the run ends at the latest, s.
+        perception: What the lane confidence comes from: "camera" or "ideal".
+        controller: Name of the ego vehicle's controller, or package.module:Class.
+        step: Length of a time step, s; 0.001 to 1.
+        duration: When the run ends at the latest, s; above 0 and below 1e6.
+
+    Raises:
+        ValueError: One of them cannot be meant.
     """
 
     perception: Perception | None = None
     controller: str | None = None
     step: float | None = None
     duration: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.perception is not None and self.perception not in get_args(Perception):
+            raise ValueError(f"perception is one of {', '.join(get_args(Perception))}, not {self.perception!r}")
+        if self.step is not None and not 0.001 <= self.step <= 1.0:
+            raise ValueError(f"step is from 0.001 to 1 s, not {self.step}")
+        if self.duration is not None and not 0.0 < self.duration < 1.0e6:
+            raise ValueError(f"duration is above 0 and below 1e6 s, not {self.duration}")
 
     def applied(self, scenario: Scenario) -> Scenario:
         """Return the scenario with the overrides in it."""
@@ -161,15 +173,27 @@ def compile_expanded(
     return None if sink.has_errors else Compilation(plan, network, scenario)
 
 
-def compile_scenario(path: str | Path, **arguments: object) -> Plan:
+def compile_scenario(
+    path: str | Path, *, overrides: Overrides | None = None, maps: Sequence[str | Path] = (), **arguments: object
+) -> Plan:
     """Compile FILE or FILE#name with these values of its parameters.
+
+    Args:
+        path: The file, with the scenario's name where it holds several.
+        overrides: What is set in place of what the scenario says: perception, controller, step, duration.
+        maps: Folders that its map is looked for in first.
+        **arguments: Values of the scenario's parameters, by name.
 
     Raises:
         CompileError: The input is at fault; its `diagnostics` say how.
+        ScenarioNameNeededError: The file has several scenarios and no name is given.
+        TypeError: `overrides` or `maps` got a value as a parameter has it; `compile_target` takes the values of
+            parameters of these names.
     """
+    _refuse_values(overrides, maps)
     sink = Diagnostics()
     texts = {name: _as_text(value) for name, value in arguments.items()}
-    compilation = compile_target(path, texts, sink)
+    compilation = compile_target(path, texts, sink, maps=[Path(one) for one in maps], overrides=overrides)
     if compilation is None:
         raise CompileError(sink)
     return compilation.plan
@@ -196,6 +220,14 @@ def compile_built(
     if done is None:
         raise CompileError(sink)
     return replace(done, plan=sealed(done.plan))
+
+
+def _refuse_values(overrides: object, maps: object) -> None:
+    """Raise TypeError for what a caller meant as the value of a scenario's parameter of that name."""
+    if not isinstance(overrides, Overrides | None):
+        raise TypeError(f"overrides is an Overrides, not {overrides!r}; it gives no parameter its value")
+    if isinstance(maps, str) or not isinstance(maps, Sequence):
+        raise TypeError(f"maps is a list of folders, not {maps!r}; it gives no parameter its value")
 
 
 def _as_text(value: object) -> str:

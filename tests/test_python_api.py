@@ -6,10 +6,13 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from scenario_compiler import CompileError, compile_built
+from scenario_compiler import CompileError, Overrides, compile_built, compile_scenario
+from scenario_compiler.compiler import compile_target
+from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.vocabulary.entities import Dynamic, Ego
 from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
@@ -34,6 +37,7 @@ def test_code_of_the_page_runs(
     assert printed[1].startswith("SC204 there is no map 'town_gird' did you mean 'town_grid'?")
     assert "['gap']" in printed
     assert "True True" in printed
+    assert "ideal 5.0 0.1" in printed
     assert printed[-1] == "['afterwards', 'story']"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["cut_in.xosc", "town_grid.xodr"]
 
@@ -67,3 +71,58 @@ def test_names_that_mean_nothing_are_reported_at_once() -> None:
         "unknown-parameter",
         "duplicate-name",
     }
+
+
+CONFLICT = """<scenarios version="1">
+  <scenario name="straight" map="highway_loop" duration="10">
+    <parameter name="speed" type="speed" default="20" min="5" max="40"/>
+    <parameter name="maps" type="number" default="1"/>
+    <ego speed="${$speed * $maps}"><start><lane road="1" lane="-1" s="20"/></start></ego>
+  </scenario>
+</scenarios>
+"""
+
+
+@pytest.fixture
+def conflict(tmp_path: Path) -> Path:
+    file = tmp_path / "straight.xml"
+    file.write_text(CONFLICT, encoding="utf-8")
+    return file
+
+
+def test_overrides_stand_in_place_of_the_scenario(conflict: Path) -> None:
+    plan = compile_scenario(conflict, overrides=Overrides("ideal", "lane_detection", step=0.1, duration=2.0), speed=30)
+    assert (plan.perception, plan.step, plan.duration) == ("ideal", 0.1, 2.0)
+    assert plan.controller is not None
+    assert plan.controller.model == "lane_detection"
+    assert [one.default for one in plan.parameters] == ["30", "1"]
+    assert compile_scenario(conflict).duration == 10.0
+
+
+def test_maps_are_looked_for_in_the_folders_that_are_given(conflict: Path, tmp_path: Path, repository: Path) -> None:
+    folder = tmp_path / "maps"
+    folder.mkdir()
+    road = (repository / "maps" / "highway_loop" / "highway_loop.xodr").read_bytes()
+    (folder / "mine.xodr").write_bytes(road)
+    conflict.write_text(CONFLICT.replace("highway_loop", "mine"), encoding="utf-8")
+    with pytest.raises(CompileError) as raised:
+        compile_scenario(conflict)
+    assert "unknown-map" in {one.code.name for one in raised.value.diagnostics}
+    assert compile_scenario(conflict, maps=[str(folder)]).map.file == str(folder / "mine.xodr")
+
+
+def test_a_parameter_of_a_taken_name_is_never_mistaken(conflict: Path) -> None:
+    with pytest.raises(TypeError, match="maps is a list of folders, not '3'"):
+        compile_scenario(conflict, maps="3")
+    taken: dict[str, object] = {"overrides": 3}
+    with pytest.raises(TypeError, match="overrides is an Overrides, not 3"):
+        compile_scenario(conflict, **taken)  # type: ignore[arg-type]
+    done = compile_target(conflict, {"maps": "3"}, Diagnostics())
+    assert done is not None
+    assert [one.default for one in done.plan.parameters] == ["20", "3"]
+
+
+@pytest.mark.parametrize("wrong", [{"step": 0.0}, {"step": 2.0}, {"duration": 0.0}, {"perception": "radar"}], ids=str)
+def test_overrides_that_cannot_be_meant_are_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        Overrides(**wrong)
