@@ -266,10 +266,13 @@ def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
             locate_ego(n, p, st, i)
             if kind == MOTION_BICYCLE:
                 settle(n, st, i)
-        dx = x - st.last_x[i]
-        dy = y - st.last_y[i]
-        st.odometer[i] += sqrt(dx * dx + dy * dy)
-        st.a[i] = (v - st.last_v[i]) / dt if dt > 0.0 else 0.0
+        if dt > 0.0:
+            dx = x - st.last_x[i]
+            dy = y - st.last_y[i]
+            st.odometer[i] += sqrt(dx * dx + dy * dy)
+            st.a[i] = (v - st.last_v[i]) / dt
+        else:
+            st.a[i] = 0.0
         st.last_x[i] = x
         st.last_y[i] = y
         st.last_v[i] = v

@@ -4,6 +4,9 @@ Without timing the distance along it grows by speed times step. An entity that d
 against the trajectory, so that it goes along it; where the vertices give headings these decide which way it goes. What
 is left over at the end goes straight on. With timing the place is that of the time after the step, and the speed is
 the way over the step. It ends at its end, or at its last time; a closed one without timing goes on at its begin.
+
+An entity that is elsewhere leaps onto its trajectory: where `begin` says, or the time that it is. The leap is no
+distance covered and makes no speed.
 """
 
 from __future__ import annotations
@@ -69,6 +72,17 @@ def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond:
 
 
 @compiled
+def time_on_track(p: Program, st: State, k: int, clock: float) -> float:
+    """Return the time of a timed trajectory at a time of the run; a relative one keeps its own."""
+    base = p.action_const[k]
+    scale = p.const[base + J_SCALE]
+    time = st.action_b[k]
+    if p.action_mode[k] == TIMING_ABSOLUTE:
+        time = ratio(clock, scale, clock)
+    return time - ratio(p.const[base + J_OFFSET], scale, 0.0)
+
+
+@compiled
 def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
     """Lay the trajectory for its entity, which is on it from then on; one at rest takes its first speed."""
     i = p.action_entity[k]
@@ -85,7 +99,12 @@ def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
     st.action_b[k] = time_at_distance(p, st, track, begin)
     st.lateral[i] = k
     st.ended[i] = 0
-    sense = put_on_track(n, p, st, k, begin, 0.0)
+    s = begin
+    if timed == 1:
+        s = distance_at_time(p, st, track, time_on_track(p, st, k, st.clock[0]))
+    sense = put_on_track(n, p, st, k, s, 0.0)
+    st.last_x[i] = st.x[i]
+    st.last_y[i] = st.y[i]
     st.action_change[k] = 1.0 * sense
     if timed == 1 and st.v[i] == 0.0 and p.track_kind[track] == TRACK_POLYLINE:
         st.v[i] = sense * st.track_v[p.track_vertex[track]]
@@ -96,13 +115,8 @@ def step_by_time(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int
     """Move an entity to where its trajectory is at the time after dt; return 1 where the last time has come."""
     i = p.action_entity[k]
     track = p.action_other[k]
-    base = p.action_const[k]
-    scale = p.const[base + J_SCALE]
-    st.action_b[k] += ratio(dt, scale, dt)
-    time = st.action_b[k]
-    if p.action_mode[k] == TIMING_ABSOLUTE:
-        time = ratio(st.clock[0] + dt, scale, st.clock[0] + dt)
-    time = time - ratio(p.const[base + J_OFFSET], scale, 0.0)
+    st.action_b[k] += ratio(dt, p.const[p.action_const[k] + J_SCALE], dt)
+    time = time_on_track(p, st, k, st.clock[0] + dt)
     last = st.track_time[p.track_vertex[track + 1] - 1]
     before = st.action_a[k]
     s = distance_at_time(p, st, track, time)
