@@ -26,8 +26,6 @@ from scenario_compiler.report.wording import (
 )
 
 TEMPLATE = "report.html.jinja"
-SHOWN_FIRST = ("warning", "request", "response", "takeover")
-"""Labels of the pictures that are shown at the top; the rest follows them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +108,6 @@ def _section(run: Run, anchor: str) -> Section:
 
 
 def _frames(frames: tuple[Frame, ...]) -> tuple[Frame, ...]:
-    """Return the first picture of each label, those of `SHOWN_FIRST` first, by time."""
+    """Return the first picture of each label, by time."""
     first = {frame.label: frame for frame in reversed(frames)}
-    return tuple(sorted(first.values(), key=lambda frame: (frame.label not in SHOWN_FIRST, frame.t)))
+    return tuple(sorted(first.values(), key=lambda frame: frame.t))

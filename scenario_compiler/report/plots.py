@@ -70,8 +70,14 @@ WIDTH = 9.0
 CLOSE_UP = 50.0
 """How far ahead of the request a close-up reaches at least, m; at most three times as far."""
 
-FURNITURE = 0.055
-"""Height of the strip below a map for its scale and its axes, relative to the map's width."""
+HIGHEST = 7.0
+"""Greatest height of a map, inches; a higher one is drawn narrower than `WIDTH`."""
+
+FURNITURE = 30.0
+"""Height of the strip below a map for its scale and its axes, points."""
+
+ARROW = 11.0
+"""Length of the arrows that show the axes, points."""
 
 HEALTHY = 0.98
 """Sensor health from which on it is not worth a line."""
@@ -198,15 +204,14 @@ def overview_map(run: Run, prefix: str) -> str:
     x, y = run.recording.x[there, 0], run.recording.y[there, 0]
     turn = _principal_direction(x, y) if len(x) > 1 else float(run.recording.h[there, 0][0])
     way = _turned(np.stack([x, y], axis=-1), -turn)
-    frame = np.concatenate([way, _others_near(run, way, turn, len(there) - 1)])
+    frame = np.concatenate([way, _others_near(run, way, turn, _row_at(run.recording.t, run.focus[1]))])
     return _map(run, prefix, turn, frame, margin=(30.0, 22.0))
 
 
 def close_up_map(run: Run, prefix: str) -> str:
-    """Return an SVG map of the surroundings of the request (else of the end), at the scale of vehicles."""
+    """Return an SVG map of the surroundings of the run's focus, at the scale of vehicles."""
     recording = run.recording
-    moments = dict(run.moments)
-    row = _row_at(recording.t, moments.get("request", moments.get("collision", float(recording.t[-1]))))
+    row = _row_at(recording.t, run.focus[1])
     there = np.nonzero(recording.present[:, 0])[0]
     row = int(there[np.argmin(np.abs(there - row))])
     turn = float(recording.h[row, 0])
@@ -235,26 +240,54 @@ def _map(run: Run, prefix: str, turn: float, frame: Floats, margin: tuple[float,
     low, high = frame.min(axis=0) - margin, frame.max(axis=0) + margin
     across = max(high[1] - low[1], 0.07 * (high[0] - low[0]))
     middle = 0.5 * (low[1] + high[1])
-    low[1], high[1] = middle - 0.5 * across - FURNITURE * (high[0] - low[0]), middle + 0.5 * across
-    size = high - low
+    low[1], high[1] = middle - 0.5 * across, middle + 0.5 * across
     outline = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
     box = _turned(outline, turn)
     window = Window(*box.min(axis=0).tolist(), *box.max(axis=0).tolist())
     painted = run.network.with_mark_quality(mark_stretches(run.plan))
-    around = surroundings(painted, window, spacing=max(1.0, float(size.max()) / 250))
+    around = surroundings(painted, window, spacing=max(1.0, float((high - low).max()) / 250))
+    low[1], high[1] = _without_empty_bands(around, turn, frame, low, high)
+    size = high - low
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, min(WIDTH * float(size[1] / size[0]) + 0.45, 7.0)), layout="constrained")
-        axis = figure.subplots()
-        points_per_metre = WIDTH * 72 / float(size[0])
+        figure = Figure(figsize=(WIDTH, HIGHEST))
+        points_per_metre = 72 * min(WIDTH / float(size[0]), HIGHEST / float(size[1]))
+        axis, strip = figure.add_axes((0, 0, 1, 1)), figure.add_axes((0, 0, 1, 1))
         _draw_roads(axis, around, turn, points_per_metre)
         _draw_traffic(axis, run, turn, points_per_metre)
         axis.set_xlim(low[0], high[0])
         axis.set_ylim(low[1], high[1])
         axis.set_aspect("equal")
         axis.set_axis_off()
-        _draw_scale(axis, turn, low, high)
-        axis.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=6, handlelength=1.2, numpoints=1)
+        _draw_scale(strip, turn, points_per_metre)
+        parts = points_per_metre * float(size[1]), FURNITURE, _draw_legend(figure, axis)
+        figure.set_size_inches(WIDTH, sum(parts) / 72)
+        axis.set_position((0, 1 - parts[0] / sum(parts), 1, parts[0] / sum(parts)))
+        strip.set_position((0, parts[2] / sum(parts), 1, parts[1] / sum(parts)))
         return svg_of(figure, prefix)
+
+
+def _without_empty_bands(
+    around: Surroundings, turn: float, frame: Floats, low: Floats, high: Floats
+) -> tuple[float, float]:
+    """Return how far across a map has roads or points of its frame, with room for a line of text, from and to."""
+    points = np.concatenate([frame, *(_turned(strip.outline, -turn) for strip in around.strips)])
+    across = points[((points >= low) & (points <= high)).all(axis=-1), 1]
+    text = 14.0 / 72 / WIDTH * float(high[0] - low[0])
+    return max(float(low[1]), float(across.min()) - text), min(float(high[1]), float(across.max()) + text)
+
+
+def _draw_legend(figure: Figure, axis: Axes) -> float:
+    """Draw a legend at the foot of a figure in as few rows as its width takes, and return its height, points."""
+    handles, labels = axis.get_legend_handles_labels()
+    for rows in range(1, len(handles) + 1):
+        legend = figure.legend(
+            handles, labels, loc="lower center", ncols=math.ceil(len(handles) / rows), handlelength=1.2, numpoints=1
+        )
+        extent = legend.get_window_extent()
+        if extent.width <= figure.bbox.width or rows == len(handles):
+            return float(extent.height) * 72 / figure.dpi
+        legend.remove()
+    return 0.0
 
 
 def _draw_roads(axis: Axes, around: Surroundings, turn: float, points_per_metre: float) -> None:
@@ -288,23 +321,27 @@ def _draw_traffic(axis: Axes, run: Run, turn: float, points_per_metre: float) ->
     x, y = corners(traces_of(run.plan, recording))
     moments = run.moments
     rows = [_row_at(recording.t, t) for _, t in moments]
-    seen = rows[next((i for i, (kind, _) in enumerate(moments) if kind == "request"), -1)] if rows else -1
+    focus, time = run.focus
+    seen = _row_at(recording.t, time)
     labelled: list[Floats] = []
+    moving = [i for i in range(1, len(names)) if np.any(np.abs(recording.v[:, i]) > 0.0)]
+    for i in moving:
+        label = "ways of others" if i == moving[0] else ""
+        _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET, label=label)
     for i in range(1, len(names)):
-        _draw_way(axis, recording.x[:, i], recording.y[:, i], turn, QUIET)
         if not recording.present[seen, i]:
             continue
         box = _turned(np.stack([x[seen, i], y[seen, i]], axis=-1), -turn)
         middle = box.mean(axis=0)
-        others = "_" if labelled else "others, at the request" if "request" in dict(moments) else "others"
-        axis.fill(*box.T, facecolor=VERMILION, edgecolor=PAPER, linewidth=0.7, zorder=7, label=others)
+        others = "_" if labelled else f"others, at the {focus}"
+        axis.fill(*box.T, facecolor=PAPER, edgecolor=INK, linewidth=0.9, zorder=7, label=others)
         name = names[i].rpartition(".")[2]
         apart = 5.5 * len(name) / points_per_metre
         if all(np.abs(middle - other).max() > apart for other in labelled):
             labelled.append(middle)
             axis.annotate(
-                name, middle, (0, 7), textcoords="offset points", fontsize=7.5, ha="center", va="bottom", zorder=9,
-                annotation_clip=True,
+                name, (middle[0], box[:, 1].max()), (0, 2), textcoords="offset points", fontsize=7.5, ha="center",
+                va="bottom", zorder=9, annotation_clip=True,
             )  # fmt: skip
     _draw_way(axis, recording.x[:, 0], recording.y[:, 0], turn, EGO, label=names[0])
     marker = float(np.clip(1.2 * points_per_metre, 4.0, 7.0))
@@ -330,21 +367,22 @@ def _draw_way(axis: Axes, x: Floats, y: Floats, turn: float, colour: str, label:
     axis.plot(way[:, 0], way[:, 1], color=colour, linewidth=1.4, zorder=6, label=label or "_")
 
 
-def _draw_scale(axis: Axes, turn: float, low: Floats, high: Floats) -> None:
-    """Draw a bar of a round length and the directions of OpenDRIVE's axes."""
-    width = float(high[0] - low[0])
-    length = _round_length(0.15 * width)
-    left, bottom = low[0] + 0.015 * width, low[1] + 0.014 * width
-    axis.plot([left, left + length], [bottom, bottom], color=INK, linewidth=2.2, zorder=10, solid_capstyle="butt")
-    place: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "ha": "center", "zorder": 10}
-    axis.annotate(f"{length:g} m", (left + 0.5 * length, bottom), (0, 3), va="bottom", **place)
-    foot = np.array([high[0] - 0.04 * width, low[1] + 0.028 * width])
-    for name, angle in (("x", -turn), ("y", 0.5 * math.pi - turn)):
-        way = 0.017 * width * np.array([math.cos(angle), math.sin(angle)])
+def _draw_scale(strip: Axes, turn: float, points_per_metre: float) -> None:
+    """Draw a bar of a round length and the directions of OpenDRIVE's axes, in axes whose unit is made a point."""
+    width = WIDTH * 72
+    strip.set_xlim(0.0, width)
+    strip.set_ylim(0.0, FURNITURE)
+    strip.set_axis_off()
+    length = _round_length(0.15 * width / points_per_metre)
+    left, right = 10.0, 10.0 + length * points_per_metre
+    strip.plot([left, right], [6.0, 6.0], color=INK, linewidth=2.2, solid_capstyle="butt")
+    strip.text(0.5 * (left + right), 9.0, f"{length:g} m", fontsize=8, ha="center", va="bottom")
+    ways = [ARROW * np.array([math.cos(angle), math.sin(angle)]) for angle in (-turn, 0.5 * math.pi - turn)]
+    foot = np.array([width - 26.0, 0.5 * FURNITURE]) - 0.5 * (ways[0] + ways[1])
+    for name, way in zip("xy", ways, strict=True):
         arrow = {"arrowstyle": "-|>", "color": QUIET, "linewidth": 1, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
-        axis.annotate("", _point(foot + way), _point(foot), arrowprops=arrow, zorder=10)
-        tip = _point(foot + 1.4 * way)
-        axis.annotate(name, tip, color=QUIET, fontsize=7, ha="center", va="center", zorder=10)
+        strip.annotate("", _point(foot + way), _point(foot), arrowprops=arrow)
+        strip.text(*_point(foot + 1.45 * way), name, color=QUIET, fontsize=7, ha="center", va="center")
 
 
 def _point(point: Floats) -> tuple[float, float]:

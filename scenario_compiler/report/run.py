@@ -39,3 +39,12 @@ class Run:
             if event.kind in MOMENTS:
                 first.setdefault(event.kind, event.t)
         return tuple(first.items())
+
+    @property
+    def focus(self) -> tuple[str, float]:
+        """What the close-up shows and when: the request, else the collision, else the end of the run: (words, s)."""
+        moments = dict(self.moments)
+        for kind in ("request", "collision"):
+            if kind in moments:
+                return kind, moments[kind]
+        return "end of the run", float(self.recording.t[-1])

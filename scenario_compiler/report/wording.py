@@ -116,12 +116,12 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         ("Map", plan.map.name),
         ("Weather", plan.weather.preset),
         *[("Vehicle", one.vehicle.name) for one in plan.entities[:1]],
-        *[("Speed at the start", number(one.speed, "m/s")) for one in plan.entities[:1]],
+        *[("Speed at the start", f"{decimal(speed)} m/s") for speed in _first_speed(run)],
         ("Other actors", ", ".join(f"{e.id} ({e.vehicle.name})" for e in plan.entities[1:]) or "none"),
         ("Markings changed", ", ".join(f"road {m.road}" for m in plan.markings) or "none"),
         ("Markings added", ", ".join(map(_line, plan.secondary_markings)) or "none"),
         ("World", header.world),
-        ("Step, control", f"{decimal(plan.step)} s, every {plan.control_every}. step"),
+        ("Step, control", f"{decimal(plan.step)} s, {_every(plan.control_every)}"),
         ("Duration at most", f"{decimal(plan.duration)} s"),
     ]
     if plan.controller is not None:
@@ -139,6 +139,16 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         ]
     rows += [(f"${name}", _plain(value)) for name, value in sorted(header.parameters.items())]
     return rows
+
+
+def _first_speed(run: Run) -> list[float]:
+    """Return the first vehicle's speed in the first row that it is in, m/s; none where it is in no row."""
+    recording = run.recording
+    return [float(speed) for speed in recording.v[:, :1][recording.present[:, :1]][:1]]
+
+
+def _every(steps: int) -> str:
+    return {1: "every step", 2: "every second step"}.get(steps, f"every {steps} steps")
 
 
 def _line(line: SecondaryMarkings | LineBeside) -> str:
@@ -188,7 +198,7 @@ def classification(run: Run) -> str:
     if rated is None:
         return ""
     parts = [SCHEMES.get(rated.scheme, rated.scheme)]
-    parts += [f"no. {rated.number}"] if rated.number is not None else []
+    parts += [f"situation {rated.number}"] if rated.number is not None else []
     for word in ("urgency", "response", "predictability", "criticality"):
         if value := getattr(rated, word):
             parts.append(f"{word} {value}")

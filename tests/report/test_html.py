@@ -14,6 +14,7 @@ import cv2
 import pytest
 
 from scenario_compiler.recording.outcome import judge
+from scenario_compiler.recording.recording import Frame
 from scenario_compiler.report.html import render, write_report
 from scenario_compiler.report.run import Run
 from scenario_compiler.roads.network import Network
@@ -90,7 +91,11 @@ def test_elements_close_and_ids_are_unique_and_found(name: str, request: pytest.
 @pytest.mark.parametrize(
     "words",
     [
-        *("obstacle_ahead", "Gold et al. 2018, no. 9, urgency 3, response 1-3", "driver took over, stopped safely"),
+        *(
+            "obstacle_ahead",
+            "Gold et al. 2018, situation 9, urgency 3, response 1-3",
+            "driver took over, stopped safely",
+        ),
         *("path blocked", "Takeover request, 4.00 s", "Driver takes over, 6.40 s", "5f" * 32),
         *("takeover time", "Time from the request to the driver's response", "no collision", "nothing was touched"),
         *("Take over: the lane ahead is blocked", "<slow down>", "lognormal takeover time, median 2.4 s"),
@@ -104,6 +109,21 @@ def test_the_page_says(page: Page, words: str) -> None:
 
 def test_the_page_shows_three_pictures_and_three_plots(page: Page) -> None:
     assert (page.tags.count("img"), page.tags.count("svg")) == (3, 3)
+
+
+def test_pictures_stand_in_order_of_time(finished: Run) -> None:
+    frames = (Frame(5.0, "before response", made.picture("b")), *finished.recording.frames)
+    text = render([dataclasses.replace(finished, recording=dataclasses.replace(finished.recording, frames=frames))])
+    times = [float(t) for t in re.findall(r"View ahead at ([0-9.]+) s", text)]
+    assert len(times) == 4
+    assert times == sorted(times)
+
+
+def test_without_a_request_others_stand_as_at_the_end(finished: Run) -> None:
+    quiet = dataclasses.replace(finished, recording=dataclasses.replace(finished.recording, events=()))
+    text = re.sub(r"\s+", " ", Page(render([quiet])).text)
+    assert "others as they stood at the end of the run." in text
+    assert "stood at the request" not in text
 
 
 def test_several_runs_have_a_table_that_leads_to_their_sections(several: Page) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from scenario_compiler.report.run import Run
-from scenario_compiler.report.wording import command, decimal, fixed, outcome_words, summary_of
+from scenario_compiler.report.wording import command, conditions, decimal, fixed, outcome_words, summary_of
 
 
 @pytest.mark.parametrize(
@@ -41,3 +43,15 @@ def test_what_came_of_a_run(finished: Run, changes: dict[str, str], words: str) 
 
 def test_the_command_that_repeats_a_run(finished: Run) -> None:
     assert command(finished) == "scenario-compiler run plan.json --seed 1 -o again"
+
+
+def test_the_speed_at_the_start_is_the_recorded_one(finished: Run) -> None:
+    plan = finished.plan
+    still = plan.model_copy(update={"entities": (plan.entities[0].model_copy(update={"speed": 0.0}),)})
+    assert dict(conditions(replace(finished, plan=still)))["Speed at the start"] == "13.9 m/s"
+
+
+@pytest.mark.parametrize(("steps", "words"), [(1, "every step"), (2, "every second step"), (5, "every 5 steps")])
+def test_how_often_the_vehicle_is_controlled(finished: Run, steps: int, words: str) -> None:
+    run = replace(finished, plan=finished.plan.model_copy(update={"control_every": steps}))
+    assert dict(conditions(run))["Step, control"].endswith(f" s, {words}")
