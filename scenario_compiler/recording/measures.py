@@ -246,7 +246,8 @@ MEASURES: tuple[Measure, ...] = (
         "minimum_time_to_collision",
         "s",
         "Least over the run of gap over closing speed to any entity whose box lies across the path ahead: as wide as "
-        "the vehicle, with the curvature it drives at that moment; 0 while boxes overlap.",
+        "the vehicle, with the curvature it drives at that moment. The gap is to the part of the box within the path; "
+        "0 while boxes overlap.",
         "nothing in the path is ever closed in on",
         minimum_time_to_collision,
         of_takeover=False,

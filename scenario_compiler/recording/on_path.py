@@ -30,13 +30,36 @@ def least_time_to_collision(traces: Traces) -> Floats:
 
 
 def times_at(traces: Traces, places: Places) -> Floats:
-    """Return the times to collision at k places, s, (k,); infinite where there is none."""
+    """Return the times to collision at k places, s, (k,); infinite where there is none.
+
+    A box on the far side of the circle, where ahead and behind meet, and one around its middle count as not ahead.
+    """
     along, across, speed = along_path(traces, places)
-    half = 0.5 * traces.width[0]
-    gap = along.min(axis=0) - _front(traces)
+    gap = least_along(along, across, 0.5 * traces.width[0]) - _front(traces)
     closing = traces.v[..., 0][places[1:]] - speed
-    counts = (across.min(axis=0) < half) & (across.max(axis=0) > -half) & (gap >= 0) & (closing > 0)
+    one_way = np.ptp(along, axis=0) * np.abs(traces.curvature[places[1:]]) < np.pi
+    counts = one_way & (gap >= 0) & (closing > 0) & np.isfinite(gap)
     return np.where(counts, gap / np.where(counts, closing, 1.0), np.inf)
+
+
+def least_along(along: Floats, across: Floats, half: float) -> Floats:
+    """Return how near the parts of boxes come that lie within a strip, m, (k,); infinite where none does.
+
+    Args:
+        along: The boxes' corners in turn along the strip, m, (4, k), joined by straight edges.
+        across: The corners' distance from the strip's middle, m, (4, k).
+        half: Half the strip's width, m.
+    """
+    least = np.where(np.abs(across) <= half, along, np.inf).min(axis=0)
+    for side in (-half, half):
+        beyond = across - side
+        edge, box = np.nonzero((beyond < 0.0) != (np.roll(beyond, -1, axis=0) < 0.0))
+        following = (edge + 1) % len(along)
+        here, there = beyond[edge, box], beyond[following, box]
+        share = here / (here - there)
+        np.minimum.at(least, box, along[edge, box] + share * (along[following, box] - along[edge, box]))
+    inside = (across.min(axis=0) < half) & (across.max(axis=0) > -half)
+    return np.where(inside, least, np.inf)
 
 
 def _front(traces: Traces) -> float:
@@ -80,7 +103,7 @@ def time_bounds(traces: Traces) -> Singles:
     distance from the circle's centre times k, its distance from the circle is (2 left - k (ahead^2 + left^2)) / (1 +
     q), also for k = 0. From there the corners reach as far as the box is long and wide in the direction of the radius,
     and a little more where they stand beside it. An arc is longer than the sine of its angle; the mean of the corners'
-    angles differs from the middle's in the second order alone.
+    angles differs from the middle's in the second order alone. No part of a box is nearer than its nearest corner.
     """
     single = np.float32
     seen, half, rounding = traces.seen, single(0.5), single(ROUNDING)
@@ -104,6 +127,7 @@ def time_bounds(traces: Traces) -> Singles:
         slack = np.abs(v[1:]) * (half * turn * turn + single(SINGLE)) + single(SINGLE) * (np.abs(v[0]) + single(1.0))
         closing = v[0] - v[1:] * along_circle + slack
         gap = np.maximum(seen.ahead - seen.reach - seen.slack, single(0.0)) / (q + beside) - single(_front(traces))
-        counts = in_path & (closing > 0.0) & ((seen.ahead >= -seen.slack) | (_front(traces) < 0.0))
+        reaches_ahead = (seen.ahead + seen.reach >= -seen.slack) | (_front(traces) < 0.0)
+        counts = in_path & (closing > 0.0) & reaches_ahead
         times = np.maximum(gap - seen.slack, single(0.0)) / closing
     return np.where(counts, times, single(np.inf))

@@ -12,7 +12,7 @@ import pytest
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
-from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
 from tests.recording.made import STEP, Row, approach, plan_of, record
 
@@ -213,6 +213,34 @@ def _random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) -
     return dataclasses.replace(one, **changed)
 
 
+def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats]:
+    """Return times to collision from points on the boxes' outlines, and how much less they may be between points, s.
+
+    The corners are taken to the circle that is driven one by one and joined there by straight edges.
+    """
+    number, *rows = places
+    ego, other = (*rows, 0 * number), (*rows, number + 1)
+    corners = runs.center[other[-1]] + 0.5 * runs.length[other[-1]] * np.array([[1.0], [-1.0], [-1.0], [1.0]])
+    outline = corners + 0.5j * runs.width[other[-1]] * np.array([[1.0], [1.0], [-1.0], [-1.0]])
+    outline = outline * np.exp(1j * runs.h[other]) + runs.x[other] + 1j * runs.y[other]
+    outline = (outline - runs.x[ego] - 1j * runs.y[ego]) * np.exp(-1j * runs.h[ego])
+    curvature = runs.curvature[tuple(rows)]
+    bent = np.abs(curvature) > 1e-6
+    k = np.where(bent, curvature, 1.0)
+    turned = 1 + 1j * k * outline
+    outline = np.where(bent, (np.angle(turned) + 1j * (1 - np.abs(turned))) / k, outline)
+    tangent = runs.h[ego] + curvature * outline.real.mean(axis=0)
+    closing = runs.v[ego] - runs.v[other] * np.cos(runs.h[other] - tangent)
+    edges = np.roll(outline, -1, axis=0) - outline
+    sampled = outline[:, None] + edges[:, None] * (np.arange(points) / points)[:, None]
+    within = np.abs(sampled.imag) < 0.5 * runs.width[0]
+    gap = np.where(within, sampled.real, np.inf).min(axis=(0, 1)) - runs.center[0] - 0.5 * runs.length[0]
+    half_way = np.ptp(outline.real, axis=0) * np.abs(curvature) >= np.pi
+    counts = np.isfinite(gap) & (gap >= 0) & (closing > 0) & ~half_way
+    slower = np.where(counts, closing, 1.0)
+    return np.where(counts, gap / slower, np.inf), np.abs(edges).max(axis=0) / points / slower
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed: int) -> None:
     runs = _random_runs(seed)
@@ -223,6 +251,11 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     distance, time = distance_at(runs, places), times_at(runs, places)
     assert (runs.seen.apart[places] <= distance).all()
     assert (time_bounds(runs)[places] <= time).all()
+    nearest, spacing = _sampled_times(runs, places)
+    assert (time_bounds(runs)[places] <= nearest).all()
+    seen = np.isfinite(nearest) & (nearest > spacing)
+    assert (time[seen] <= nearest[seen] + 1e-9).all()
+    assert (time[seen] >= (nearest - spacing)[seen]).all()
     least_distance, least_time = np.full(len(touched), np.inf), np.full(len(touched), np.inf)
     np.minimum.at(least_distance, places[1], distance)
     np.minimum.at(least_time, places[1], time)
