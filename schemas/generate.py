@@ -1,4 +1,4 @@
-"""Write what is made from the models: this folder's files and two pages; with `--check`, say which are stale.
+"""Write what is made from the models: this folder's files and pages of docs/; with `--check`, say which are stale.
 
 Run `python schemas/generate.py`, or `make generate`.
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
+from scenario_compiler.cli.reference import commands_page
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
 from scenario_compiler.coverage.openscenario import openscenario_table
 from scenario_compiler.coverage.table import Table, as_markdown
@@ -19,6 +20,7 @@ from scenario_compiler.coverage.uses import files_naming, files_with
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.report.reference import run_folder_page
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.source.form import conflict_xsd, language_reference
@@ -41,9 +43,7 @@ GENERATED: dict[str, Callable[[], str]] = {
 """File name to what writes its text."""
 
 
-LANGUAGE_PAGE = FOLDER.parent / "docs" / "language.md"
-COVERAGE_PAGE = FOLDER.parent / "docs" / "coverage.md"
-"""The language's reference, and what of it is executed: made in the same way."""
+PAGES_FOLDER = FOLDER.parent / "docs"
 
 COVERAGE_HEAD = """# What is covered
 
@@ -70,11 +70,19 @@ def _openscenario_with_tests() -> Table:
     return openscenario_table().with_column("tests", counts)
 
 
+PAGES: dict[str, Callable[[], str]] = {
+    "commands.md": commands_page,
+    "coverage.md": coverage_page,
+    "language.md": language_reference,
+    "run-folder.md": run_folder_page,
+}
+"""The same for pages of docs/: the commands, what of each language is executed, the language, what a run leaves."""
+
+
 def main() -> int:
     """Write the files, or with `--check` compare them; return 1 when one is stale."""
     files = {
-        LANGUAGE_PAGE: language_reference,
-        COVERAGE_PAGE: coverage_page,
+        **{PAGES_FOLDER / name: text for name, text in PAGES.items()},
         **{FOLDER / name: text for name, text in GENERATED.items()},
     }
     stale = [path for path, text in files.items() if not _is_fresh(path, text())]

@@ -1,16 +1,29 @@
-"""The files of schemas/ are what the models say; `--update` rewrites them."""
+"""The files of schemas/, and pages of docs/, are what the models say; `--update` rewrites them."""
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
+from typing import get_args
 
 import pytest
 from lxml import etree
+
+from scenario_compiler.cli import make_parser
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.names import EventKind, StopReason
+from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.recording.recording import COLUMNS, Header
+from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
+from scenario_compiler.report.folder import RUN_FILES
+from scenario_compiler.report.reference import EVENTS, STOPS
 
 FOLDER = Path(__file__).resolve().parent.parent / "schemas"
 
@@ -26,6 +39,7 @@ def _generator() -> ModuleType:
 
 GENERATOR = _generator()
 GENERATED: dict[str, Callable[[], str]] = GENERATOR.GENERATED
+PAGES: dict[str, Callable[[], str]] = GENERATOR.PAGES
 
 
 @pytest.mark.parametrize("name", sorted(GENERATED))
@@ -46,12 +60,36 @@ def test_schema_is_well_formed(name: str) -> None:
         assert "properties" in json.loads(text)
 
 
-def test_language_page_is_fresh(assert_fresh: Callable[[Path, str], None]) -> None:
-    assert_fresh(GENERATOR.LANGUAGE_PAGE, GENERATOR.language_reference())
+@pytest.mark.parametrize("name", sorted(PAGES))
+def test_page_is_fresh(name: str, assert_fresh: Callable[[Path, str], None]) -> None:
+    assert_fresh(GENERATOR.PAGES_FOLDER / name, PAGES[name]())
 
 
-def test_coverage_page_is_fresh(assert_fresh: Callable[[Path, str], None]) -> None:
-    assert_fresh(GENERATOR.COVERAGE_PAGE, GENERATOR.coverage_page())
+def test_page_of_commands_has_every_command_and_option() -> None:
+    page = PAGES["commands.md"]()
+    for words, parser in _parsers(make_parser()):
+        section = page.partition(f"## {words}\n")[2].partition("\n## ")[0]
+        assert section, words
+        options = [text for action in parser._actions for text in action.option_strings]
+        assert [one for one in options if one not in ("-h", "--help") and f"`{one}" not in section] == []
+
+
+def _parsers(parser: argparse.ArgumentParser, before: str = "") -> Iterator[tuple[str, argparse.ArgumentParser]]:
+    """Yield every command that does something, with its words."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, inner in action.choices.items():
+                below = list(_parsers(inner, f"{before}{name} "))
+                yield from below or [(f"{before}{name}", inner)]
+
+
+def test_page_of_the_run_folder_has_every_name() -> None:
+    page = PAGES["run-folder.md"]()
+    names = [*RUN_FILES, *TRAJECTORY_COLUMNS, *EventRow.model_fields, *get_args(EventKind), *get_args(StopReason)]
+    names += [*Outcome.model_fields, *Plan.model_fields, *Header.model_fields]
+    names += [*(one.name for one in MEASURES), *(one.name for one in COLUMNS if one.name != "present")]
+    assert [name for name in names if f"`{name}`" not in page and name] == []
+    assert (set(EVENTS), set(STOPS)) == (set(get_args(EventKind)), set(get_args(StopReason)))
 
 
 def test_language_page_explains_every_element_of_the_schema() -> None:

@@ -1,0 +1,169 @@
+"""The page on the commands (docs/commands.md), made from what their parser declares."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from scenario_compiler.cli import make_parser
+
+SHARED_BY = 3
+"""Commands that must have the very same option for it to be told once for all."""
+
+_HEAD = """# Commands
+
+Made from the program's own help by `make generate`; `scenario-compiler COMMAND --help` says the same.
+`python -m scenario_compiler` is the same program.
+
+`FILE` is a conflict, an OpenSCENARIO file or the AISA toolkit's; `FILE#name` is one scenario of a file that holds
+several, and `PLAN.json` what `compile` has written.
+
+## Exit codes
+
+| code | means |
+|---|---|
+| 0 | fine; warnings may have been told |
+| 1 | the input is at fault, and the diagnostics say how; `compare`: the runs differ; \
+`sweep`: all variants failed, or it broke off |
+| 2 | wrong use: an option that there is not, a name that is missing, \
+a folder that is not empty, a file that cannot be written |
+| 3 | `run --strict`: a criterion failed, or the run broke off |
+
+## Diagnostics
+
+As text they go to stderr, so that stdout holds results alone; as `json`, `sarif` or `github` they go to stdout.
+`explain CODE` tells what a code means and what to do.
+
+`--error CODE` makes a warning an error, `--error all` every one, also where a file allows it with `<allow>`.
+`--allow CODE` leaves a warning out; errors stay. `--strict` means two things: `validate --strict` takes every warning
+for an error (exit 1); `run --strict` runs all the same, and exits with 3 when a criterion fails.
+
+`validate` of an OpenSCENARIO or OpenDRIVE file exits with 1 if and only if the file is not well-formed or its structure
+is not that of its own version: what else is found are warnings. `run` makes errors of what it cannot use.
+
+## Files
+
+What a command writes is whole or not there, and never what it reads. A folder that is not empty is left alone unless
+`--force` is given. What lies in a run's folder: [run-folder.md](run-folder.md); in a sweep's: [sweeps.md](sweeps.md).
+
+## Environment
+
+| variable | is |
+|---|---|
+| `SCENARIO_COMPILER_MAPS` | folders in which maps are looked for after those of `--maps`, separated as in `PATH` |
+| `CARLA_ROOT` | CARLA's folder: then in its maps (`CarlaUE4/Content/Carla/Maps/OpenDrive`), \
+at last in those that come along |
+| `SCENARIO_COMPILER_CACHE` | folder for read maps and the compiled engine, else \
+`scenario-compiler` in `$XDG_CACHE_HOME` or `~/.cache` |
+"""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """An argument as the page shows it: how it is written, and what it is; both as Markdown."""
+
+    spelling: str
+    text: str
+    is_option: bool
+
+
+@dataclass(frozen=True)
+class _Command:
+    """A command as the page shows it: its words, what it does, its arguments, what excludes what."""
+
+    name: str
+    text: str
+    rows: tuple[_Row, ...]
+    exclusions: tuple[str, ...]
+
+
+def commands_page() -> str:
+    """Return the page on all commands: exit codes, diagnostics, environment, then each command with its arguments."""
+    commands = list(_commands(make_parser(), ""))
+    counts = Counter(row for command in commands for row in command.rows if row.is_option)
+    shared = [row for row in counts if counts[row] >= SHARED_BY]
+    parts = [_HEAD, "## Options of several commands\n", _table(shared)]
+    parts.append("In the tables below, what must be given is bold.\n")
+    parts += [_section(command, shared) for command in commands]
+    return "\n".join(parts)
+
+
+def _commands(parser: argparse.ArgumentParser, before: str) -> Iterator[_Command]:
+    """Yield the commands below a parser, those of a group in place of the group."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            told = {one.dest: one.help or "" for one in action._get_subactions()}
+            for name, inner in action.choices.items():
+                if any(isinstance(one, argparse._SubParsersAction) for one in inner._actions):
+                    yield from _commands(inner, f"{before}{name} ")
+                else:
+                    yield _command(inner, f"{before}{name}", told.get(name, ""))
+
+
+def _command(parser: argparse.ArgumentParser, name: str, summary: str) -> _Command:
+    actions = [one for one in parser._actions if not isinstance(one, argparse._HelpAction)]
+    actions.sort(key=lambda one: bool(one.option_strings))
+    texts = (summary, parser.description, parser.epilog)
+    about = " ".join(_sentence(" ".join(text.split())) for text in dict.fromkeys(texts) if text)
+    expand = parser._get_formatter()._expand_help
+    rows = tuple(_row(one, expand(one) if one.help else "") for one in actions if one.help != argparse.SUPPRESS)
+    return _Command(name, about, rows, tuple(_exclusions(parser)))
+
+
+def _exclusions(parser: argparse.ArgumentParser) -> Iterator[str]:
+    for group in parser._mutually_exclusive_groups:
+        names = " and ".join(f"`{one.option_strings[-1]}`" for one in group._group_actions)
+        yield f"One of {names} is given." if group.required else f"At most one of {names} is given."
+
+
+def _row(action: argparse.Action, told: str) -> _Row:
+    text = "; ".join(part for part in (" ".join(told.split()), *_notes(action, told)) if part)
+    spelling = f"`{_spelling(action)}`"
+    is_needed = action.required and action.nargs != "*"
+    return _Row(f"**{spelling}**" if is_needed else spelling, text, bool(action.option_strings))
+
+
+def _notes(action: argparse.Action, told: str) -> Iterator[str]:
+    """Yield what the help of an option may not say: that it can be given more than once, and its default."""
+    if isinstance(action, argparse._AppendAction):
+        yield "any number of times"
+    elif action.nargs != 0 and action.default not in (None, "") and "left out" not in told and "default" not in told:
+        yield f"`{action.default}` when left out"
+
+
+def _spelling(action: argparse.Action) -> str:
+    metavar = action.metavar if isinstance(action.metavar, str) else None
+    value = metavar or ("|".join(map(str, action.choices)) if action.choices else action.dest.upper())
+    if action.nargs in ("?", "*"):
+        value = f"[{value}]" if action.nargs == "?" else f"[{value} ...]"
+    if not action.option_strings:
+        return value
+    return action.option_strings[-1] if action.nargs == 0 else f"{action.option_strings[-1]} {value}"
+
+
+def _section(command: _Command, shared: list[_Row]) -> str:
+    own = [row for row in command.rows if row not in shared]
+    others = [row.spelling.strip("*`").split()[0] for row in command.rows if row in shared]
+    parts = [f"## {command.name}\n", f"{command.text}\n"]
+    if own:
+        parts.append(_table(own))
+    parts += [f"{text}\n" for text in command.exclusions]
+    if others:
+        parts.append(f"And {', '.join(f'`{name}`' for name in others)}: see [above](#options-of-several-commands).\n")
+    return "\n".join(parts)
+
+
+def _table(rows: Iterable[_Row]) -> str:
+    lines = (f"| {_cell(row.spelling)} | {_cell(row.text)} |" for row in rows)
+    return "\n".join(["| argument | |", "|---|---|", *lines]) + "\n"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def _sentence(text: str) -> str:
+    """Return a help text as a sentence."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")

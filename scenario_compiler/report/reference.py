@@ -1,0 +1,182 @@
+"""The page on the run folder (docs/run-folder.md), made from the declarations of what its files hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from pydantic import BaseModel
+
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.names import EventKind, StopReason
+from scenario_compiler.recording.outcome import Interval, MeasureValue, Outcome
+from scenario_compiler.recording.recording import COLUMNS, Header
+from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
+
+EVENTS: Mapping[EventKind, str] = {
+    "activation": "The automation drives again after a hand-back.",
+    "warning": "The driver is warned; `cause` says why.",
+    "warning_over": "The warning's reason is gone.",
+    "request": "A takeover is requested; `cause` says why.",
+    "escalation": "The request is made urgent; `cause` as above.",
+    "response": "The driver takes over.",
+    "hand_back": "The driver hands back to the automation.",
+    "minimum_risk": "The minimum-risk manoeuvre begins; `cause` as above.",
+    "standstill": "The automated vehicle stands; `cause` is `driver` where a driver stopped it.",
+    "collision": "Two boxes touch: the automated vehicle's, or the first entity's, and that of `entity`.",
+    "merge": "A move to the lane beside begins.",
+    "merge_aborted": "That move is broken off.",
+    "brake": "The driver brakes before what blocks the path.",
+    "evade": "The driver evades what blocks the path.",
+    "sensor_noise": "The camera's noise changes.",
+    "failure": "A failure of the camera begins; `cause` is its kind.",
+    "failure_end": "It ends.",
+    "weather": "The weather begins to change.",
+    "hazard_lights": "`value` 1: on, 0: off.",
+    "storyboard_start": "An event of the storyboard begins: `message` is its name, `entity` who does it if one does.",
+    "storyboard_end": "It ends.",
+    "message": "The driver is told `message`; `cause` is the modality.",
+    "light": "A light of `entity`: `cause` which, `message` what it does.",
+    "command": "A command, or an animation: `cause` which, `message` what it says.",
+    "signal": "A traffic signal or its controller: `cause` which, `message` its state or phase.",
+    "stop": "The run ends; `message` is the reason.",
+}
+"""What each kind of event tells."""
+
+STOPS: Mapping[StopReason, str] = {
+    "duration": "The scenario's duration, or `--duration`, was reached.",
+    "trigger": "The storyboard's stop trigger, or an action that ends the run.",
+    "destination": "The automated vehicle reached its destination.",
+    "standstill": "It has stood for a while after a minimum-risk manoeuvre, or a driver's stop.",
+    "collision": "It has stood for a while after a collision.",
+    "error": "The engine broke off; `error` in outcome.json says why.",
+    "user": "A person or a program ended it.",
+    "": "Unknown: a trajectory of another program.",
+}
+"""What each reason of an end means."""
+
+TRAJECTORY_UNITS: Mapping[str, str] = {
+    "t": "s",
+    "name": "the entity's id",
+    "x": "m",
+    "y": "m",
+    "h": "rad, 0 to 2 pi",
+    "v": "m/s, signed along the heading",
+    "road": "id of the road, -1 off every road",
+    "lane": "OpenDRIVE lane id, 0 off the lanes",
+    "s": "m, along the road's reference line",
+    "off": "m, left of the lane's centre in the road's s direction",
+}
+"""What the columns of a trajectory's CSV file hold."""
+
+_HEAD = """# The run folder
+
+Made from the program's own declarations by `make generate`. `scenario-compiler run FILE -o DIR` writes:
+
+| file | holds |
+|---|---|
+| `plan.json` | what was run: `run DIR/plan.json` runs it again |
+| `recording.parquet` | everything that moved or was measured, row by row |
+| `events.csv` | what happened, and when |
+| `outcome.json` | criteria, the takeover's timeline, measures with their definitions |
+| `report.html` | all of it for a reader, with pictures; in one file (`report DIR` writes it again) |
+
+The same plan and seed give the same bytes, on one platform and set of versions. JSON schemas are in `schemas/`:
+`plan.schema.json`, `events.schema.json`, `outcome.schema.json`. From Python: `read_recording` of
+`scenario_compiler.recording.store` gives the `Recording` that `run` returned, `read_outcome` of
+`scenario_compiler.recording.outcome` its `Outcome`.
+
+## Units, axes, times
+
+Everything is in SI units and radians. Axes are those of the road file (OpenDRIVE): x and y as it says, z up, headings
+from the x axis to the left. CARLA's are (x, -y, z), with yaw = -heading in degrees.
+
+**The point** of an entity is its reference point: the middle of the rear axle, on the ground. The middle of the box
+lies `vehicle.center` metres (plan.json) ahead of it; CARLA's actors are placed there.
+
+**Headings**: a vehicle that starts in a lane faces the lane's direction of travel: along s on negative lanes in
+right-hand traffic, against it (h + pi) on positive ones, and the other way round in left-hand traffic. What is placed
+by road, s and t faces along s.
+
+**Times**: t is the sum of the steps, so that 35 s may read 35.00000000000015; events.csv and the timeline are rounded
+to the nanosecond. The first row, t = 0, is the state after the init actions. There is one row a step and entity that is
+present, entities in document order, an automated vehicle first. Where the stop trigger is true, that row is the last; a
+duration D ends with the first row of t >= D - 1e-6 s.
+"""
+
+_OF_RECORDING = """A row an entity and step. What is of the run, not of an entity, stands in the rows of the first
+entity, is null in the others, and means nothing without an automated vehicle. NaN stands for a number that there is
+none of.
+"""
+
+_OF_METADATA = """The file's metadata has, as JSON under `scenario-compiler`: `columns` (units and descriptions),
+`events`, `stop_reason`, `error`, `trajectory_hash` and `header`; and the first-person pictures, as PNG in base64, under
+`frame.0`, `frame.1`, ... The header holds:
+"""
+
+_OF_EVENTS = """Where nothing else is said, `entity` is the automated vehicle, or the first entity; what concerns none,
+as messages and the stop do, has an empty one.
+"""
+
+_OF_MEASURES = """The `value` of a measure is null where it is not defined, and `undefined` says why. A run without an
+automated vehicle has those of no takeover alone. They are:
+"""
+
+_OF_TRAJECTORIES = """`run --trajectory FILE.csv` writes a row an entity present and step, for and from other programs:
+`compare` reads it. Numbers are the shortest decimals that read back to the same bits. Off every road,
+`road,lane,s,off` is `-1,0,0,0`.
+"""
+
+
+def run_folder_page() -> str:
+    """Return the page on the files that a run leaves."""
+    parts = [
+        _HEAD,
+        "## plan.json\n",
+        _fields(Plan),
+        "Positions are bound: `road`, `lane`, `s` and `offset`, in whatever way the author wrote them.\n",
+        "## recording.parquet\n",
+        _OF_RECORDING,
+        _table(("column", "unit", "of", "holds"), _recorded()),
+        _OF_METADATA,
+        _fields(Header),
+        "## events.csv\n",
+        _fields(EventRow, "column"),
+        _table(("kind", "tells"), ((f"`{kind}`", text) for kind, text in EVENTS.items())),
+        _OF_EVENTS,
+        "## outcome.json\n",
+        _fields(Outcome),
+        _table(("stop_reason", "means"), ((f"`{reason}`", text) for reason, text in STOPS.items() if reason)),
+        f"A part of the timeline has {_names(Interval)}; a measure has {_names(MeasureValue)}.\n",
+        _OF_MEASURES,
+        _table(("measure", "unit", "definition"), ((f"`{one.name}`", one.unit, one.definition) for one in MEASURES)),
+        "## Trajectories\n",
+        _OF_TRAJECTORIES,
+        _table(("column", "holds"), ((f"`{name}`", TRAJECTORY_UNITS[name]) for name in TRAJECTORY_COLUMNS)),
+    ]
+    return "\n".join(parts)
+
+
+def _recorded() -> Iterable[tuple[str, str, str, str]]:
+    """Yield the columns as the file has them: `name` in place of the flag that an entity is present."""
+    for column in COLUMNS:
+        if column.name == "present":
+            yield "`name`", "", "entity", "The entity's id."
+        else:
+            of = "row" if column.name == "t" else column.per
+            yield f"`{column.name}`", column.unit, of, column.description
+
+
+def _fields(model: type[BaseModel], head: str = "key") -> str:
+    fields = model.model_fields.items()
+    return _table((head, "holds"), ((f"`{name}`", field.description or "") for name, field in fields))
+
+
+def _names(model: type[BaseModel]) -> str:
+    return ", ".join(f"`{name}`" for name in model.model_fields)
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = (f"| {' | '.join(row)} |" for row in (heads, *rows))
+    return "\n".join((next(lines), f"|{'---|' * len(heads)}", *lines)) + "\n"
