@@ -27,7 +27,7 @@ Columns = dict[str, list[Any]]
 """Rows by column."""
 
 AT = {name: place for place, name in enumerate(SUMMARY)}
-HEAD = ("t", "takeover_state", "cause", "conf_left", "conf_right", "health", "blocked", "lane_end", "min_ttc", "sigma")
+HEAD = ("t", "takeover_state", "cause", "conf_left", "conf_right", "health", "blocked", "lane_end")
 ENTITY = ("x", "y", "z", "h", "v", "a", "steer", "road", "lane", "s", "off", "throttle", "brake", "present")
 """Fields of the head of a trace's row, and of each entity in it, as the engine writes them."""
 

@@ -1,4 +1,4 @@
-"""Collisions: oriented boxes in the plane, with a sweep along x as broad phase, and the ego's time to collision."""
+"""Collisions: oriented boxes in the plane, those of all entities against that of the one that is reported."""
 
 from __future__ import annotations
 
@@ -6,28 +6,22 @@ from math import cos, sin
 
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.numbers import safe_sqrt
-from scenario_compiler.engine.opcodes import EVENT_COLLISION, FAR, NONE
+from scenario_compiler.engine.opcodes import EVENT_COLLISION
 from scenario_compiler.engine.slots import E_CENTER, E_HEIGHT, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import compiled
 
-TTC_RANGE = 100.0
-"""Distance within which the time to collision is watched, m."""
-
 
 @compiled
 def reported_entity(p: Program) -> int:
-    """Return the vehicle whose collisions and time to collision are noted: the ego, without one the first entity."""
+    """Return the vehicle whose collisions are noted: the ego, without one the first entity."""
     return p.ego[0] if p.ego[0] >= 0 else 0
 
 
 @compiled
 def update_boxes(p: Program, st: State) -> None:
-    """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted).
-
-    Most drive straight on: cosine and sine of a heading are kept.
-    """
+    """Place the centre of every entity's box. Most drive straight on: cosine and sine of a heading are kept."""
     for i in range(p.entity_count[0]):
         h = st.h[i]
         if h != st.box_h[i]:
@@ -37,18 +31,6 @@ def update_boxes(p: Program, st: State) -> None:
         center = p.const[p.entity_const[i] + E_CENTER]
         st.middle_x[i] = st.x[i] + center * st.box_cos[i]
         st.middle_y[i] = st.y[i] + center * st.box_sin[i]
-    before = -FAR
-    for k in range(p.entity_count[0]):
-        i = st.order[k]
-        left = st.middle_x[i] - st.reach[i]
-        if left >= before:
-            before = left
-            continue
-        at = k
-        while at > 0 and st.middle_x[st.order[at - 1]] - st.reach[st.order[at - 1]] > left:
-            st.order[at] = st.order[at - 1]
-            at = at - 1
-        st.order[at] = i
 
 
 @compiled
@@ -93,85 +75,22 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
 
 
 @compiled
-def note_collision(p: Program, st: State, i: int, j: int) -> None:
-    """Count a pair of overlapping boxes: the first of all, and each new contact of the vehicle that is reported."""
-    if st.collision_a[0] < 0:
-        st.collision_a[0] = min(i, j)
-        st.collision_b[0] = max(i, j)
-        st.collision_time[0] = st.clock[0]
-    ego = reported_entity(p)
-    if ego not in (i, j):
-        return
-    other = j if i == ego else i
-    if st.contact[other] == 0:
-        st.collision_count[0] += 1
-        log_event(st, EVENT_COLLISION, 1.0 * other)
-    st.contact[other] = 2
-    st.crashed[0] = 1
-
-
-@compiled
 def check_collisions(p: Program, st: State) -> None:
-    """Find all overlapping pairs."""
-    count = p.entity_count[0]
-    for a in range(count):
-        i = st.order[a]
-        right = st.middle_x[i] + st.reach[i]
-        b = a + 1
-        while b < count and st.middle_x[st.order[b]] - st.reach[st.order[b]] <= right:
-            if overlap(p, st, i, st.order[b]) == 1:
-                note_collision(p, st, i, st.order[b])
-            b = b + 1
-    if st.crashed[0] == 1:
-        for i in range(count):
-            st.contact[i] = 1 if st.contact[i] == 2 else 0
-
-
-@compiled
-def ego_ttc(p: Program, st: State, ego: int, j: int, c: float, s: float) -> float:
-    """Return the gap ahead of the ego over its closing speed where j lies in the ego's own corridor, else -1.
-
-    The corridor is as wide as the ego and straight on; speeds are taken along the ego's heading, whose cosine and sine
-    are c and s.
-    """
-    dx = st.middle_x[j] - st.middle_x[ego]
-    dy = st.middle_y[j] - st.middle_y[ego]
-    ahead = dx * c + dy * s
-    if ahead <= 0.0 or ahead > TTC_RANGE:
-        return -1.0
-    aside = abs(dy * c - dx * s)
-    turned = st.h[j] - st.h[ego]
-    a = p.entity_const[ego]
-    b = p.entity_const[j]
-    half = 0.5 * p.const[a + E_WIDTH]
-    long = 0.5 * p.const[b + E_LENGTH]
-    wide = 0.5 * p.const[b + E_WIDTH]
-    if aside >= half + long * abs(turned) + wide:  # no sine is greater than its angle
-        return -1.0
-    c_turned = cos(turned)
-    closing = st.v[ego] - st.v[j] * c_turned
-    if closing < 0.01:
-        return -1.0
-    s_turned = abs(sin(turned))
-    if aside >= half + long * s_turned + wide * abs(c_turned):
-        return -1.0
-    gap = ahead - 0.5 * p.const[a + E_LENGTH] - long * abs(c_turned) - wide * s_turned
-    return max(gap, 0.0) / closing
-
-
-@compiled
-def watch_ttc(p: Program, st: State) -> None:
-    """Keep the least time to collision of the vehicle that is reported so far."""
-    ego = reported_entity(p)
-    if p.entity_count[0] < 2 or st.present[ego] == 0:
+    """Find what overlaps the vehicle that is reported, and log each new contact."""
+    if p.entity_count[0] < 2:
         return
-    c = st.box_cos[ego]
-    s = st.box_sin[ego]
+    ego = reported_entity(p)
+    x = st.middle_x[ego]
+    reach = st.reach[ego]
     for j in range(p.entity_count[0]):
-        if j != ego and st.present[j] == 1:
-            time = ego_ttc(p, st, ego, j, c, s)
-            if time >= 0.0 and time < st.min_ttc[0]:
-                st.min_ttc[0] = time
+        hit = 0
+        if j != ego and abs(st.middle_x[j] - x) <= reach + st.reach[j]:
+            hit = overlap(p, st, ego, j)
+        if hit == 1:
+            st.crashed[0] = 1
+            if st.contact[j] == 0:
+                log_event(st, EVENT_COLLISION, 1.0 * j)
+        st.contact[j] = hit
 
 
 @compiled
@@ -185,10 +104,5 @@ def prepare_boxes(p: Program, st: State) -> None:
         st.box_h[i] = 0.0
         st.box_cos[i] = 1.0
         st.box_sin[i] = 0.0
-        st.order[i] = i
         st.contact[i] = 0
-    st.collision_a[0] = NONE
-    st.collision_b[0] = NONE
-    st.collision_time[0] = -1.0
-    st.collision_count[0] = 0
     st.crashed[0] = 0

@@ -155,7 +155,6 @@ def reset_takeover(p: Program, st: State) -> None:
     st.through_lane[0] = 0
     st.through_side[0] = 0
     st.gap_free[0] = 1
-    st.min_ttc[0] = FAR
     st.command_throttle[0] = 0.0
     st.command_steer[0] = 0.0
     st.command_brake[0] = 0.0

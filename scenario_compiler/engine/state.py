@@ -118,8 +118,6 @@ class State:
     last_x: list[float]
     last_y: list[float]
     last_v: list[float]
-    order: list[int]
-    """Entities by the x of their boxes' left ends."""
     reach: list[float]
     """Half diagonal of the entity's box."""
     middle_x: list[float]
@@ -357,13 +355,8 @@ class State:
     through_side: list[int]
     """1 when that lane is on the left in the direction of travel, -1 on the right."""
     gap_free: list[int]
-    min_ttc: list[float]
     contact: list[int]
     """1 while the entity's box overlaps the ego's."""
-    collision_a: list[int]
-    collision_b: list[int]
-    collision_time: list[float]
-    collision_count: list[int]
     crashed: list[int]
 
     # Takeover.
@@ -465,7 +458,6 @@ _ENTITY = (
         "last_x",
         "last_y",
         "last_v",
-        "order",
         "reach",
         "middle_x",
         "middle_y",

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.actions import run_actions
 from scenario_compiler.engine.automation import control_ego
-from scenario_compiler.engine.collision import check_collisions, update_boxes, watch_ttc
+from scenario_compiler.engine.collision import check_collisions, update_boxes
 from scenario_compiler.engine.controllers import hold_inputs
 from scenario_compiler.engine.failures import update_camera
 from scenario_compiler.engine.faults import log_event
@@ -56,8 +56,8 @@ STANDING_TIME = 3.0
 TRACE_FIELDS = 14
 """Numbers of an entity in a trace: x y z h v a steer road lane s off throttle brake present."""
 
-TRACE_HEAD = 10
-"""Numbers of the run before them: t, takeover state, cause, confidences, health, two distances, least TTC, noise."""
+TRACE_HEAD = 8
+"""Numbers of the run before them: t, takeover state, cause, two confidences, health, two distances."""
 
 
 @compiled
@@ -90,7 +90,6 @@ def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
         return
     update_boxes(p, st)
     check_collisions(p, st)
-    watch_ttc(p, st)
 
 
 @compiled

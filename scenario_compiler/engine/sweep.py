@@ -6,7 +6,6 @@ All arrays are flat: `rows` holds the numbers of `Program.const` variant by vari
 
 from __future__ import annotations
 
-from scenario_compiler.engine.collision import reported_entity
 from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, EVENT_COLLISION, LOG_SIZE, STOP_NONE
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD, reset, step
@@ -15,14 +14,12 @@ from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
 SUMMARY = (
-    *("rows", "t", "stop", "flag", "flag_at", "takeover_state", "cause", "requests", "time_warning"),
-    *("time_request", "time_escalation", "time_response", "time_minimum_risk", "time_standstill", "min_ttc"),
-    *("collision_a", "collision_b", "collision_time", "collision_count", "ego_v", "ego_odometer"),
-    *("ego_collision_time", "ego_collision_with"),
+    *("rows", "stop", "flag", "time_warning", "time_request", "time_escalation", "time_response"),
+    *("time_minimum_risk", "time_standstill", "ego_collision_time", "ego_collision_with"),
 )
 """What `summarise` writes for a variant, in this order."""
 
-SUMMARY_SIZE = 23
+SUMMARY_SIZE = 11
 
 
 @compiled
@@ -36,8 +33,6 @@ def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
     trace[base + 5] = st.health[0]
     trace[base + 6] = st.blocked_distance[0]
     trace[base + 7] = st.lane_end_distance[0]
-    trace[base + 8] = st.min_ttc[0]
-    trace[base + 9] = st.sigma[0]
     at = base + TRACE_HEAD
     for i in range(p.entity_count[0]):
         trace[at] = st.x[i]
@@ -68,33 +63,20 @@ def first_logged(st: State, kind: int) -> int:
 
 
 @compiled
-def summarise(p: Program, st: State, rows: int, out: list[float], base: int) -> None:
+def summarise(st: State, rows: int, out: list[float], base: int) -> None:
     """Write the summary of a run that is over into `out` from `base` on, by `SUMMARY`."""
     out[base] = 1.0 * rows
-    out[base + 1] = st.clock[0]
-    out[base + 2] = 1.0 * st.stop[0]
-    out[base + 3] = 1.0 * st.flag[0]
-    out[base + 4] = 1.0 * st.flag_at[0]
-    out[base + 5] = 1.0 * st.takeover_state[0]
-    out[base + 6] = 1.0 * st.cause[0]
-    out[base + 7] = 1.0 * st.requests[0]
-    out[base + 8] = st.time_warning[0]
-    out[base + 9] = st.time_request[0]
-    out[base + 10] = st.time_escalation[0]
-    out[base + 11] = st.time_response[0]
-    out[base + 12] = st.time_minimum_risk[0]
-    out[base + 13] = st.time_standstill[0]
-    out[base + 14] = st.min_ttc[0]
-    out[base + 15] = 1.0 * st.collision_a[0]
-    out[base + 16] = 1.0 * st.collision_b[0]
-    out[base + 17] = st.collision_time[0]
-    out[base + 18] = 1.0 * st.collision_count[0]
-    ego = reported_entity(p)
-    out[base + 19] = st.v[ego] if p.entity_count[0] > 0 else 0.0
-    out[base + 20] = st.odometer[ego] if p.entity_count[0] > 0 else 0.0
+    out[base + 1] = 1.0 * st.stop[0]
+    out[base + 2] = 1.0 * st.flag[0]
+    out[base + 3] = st.time_warning[0]
+    out[base + 4] = st.time_request[0]
+    out[base + 5] = st.time_escalation[0]
+    out[base + 6] = st.time_response[0]
+    out[base + 7] = st.time_minimum_risk[0]
+    out[base + 8] = st.time_standstill[0]
     crash = first_logged(st, EVENT_COLLISION)
-    out[base + 21] = st.log_time[max(crash, 0)] if crash >= 0 else -1.0
-    out[base + 22] = st.log_value[max(crash, 0)] if crash >= 0 else -1.0
+    out[base + 9] = st.log_time[max(crash, 0)] if crash >= 0 else -1.0
+    out[base + 10] = st.log_value[max(crash, 0)] if crash >= 0 else -1.0
 
 
 @compiled
@@ -141,4 +123,4 @@ def sweep(
         for q in range(DRAWS_PER_RUN):
             st.draw[q] = draws[k * DRAWS_PER_RUN + q]
         made = run_variant(n, p, st, limit, trace, k * stride, every)
-        summarise(p, st, made, out, k * SUMMARY_SIZE)
+        summarise(st, made, out, k * SUMMARY_SIZE)

@@ -179,11 +179,13 @@ def test_a_sweep_over_a_plan_runs_every_row() -> None:
     samples = rows(plan, network, [{"v": v} for v in (5.0, 7.0, 9.0)])
     p = build_program(plan, network)
     engine = Interpreted(network.tables, p, new_state(p))
-    summaries, traces = engine.sweep(samples, [make_draws(1, k) for k in range(3)], 400)
+    draws = [make_draws(1, k) for k in range(3)]
+    summaries, traces = engine.sweep(samples, draws, 400)
     assert [len(row) for row in summaries] == [SUMMARY_SIZE] * 3 == [len(SUMMARY)] * 3
     assert traces == [[], [], []]
     assert all(row[SUMMARY.index("flag")] == op.FAULT_NONE for row in summaries)
-    assert len({row[SUMMARY.index("ego_odometer")] for row in summaries}) == 3
+    _, traces = engine.sweep(samples, draws, 400, 401)
+    assert len({tuple(trace) for trace in traces}) == 3
 
 
 def test_a_posed_ego_is_left_to_another_program() -> None:

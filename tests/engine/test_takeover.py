@@ -41,7 +41,7 @@ def test_a_cause_that_is_switched_off_asks_for_nothing() -> None:
 @pytest.mark.parametrize("driver", [0.0, 1.0, 2.5, 4.0, 6.0])
 def test_a_driver_who_answers_within_the_budget_does_not_collide(driver: float) -> None:
     run = blocked(driver).go()
-    assert run.st.collision_count[0] == 0
+    assert run.st.crashed[0] == 0
     assert run.time_of(op.EVENT_RESPONSE) == pytest.approx(run.time_of(op.EVENT_REQUEST) + driver, abs=0.051)
     assert run.st.flag[0] == op.FAULT_NONE
 
@@ -72,7 +72,7 @@ def test_an_absent_driver_ends_in_a_minimum_risk_stop_before_the_obstacle() -> N
     assert request < manoeuvre <= request + 10.051
     assert run.st.takeover_state[0] == op.TAKEOVER_STANDSTILL
     assert run.st.hazard_lights[0] == 1
-    assert run.st.collision_count[0] == 0
+    assert run.st.crashed[0] == 0
     assert run.st.stop[0] == op.STOP_STANDSTILL
     assert run.st.clock[0] == pytest.approx(run.time_of(op.EVENT_STANDSTILL) + 3.0, abs=0.11)
 
@@ -92,7 +92,7 @@ def test_the_minimum_risk_manoeuvre_brakes_as_given_and_begins_when_the_distance
     run.go(run.st.clock[0] + 1.0)
     assert run.st.a[0] == pytest.approx(-4.0)
     run.go()
-    assert run.st.collision_count[0] == 0
+    assert run.st.crashed[0] == 0
     assert run.st.v[0] == 0.0
 
 
@@ -184,7 +184,7 @@ def test_an_occupied_gap_is_requested_and_never_entered() -> None:
         lanes.add(run.st.lane[0])
     assert run.st.cause[0] == op.CAUSE_LANE_ENDS
     assert lanes == {-2} or run.time_of(op.EVENT_MERGE) > 0.0
-    assert run.st.collision_count[0] == 0
+    assert run.st.crashed[0] == 0
 
 
 def test_a_driver_waits_for_an_oncoming_car_before_passing() -> None:
@@ -199,7 +199,7 @@ def test_a_driver_waits_for_an_oncoming_car_before_passing() -> None:
         run.go(run.st.clock[0] + 0.05)
         if abs(run.st.x[2] - run.st.x[0]) < 10.0:
             sides.append(run.st.y[0] + 0.9 < run.st.y[2] - 0.9)
-    assert run.st.collision_count[0] == 0
+    assert run.st.crashed[0] == 0
     assert sides
     assert all(sides)
     assert run.st.x[0] > 260.0
