@@ -20,7 +20,8 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import broken_at, limit_of
 from scenario_compiler.recording.measures import MEASURES, measures_of
 from scenario_compiler.recording.names import CAUSES, FAULTS, STOP_REASONS, EventKind
-from scenario_compiler.recording.recording import Floats, Recording
+from scenario_compiler.recording.recording import Booleans, Floats, Recording
+from scenario_compiler.recording.resolution import resolutions
 from scenario_compiler.recording.traces import SAME_TIME, Traces, traces_of
 
 Columns = dict[str, list[Any]]
@@ -78,7 +79,7 @@ def outcome_columns(plan: Plan, traces: Traces, ends: Ends, parameters: Sequence
         "error": ends.error,
         "stop_reason": ends.stop_reason,
         "duration": np.fmax.reduce(traces.t, axis=-1, initial=0.0).tolist(),
-        "resolution": _resolutions(traces.times),
+        "resolution": resolutions(traces.times),
         "cause": ends.cause,
         "collision_with": ends.collision_with,
         "failed": [" ".join(names) for names in failed],
@@ -95,14 +96,6 @@ def error_columns(count: int, error: str) -> Columns:
     """Return the outcome of variants that have no run."""
     columns: Columns = {name: [None] * count for name in (*OUTCOME, *(measure.name for measure in MEASURES))}
     return columns | {"result": ["error"] * count, "error": [error] * count}
-
-
-def _resolutions(times: Mapping[EventKind, Floats]) -> list[str]:
-    """Return how the first request of each run ended, as `Outcome.resolution` names it."""
-    answered = np.fmin(times["response"], times["minimum_risk"])
-    by_driver = times["response"] <= np.where(np.isnan(times["minimum_risk"]), np.inf, times["minimum_risk"])
-    named = np.where(np.isnan(answered), "unanswered", np.where(by_driver, "driver", "minimum_risk"))
-    return [str(name) for name in np.where(np.isnan(times["request"]), "no_request", named)]
 
 
 def from_recording(plan: Plan, recording: Recording) -> tuple[Traces, Ends]:
@@ -138,74 +131,104 @@ def from_sweep(plan: Plan, summaries: Floats, flat: Floats) -> tuple[Traces, End
         summaries: (runs, SUMMARY_SIZE).
         flat: Traces with a row each step, (runs, rows times numbers of a row), longer than any run.
     """
-    runs, entities = len(summaries), len(plan.entities)
-    width = TRACE_HEAD + TRACE_FIELDS * entities
-    rows = summaries[:, AT["rows"]].astype(np.int64)
-    longest = int(rows.max(initial=0))
-    whole: Floats = np.moveaxis(flat.reshape(runs, -1, width)[:, :longest], -1, 0)
-    over = np.arange(longest) >= rows[:, None]
-
-    judged = plan.controller is not None or bool(plan.criteria)
-    gone = over | (whole[TRACE_HEAD + ENTITY.index("present") :: TRACE_FIELDS] == 0.0)
-    any_over, any_gone = bool(over.any()), bool(gone.any())
-
-    def head(name: str, nothing: float = np.nan) -> Floats:
-        """Return a field of the run, (runs, longest)."""
-        if not judged and name != "t":
-            return np.broadcast_to(nothing, over.shape)
-        values: Floats = whole[HEAD.index(name)].copy()
-        if any_over:
-            values[over] = nothing
-        return values
-
-    def body(name: str, nothing: float = np.nan) -> Floats:
-        """Return a field of all entities, (runs, longest, entities), the entities outermost in memory.
-
-        What only the takeover's measures and the criteria look at is left out where a plan has neither.
-        """
-        if not judged and name not in MOTION:
-            return np.broadcast_to(nothing, (*over.shape, entities))
-        values: Floats = whole[TRACE_HEAD + ENTITY.index(name) :: TRACE_FIELDS].copy()
-        if any_gone:
-            values[gone] = nothing
-        return np.moveaxis(values, 0, -1)
-
-    road = body("road", -1.0)
-    lane, s, off = body("lane", 0.0), body("s"), body("off")
-    if judged:
-        off_road = road < 0.0
-        lane, s, off = (np.where(off_road, 0.0, each) for each in (lane, s, off))
-    blocked, lane_end, h = head("blocked"), head("lane_end"), body("h")
-    turn = 2 * np.pi
-    around = ~((h >= 0) & (h < turn))
-    if around.any():
-        h[around] = np.mod(h[around], turn)
+    written = _written(plan, summaries, flat)
+    blocked, lane_end = written.head("blocked"), written.head("lane_end")
+    road, lane, s, off = _lane_places(written)
     vehicles = [entity.vehicle for entity in plan.entities]
-    times = _first_times(summaries)
     traces = Traces(
-        t=head("t"),
-        present=np.moveaxis(~gone, 0, -1),
-        x=body("x"),
-        y=body("y"),
-        h=h,
-        v=body("v"),
-        a=body("a"),
+        t=written.head("t"),
+        present=np.moveaxis(~written.gone, 0, -1),
+        x=written.body("x"),
+        y=written.body("y"),
+        h=_within_a_turn(written.body("h")),
+        v=written.body("v"),
+        a=written.body("a"),
         road=road.astype(np.int64),
         lane=lane.astype(np.int64),
         s=s,
         off=off,
-        brake=body("brake"),
-        cause=head("cause", 0.0).astype(np.int64),
-        confidence_left=head("conf_left"),
-        confidence_right=head("conf_right"),
+        brake=written.body("brake"),
+        cause=written.head("cause", 0.0).astype(np.int64),
+        confidence_left=written.head("conf_left"),
+        confidence_right=written.head("conf_right"),
         blocked_distance=np.where(blocked >= FAR, np.nan, blocked),
         lane_end_distance=np.where(lane_end >= FAR, np.nan, lane_end),
         length=np.array([vehicle.length for vehicle in vehicles]),
         width=np.array([vehicle.width for vehicle in vehicles]),
         center=np.array([vehicle.center for vehicle in vehicles]),
-        times=times,
+        times=_first_times(summaries),
     )
     return traces, _ends(plan, summaries, traces)
+
+
+@dataclass(frozen=True)
+class _Written:
+    """Traces of many runs as the engine's sweep wrote them, the fields of a row outermost.
+
+    Attributes:
+        whole: (numbers of a row, runs, longest).
+        over: Where a run had ended, (runs, longest).
+        gone: Where an entity was not there, or its run over, (entities, runs, longest).
+        judged: Whether the plan has takeovers or criteria; what only they look at is left out otherwise.
+        any_over: Whether a run ended before another.
+        any_gone: Whether an entity was ever gone.
+    """
+
+    whole: Floats
+    over: Booleans
+    gone: Booleans
+    judged: bool
+    any_over: bool
+    any_gone: bool
+
+    def head(self, name: str, nothing: float = np.nan) -> Floats:
+        """Return a field of the run, (runs, longest)."""
+        if not self.judged and name != "t":
+            return np.broadcast_to(nothing, self.over.shape)
+        values: Floats = self.whole[HEAD.index(name)].copy()
+        if self.any_over:
+            values[self.over] = nothing
+        return values
+
+    def body(self, name: str, nothing: float = np.nan) -> Floats:
+        """Return a field of all entities, (runs, longest, entities), the entities outermost in memory."""
+        if not self.judged and name not in MOTION:
+            return np.broadcast_to(nothing, (*self.over.shape, len(self.gone)))
+        values: Floats = self.whole[TRACE_HEAD + ENTITY.index(name) :: TRACE_FIELDS].copy()
+        if self.any_gone:
+            values[self.gone] = nothing
+        return np.moveaxis(values, 0, -1)
+
+
+def _written(plan: Plan, summaries: Floats, flat: Floats) -> _Written:
+    runs = len(summaries)
+    width = TRACE_HEAD + TRACE_FIELDS * len(plan.entities)
+    rows = summaries[:, AT["rows"]].astype(np.int64)
+    longest = int(rows.max(initial=0))
+    whole: Floats = np.moveaxis(flat.reshape(runs, -1, width)[:, :longest], -1, 0)
+    over = np.arange(longest) >= rows[:, None]
+    gone = over | (whole[TRACE_HEAD + ENTITY.index("present") :: TRACE_FIELDS] == 0.0)
+    judged = plan.controller is not None or bool(plan.criteria)
+    return _Written(whole, over, gone, judged, any_over=bool(over.any()), any_gone=bool(gone.any()))
+
+
+def _lane_places(written: _Written) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return the entities' roads, lanes, s and offsets, the last three 0 off the roads."""
+    road, lane = written.body("road", -1.0), written.body("lane", 0.0)
+    s, off = written.body("s"), written.body("off")
+    if not written.judged:
+        return road, lane, s, off
+    off_road = road < 0.0
+    return road, np.where(off_road, 0.0, lane), np.where(off_road, 0.0, s), np.where(off_road, 0.0, off)
+
+
+def _within_a_turn(h: Floats) -> Floats:
+    """Return headings in [0, 2 pi), changed in place where there are others."""
+    turn = 2 * np.pi
+    around = ~((h >= 0) & (h < turn))
+    if around.any():
+        h[around] = np.mod(h[around], turn)
+    return h
 
 
 def _first_times(summaries: Floats) -> dict[EventKind, Floats]:

@@ -18,6 +18,7 @@ from scenario_compiler.recording.decimals import to_the_nanosecond
 from scenario_compiler.recording.measures import MEASURES, Measure, measures_of
 from scenario_compiler.recording.names import BY_HAND, STATE_AFTER, StateName, StopReason
 from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.resolution import MEANINGS, Resolution, resolutions
 from scenario_compiler.recording.traces import Traces, traces_of
 
 
@@ -56,9 +57,10 @@ class Outcome(_Part):
     result: Literal["pass", "fail", "error"] = Field(
         description="pass when all criteria hold; error when the run broke off."
     )
-    resolution: Literal["no_request", "driver", "minimum_risk", "unanswered"] = Field(
-        description="How the first request ended: none was made, the driver answered first, the minimum-risk manoeuvre "
-        "began first, or neither."
+    resolution: Resolution = Field(
+        description="How the first request ended: "
+        + "; ".join(f"{name}: {meaning}" for name, meaning in MEANINGS.items())
+        + "."
     )
     cause: str = Field(default="", description="Cause of the first request; empty without one.")
     collision_with: str | None = Field(default=None, description="Id of the first entity that was hit.")
@@ -90,7 +92,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
         seed=header.seed,
         variant=header.variant,
         result="error" if broken else "pass" if passed else "fail",
-        resolution=_resolution(recording),
+        resolution=resolutions(traces.times)[0],
         cause=request.cause if request else "",
         collision_with=crash.entity if crash else None,
         stop_reason=recording.stop_reason,
@@ -139,18 +141,6 @@ def timeline(recording: Recording) -> tuple[Interval, ...]:
         Interval(state=state, begin=to_the_nanosecond(at), end=to_the_nanosecond(until))
         for (at, state), until in zip(states, ends, strict=True)
     )
-
-
-def _resolution(recording: Recording) -> Literal["no_request", "driver", "minimum_risk", "unanswered"]:
-    kinds = [event.kind for event in recording.events]
-    if "request" not in kinds:
-        return "no_request"
-    for kind in kinds[kinds.index("request") :]:
-        if kind == "response":
-            return "driver"
-        if kind == "minimum_risk":
-            return "minimum_risk"
-    return "unanswered"
 
 
 class OutcomeError(ValueError):

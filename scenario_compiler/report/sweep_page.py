@@ -136,6 +136,7 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
         page=page,
         rates=rates_of(page.rows, judged=page.judged, automated=page.automated),
         errors=_errors(page.rows),
+        still_open=_still_open(page.rows) if page.automated else 0,
         pictures=_pictures(page),
         maps={case.index: _case_pictures(case) for case in page.cases},
         measures=[measure for measure in MEASURES if measure.name in SHOWN],
@@ -147,15 +148,19 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
 
 
 def rates_of(rows: Rows, *, judged: bool = True, automated: bool = True) -> list[Rate]:
-    """Return how often runs collided, broke a criterion, requested a takeover, and how the requests ended."""
+    """Return how often runs collided, broke a criterion, requested a takeover, and how the requests ended.
+
+    Requests that were still open when their runs ended are left out of the last.
+    """
     sound = [k for k, result in enumerate(rows["result"]) if result != "error"]
     requested = [k for k in sound if rows["resolution"][k] != "no_request"]
+    ended = [k for k in requested if rows["resolution"][k] != "open"]
 
     def rate(name: str, hits: int, count: int) -> Rate:
         return Rate(name, hits, count, *wilson_interval(hits, count))
 
     def resolved(name: str) -> int:
-        return sum(rows["resolution"][k] == name for k in requested)
+        return sum(rows["resolution"][k] == name for k in ended)
 
     rates = [rate("collision", sum(rows["collision_time"][k] is not None for k in sound), len(sound))]
     if judged:
@@ -163,10 +168,17 @@ def rates_of(rows: Rows, *, judged: bool = True, automated: bool = True) -> list
     if automated:
         rates += [
             rate("takeover request", len(requested), len(sound)),
-            rate("request answered by the driver", resolved("driver"), len(requested)),
-            rate("request ended in a minimum-risk manoeuvre", resolved("minimum_risk"), len(requested)),
+            rate("request answered by the driver", resolved("driver"), len(ended)),
+            rate("request ended in a minimum-risk manoeuvre", resolved("minimum_risk"), len(ended)),
         ]
     return rates
+
+
+def _still_open(rows: Rows) -> int:
+    """Return how many requests the rates leave out, since nothing had come of them when the run ended."""
+    return sum(
+        end == "open" and result != "error" for end, result in zip(rows["resolution"], rows["result"], strict=True)
+    )
 
 
 def _pictures(page: SweepPage) -> dict[str, Any]:

@@ -73,6 +73,7 @@ def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
         "driver": "driver took over",
         "minimum_risk": "minimum-risk manoeuvre",
         "unanswered": "request unanswered",
+        "open": "request still open",
     }[outcome.resolution]
     if outcome.collision_with is not None:
         ended = "collision" + (f" with {outcome.collision_with}" if outcome.collision_with else "")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.expressions import parse_expression
+from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.outcome import OutcomeError, judge, read_outcome, timeline, write_outcome
 from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision, ReachDestination, StayOnRoad
 from tests.recording.made import Row, approach, plan_of, record
@@ -59,6 +60,24 @@ def test_least_time_to_collision_may_be_a_parameter(least: float, when: float | 
 
 def test_a_run_that_broke_off_is_an_error() -> None:
     assert judge(plan_of(*IDS), record(IDS, 3, approach(), stop="error")).result == "error"
+
+
+@pytest.mark.parametrize(
+    ("after", "resolution"),
+    [
+        ([], "open"),
+        ([(3.0, "response", "")], "driver"),
+        ([(5.0, "escalation", "")], "unanswered"),
+        ([(5.0, "escalation", ""), (5.1, "response", "")], "driver"),
+        ([(3.0, "minimum_risk", ""), (4.0, "response", "")], "minimum_risk"),
+        ([(3.0, "collision", "parked")], "unanswered"),
+        ([(3.0, "collision", "parked"), (4.0, "minimum_risk", "")], "minimum_risk"),
+    ],
+)
+def test_how_a_request_ends(after: list[tuple[float, EventKind, str]], resolution: str) -> None:
+    before: list[tuple[float, EventKind, str]] = [(0.5, "collision", "parked")] if not after else []
+    run = record(IDS, 51, approach(), [*before, (1.0, "request", "path_blocked"), *after])
+    assert judge(plan_of(*IDS), run).resolution == resolution
 
 
 def test_a_run_without_rows_has_an_outcome() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from scenario_compiler.report.run import Run
-from scenario_compiler.report.sweep_page import SHOWN, Case, SweepPage, write_sweep_report
+from scenario_compiler.report.sweep_page import SHOWN, Case, SweepPage, rates_of, write_sweep_report
 
 ROWS: dict[str, Sequence[Any]] = {
     "variant": [0, 1, 2],
@@ -33,3 +33,15 @@ def test_requests_are_shown_of_automated_vehicles_alone(finished: Run, tmp_path:
     along = text.partition("Rates along each parameter")[2].partition("Distributions")[0]
     assert "Runs with a collision" in along
     assert ("takeover request" in along) == automated
+
+
+def test_requests_that_are_open_at_the_end_are_left_out_of_those_that_were_answered(tmp_path: Path) -> None:
+    rows = {**ROWS, "resolution": ["open", "driver", "unanswered"]}
+    rates = {rate.name: (rate.hits, rate.count) for rate in rates_of(rows)}
+    assert rates["takeover request"] == (3, 3)
+    assert rates["request answered by the driver"] == (1, 2)
+    assert rates["request ended in a minimum-risk manoeuvre"] == (0, 2)
+    for shown, left_out in ((rows, True), (ROWS, False)):
+        page = SweepPage("it", "", shown, {"gap": "uniform(1, 3)"}, [], [], "scenario-compiler sweep")
+        text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
+        assert ("1 still open when the run ended" in text) is left_out

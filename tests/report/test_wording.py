@@ -35,6 +35,7 @@ def test_a_run_in_one_row(finished: Run) -> None:
         ({"resolution": "minimum_risk", "stop_reason": "duration"}, "minimum-risk manoeuvre, no collision"),
         ({"resolution": "no_request", "stop_reason": "destination"}, "no takeover request, destination reached"),
         ({"resolution": "unanswered", "result": "error"}, "request unanswered, run broke off"),
+        ({"resolution": "open", "stop_reason": "duration"}, "request still open, no collision"),
     ],
 )
 def test_what_came_of_a_run(finished: Run, changes: dict[str, str], words: str) -> None:

@@ -1,0 +1,45 @@
+"""How the first takeover request of a run ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+
+from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.recording import Floats
+
+Resolution = Literal["no_request", "driver", "minimum_risk", "unanswered", "open"]
+
+MEANINGS: dict[Resolution, str] = {
+    "no_request": "none was made",
+    "driver": "the driver answered first",
+    "minimum_risk": "the minimum-risk manoeuvre began first",
+    "unanswered": "neither, though it escalated or the vehicle collided",
+    "open": "the run ended before any of that",
+}
+"""What each resolution means; the first one that holds is a run's."""
+
+
+def resolutions(times: Mapping[EventKind, Floats]) -> list[Resolution]:
+    """Return how the first request of each run ended.
+
+    Args:
+        times: First time of each kind of event, s, (runs,) or of one run (); NaN when it never happened.
+    """
+    request = np.atleast_1d(times["request"])
+
+    def since(kind: EventKind) -> Floats:
+        """Return the first time of an event that is not before the request, infinite without one."""
+        return np.where(times[kind] >= request, times[kind], np.inf)
+
+    driver, minimum_risk = since("response"), since("minimum_risk")
+    holds = (
+        np.isnan(request),
+        np.isfinite(driver) & (driver <= minimum_risk),
+        np.isfinite(minimum_risk),
+        np.isfinite(np.minimum(since("escalation"), since("collision"))),
+    )
+    named = tuple(MEANINGS)
+    return [named[k] for k in np.select(holds, range(len(holds)), len(holds)).tolist()]
