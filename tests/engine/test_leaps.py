@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from scenario_compiler.engine.build import Compiled, Interpreted
 from scenario_compiler.engine.opcodes import FAULT_NONE
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.state import State, make_draws, new_state
@@ -65,3 +66,16 @@ def test_an_event_puts_an_entity_on_its_trajectory(timing: TrajectoryTiming | No
     assert [speed for _, _, speed in rows] == pytest.approx([SPEED] * 21)
     gone = 1.0 if timing is not None and timing.domain == "absolute" else 0.5
     assert rows[-1][0] == pytest.approx(300.0 + SPEED * gone + (begin if gone < 1.0 else 0.0))
+
+
+@pytest.mark.parametrize("timing", TIMINGS)
+def test_both_forms_leave_the_same_bytes(timing: TrajectoryTiming | None) -> None:
+    network = highway()
+    plan, _ = planned(network, {"b": EGO}, board(at_time(0.5, 0, follow(timing, 15.0))), speed=SPEED)
+    program = build_program(plan, network)
+    traces = []
+    for form in (Interpreted, Compiled):
+        engine = form(network.tables, program, new_state(program))
+        _, trace = engine.sweep([list(program.const)], [make_draws(1)], 40, 41)
+        traces.append([float(value).hex() for value in trace[0]])
+    assert traces[0] == traces[1]
