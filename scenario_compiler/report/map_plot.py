@@ -186,13 +186,13 @@ def draw_map(
     arrows = [arrow_outline(one) for one in travel_arrows(network, shown, 6.0 * scale, 60.0 * scale, close)]
     axes.add_collection(PolyCollection(arrows, facecolors=_ARROW, edgecolors="none", zorder=5))
     placed = _Labels(axes, scale)
+    placed.keep_free(_draw_scale_bar(axes, shown, scale))
     if labels:
         _write_junctions(hulls, placed, scale)
     points = (spawn_points or {}).items()
     drawn = [_draw_spawn_point(axes, network, *point, shown, placed if labels else None) for point in points]
     if labels:
         _write_roads(network, shown, placed, scale)
-    _draw_scale_bar(axes, shown, scale)
     return _legend({shape.type for shape in shapes}, paints, bool(hulls), any(drawn))
 
 
@@ -286,6 +286,11 @@ class _Labels:
             self._write(text, *spots[0], w, h, size, colour)
         return force
 
+    def keep_free(self, window: Window) -> None:
+        """Let no text but those that are forced cover a part of the plane."""
+        x, y = (window.x_min + window.x_max) / 2.0, (window.y_min + window.y_max) / 2.0
+        self._taken.append((x, y, window.x_max - x, window.y_max - y))
+
     def _write(self, text: str, x: float, y: float, w: float, h: float, size: float, colour: str) -> None:
         self._taken.append((x, y, w, h))
         frame = {
@@ -355,8 +360,8 @@ def _draw_spawn_point(
 _AROUND = ((0, 2), (0, -2), (1, 1), (-1, 1), (1, -1), (-1, -1), (0, 4), (0, -4), (2, 0), (-2, 0))
 
 
-def _draw_scale_bar(axes: Axes, window: Window, scale: float) -> None:
-    """Draw a bar of a round length, about a sixth of the width, at the lower left."""
+def _draw_scale_bar(axes: Axes, window: Window, scale: float) -> Window:
+    """Draw a bar of a round length, about a sixth of the width, at the lower left; return what it covers."""
     about = (window.x_max - window.x_min) / 6.0
     power = 10.0 ** math.floor(math.log10(about))
     length = max(step for step in (power, 2.0 * power, 5.0 * power) if step <= about)
@@ -366,6 +371,7 @@ def _draw_scale_bar(axes: Axes, window: Window, scale: float) -> None:
     text = f"{length / 1000:g} km" if length >= 1000.0 else f"{length:g} m"
     frame = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
     axes.text(x + length / 2, y + 5 * scale, text, fontsize=7, ha="center", va="bottom", bbox=frame, zorder=9)
+    return Window(x, y, x + length, y + 14 * scale)
 
 
 def _legend(types: set[str], paints: list[mesh.Paint], junctions: bool, spawns: bool) -> list[Patch | Line2D]:

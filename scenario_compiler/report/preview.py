@@ -16,15 +16,20 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.transforms import Bbox
 
+from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.frames import center_from_reference
+from scenario_compiler.plan.binding import Binder
 from scenario_compiler.plan.model import Entity, Plan, RouteLeg, StartPose
+from scenario_compiler.plan.standing import Standing, stands_at
 from scenario_compiler.report.happenings import Happening, happenings_of, last_known_time
 from scenario_compiler.report.map_plot import draw_map, extent_of, save_picture
 from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
 from scenario_compiler.report.surroundings import Window
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import LanePosition
+from scenario_compiler.vocabulary.scenario import parameter_values
 
 SPACING = 4.0
 """Distance between two points of the way ahead, m."""
@@ -40,6 +45,9 @@ REACH = 400.0
 
 MORE = 1.15
 """How much longer than up to the last known time the axis of time is."""
+
+AWAY = 12.6
+"""How far from an entity's middle its label stands, points."""
 
 COLOURS = {"ego": BLUE, "static": VERMILION, "dynamic": ORANGE}
 
@@ -62,7 +70,7 @@ def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0
         FigureCanvasAgg(figure)
         top = 0.45 / height
         axes = figure.add_axes((0.01, 1.0 - top - map_height / height, 0.98, map_height / height))
-        _draw_section(axes, plan, network, window)
+        draw_section(axes, plan, network, window)
         axes.set_title(f"{plan.name}: {plan.summary}" if plan.summary else plan.name, fontsize=11, loc="left")
         below = figure.add_axes((0.36, 0.5 / height, 0.62, 0.34 * rows / height))
         _draw_times(below, plan, happenings)
@@ -82,7 +90,7 @@ def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, 
         figure = Figure(figsize=(size, min(max(share, 0.3), 1.0) * size + 0.6), dpi=dpi, facecolor="white")
         FigureCanvasAgg(figure)
         axes = figure.add_axes((0.01, 0.02, 0.98, 0.9))
-        _draw_section(axes, plan, network, window)
+        draw_section(axes, plan, network, window)
         length = sum(abs(leg.s_to - leg.s_from) for leg in plan.route)
         told = f"route of {length:.0f} m to the destination" if plan.route else "no destination: the way straight on"
         axes.set_title(f"{plan.name}: {told}", fontsize=11, loc="left")
@@ -141,15 +149,37 @@ def _leg_points(network: Network, leg: RouteLeg) -> Iterator[tuple[float, float]
         yield network.lane_pose(leg.road, leg.lane, s)[:2]
 
 
-def _draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> None:
+def draw_section(axes: Axes, plan: Plan, network: Network, window: Window) -> None:
+    """Draw a part of the map into axes, the way ahead, and who starts there with their paths and labels."""
     draw_map(axes, network, window)
     way = way_ahead(plan, network)
     axes.plot([x for x, _ in way], [y for _, y in way], color=BLUE, linewidth=2.2, alpha=0.55, zorder=6)
     wide = axes.get_xlim()[1] - axes.get_xlim()[0]
     shown = [one for one in plan.entities if one.id in plan.derived]
     labels = labels_of(one.id for one in shown)
-    for number, entity in enumerate(shown):
-        _draw_entity(axes, plan, entity, wide, labels.get(entity.id, ""), 1 if number % 2 == 0 else -1)
+    taken = [text.get_window_extent() for text in axes.texts]
+    for entity in shown:
+        along = own_path(plan, network, entity)
+        axes.plot([x for x, _ in along], [y for _, y in along], color=COLOURS[entity.kind], linewidth=1.4, zorder=7)
+        taken.append(_draw_entity(axes, plan, entity, wide))
+    for number, entity in enumerate(one for one in shown if one.id in labels):
+        _write_label(axes, plan, entity, labels[entity.id], 1 if number % 2 == 0 else -1, taken)
+
+
+def own_path(plan: Plan, network: Network, entity: Entity) -> list[tuple[float, float]]:
+    """Return the corners of the path that an entity moves on from its start, (x, y) in m; none without one.
+
+    Points that lie relative to what stands nowhere before the run are left out.
+    """
+    if entity.path is None:
+        return []
+    binder = Binder(network, parameter_values(plan.parameters), Diagnostics())
+    standings = {
+        name: Standing(pose, next(iter(network.locate(pose.x, pose.y)), None)) for name, pose in plan.derived.items()
+    }
+    found = [stands_at(binder, point.position, standings) for point in entity.path.points]
+    poses = [plan.derived[entity.id], *(one.pose for one in found if one is not None)]
+    return [(pose.x, pose.y) for pose in poses]
 
 
 def labels_of(names: Iterable[str]) -> dict[str, str]:
@@ -162,7 +192,8 @@ def labels_of(names: Iterable[str]) -> dict[str, str]:
     return labels
 
 
-def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float, label: str, side: int) -> None:
+def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float) -> Bbox:
+    """Draw an entity, grown where it would be too small to see, and return what it covers, pixels."""
     pose, vehicle = plan.derived[entity.id], entity.vehicle
     x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
     grown = max(1.0, wide * 0.011 / max(vehicle.length, 1.2))
@@ -172,19 +203,36 @@ def _draw_entity(axes: Axes, plan: Plan, entity: Entity, wide: float, label: str
     corners = [(x + u * c - v * s, y + u * s + v * c) for u, v in outline]
     colour = COLOURS[entity.kind]
     axes.fill(*zip(*corners, strict=True), facecolor=colour, edgecolor="white", linewidth=0.8, zorder=8)
-    away = side * 9.0
-    axes.annotate(
-        label,
-        (x, y),
-        xytext=(-s * away * 1.4, c * away * 1.4),
-        textcoords="offset points",
-        fontsize=7,
-        color="#10161c",
-        ha="center" if abs(c) > abs(s) else "right" if s * away > 0.0 else "left",
-        va="center",
-        zorder=9,
-        path_effects=[withStroke(linewidth=2.5, foreground="white")],
-    )
+    pixels = axes.transData.transform(corners)
+    return Bbox([pixels.min(axis=0), pixels.max(axis=0)])
+
+
+def _write_label(axes: Axes, plan: Plan, entity: Entity, label: str, side: int, taken: list[Bbox]) -> None:
+    """Write a label on a side of an entity, 1 the left and -1 the right, on the other, above or below.
+
+    It stands at the first of these where it is whole and covers nothing that is `taken`, or nowhere.
+    """
+    pose, vehicle = plan.derived[entity.id], entity.vehicle
+    left, up = (-math.sin(pose.heading), math.cos(pose.heading)), (0.0, 1.0)
+    for (x, y), away in ((left, side * AWAY), (left, -side * AWAY), (up, AWAY), (up, -AWAY)):
+        text = axes.annotate(
+            label,
+            center_from_reference(pose.x, pose.y, pose.heading, vehicle.center),
+            xytext=(x * away, y * away),
+            textcoords="offset points",
+            fontsize=7,
+            color="#10161c",
+            ha="center" if abs(y) > abs(x) else "left" if x * away > 0.0 else "right",
+            va="center",
+            zorder=9,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        )
+        extent = text.get_window_extent()
+        whole = axes.bbox.containsx(extent.x0) and axes.bbox.containsx(extent.x1)
+        if whole and not any(extent.overlaps(one) for one in taken):
+            taken.append(extent)
+            return
+        text.remove()
 
 
 def _draw_times(axes: Axes, plan: Plan, happenings: list[Happening]) -> None:

@@ -1,0 +1,58 @@
+"""The preview: paths of one's own are drawn, and no text stands on another."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from scenario_compiler.compiler import Compilation, compile_target
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.report.map_plot import draw_map
+from scenario_compiler.report.preview import draw_section, own_path, section_of
+from scenario_compiler.resources import library_folder
+
+
+def compiled(target: str) -> Compilation:
+    compilation = compile_target(f"{library_folder() / 'conflicts'}/{target}", {}, Diagnostics())
+    assert compilation is not None
+    return compilation
+
+
+def made_axes() -> Axes:
+    figure = Figure(figsize=(11.0, 3.2))
+    FigureCanvasAgg(figure)
+    return figure.add_axes((0.0, 0.0, 1.0, 1.0))
+
+
+def test_a_path_leads_from_the_start_over_its_points() -> None:
+    done = compiled("in_traffic.xml#jaywalker")
+    ego, walker = done.plan.entities
+    assert own_path(done.plan, done.network, ego) == []
+    along = own_path(done.plan, done.network, walker)
+    places = [done.network.road_pose("1", s, t) for s, t in ((182, -4.75), (199, -4.75), (205, 4.75), (239, 4.75))]
+    assert along == [pytest.approx((place.x, place.y)) for place in places]
+
+
+def test_labels_that_would_cover_another_are_left_out() -> None:
+    done, axes = compiled("narrowing_variants.xml#motorway_works"), made_axes()
+    draw_section(axes, done.plan, done.network, section_of(done.plan, done.network))
+    labels = [text for text in axes.texts if text.get_text() in done.plan.derived]
+    assert {"ego", "work_zone_taper1.cone1"} <= {text.get_text() for text in labels} < set(done.plan.derived)
+    extents = [text.get_window_extent() for text in axes.texts]
+    assert not any(one.overlaps(other) for one, other in combinations(extents, 2))
+
+
+def test_no_id_of_a_road_stands_on_the_scale_bar() -> None:
+    done, axes = compiled("obstacle_ahead.xml"), made_axes()
+    draw_map(axes, done.network, section_of(done.plan, done.network))
+    (length,) = (text for text in axes.texts if text.get_text().endswith(" m"))
+    ids = [text for text in axes.texts if text is not length]
+    assert "4" in {text.get_text() for text in ids}
+    bar = axes.lines[-1].get_window_extent()
+    for text in ids:
+        assert not text.get_window_extent().overlaps(length.get_window_extent())
+        assert not text.get_window_extent().overlaps(bar)
