@@ -1,4 +1,4 @@
-"""What the README shows is true: its conflict is valid, its commands and its Python run."""
+"""What the README shows is true: its conflict is valid, its commands and Python run; files that pages name exist."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pytest
 
 from scenario_compiler.cli import main
 
+DOCS = (Path(__file__).parent.parent / "docs").glob("*.md")
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 
 
@@ -45,8 +46,11 @@ def test_python_runs(folder: Path) -> None:
     assert (folder / "out" / "report.html").is_file()
 
 
-def test_files_that_it_names_exist() -> None:
-    here = Path(__file__).parent.parent
-    links = re.findall(r"\]\(([^)#:]+)\)", README)
-    assert links
-    assert [link for link in links if not (here / link).exists()] == []
+PAGES = ("README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", *sorted(f"docs/{one.name}" for one in DOCS))
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_files_that_a_page_names_exist(page: str, repository: Path) -> None:
+    file = repository / page
+    links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", file.read_text(encoding="utf-8"))
+    assert [link for link in links if not (file.parent / link).exists()] == []

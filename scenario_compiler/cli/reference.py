@@ -45,16 +45,20 @@ is not that of its own version: what else is found are warnings. `run` makes err
 
 ## Files
 
-What a command writes is whole or not there, and never what it reads. A folder that is not empty is left alone unless
-`--force` is given. What lies in a run's folder: [run-folder.md](run-folder.md); in a sweep's: [sweeps.md](sweeps.md).
+What a command writes is whole or not there, and never what it reads. `run` and `sweep` want a folder that is new or
+empty, `new` and `export` files that are not there yet, unless `--force` is given (`sweep`: `--resume`, for a folder of
+its own); other commands replace the file that `-o` names. What lies in a run's folder: [run-folder.md](run-folder.md);
+in a sweep's: [sweeps.md](sweeps.md).
 
 ## Environment
 
+A map is looked for beside the file that names it, then in the folders of `--maps`, then here:
+
 | variable | is |
 |---|---|
-| `SCENARIO_COMPILER_MAPS` | folders in which maps are looked for after those of `--maps`, separated as in `PATH` |
-| `CARLA_ROOT` | CARLA's folder: then in its maps (`CarlaUE4/Content/Carla/Maps/OpenDrive`), \
-at last in those that come along |
+| `SCENARIO_COMPILER_MAPS` | folders, separated as in `PATH` |
+| `CARLA_ROOT` | CARLA's folder: its maps in `CarlaUE4/Content/Carla/Maps/OpenDrive`; \
+at last come the maps of this program |
 | `SCENARIO_COMPILER_CACHE` | folder for read maps and the compiled engine, else \
 `scenario-compiler` in `$XDG_CACHE_HOME` or `~/.cache` |
 """
