@@ -19,11 +19,11 @@ from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
 from scenario_compiler.source import Source, drop_allowed, expand, is_whole, parse
 from scenario_compiler.source.building import completed
-from scenario_compiler.source.declared import declared_kinds
+from scenario_compiler.source.declared import Declaration, declarations
 from scenario_compiler.source.documents import map_place, read_scenario_document
 from scenario_compiler.source.openscenario.held import OpenScenario
 from scenario_compiler.vocabulary.entities import Controller
-from scenario_compiler.vocabulary.scenario import ParameterKind, Scenario, parameter_values
+from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.variation import Vary
 
 
@@ -137,11 +137,11 @@ def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnos
     return None if scenario is None or sink.has_errors else scenario.vary
 
 
-def parameter_kinds(target: str | Path) -> dict[str, ParameterKind]:
-    """Return the kinds of the parameters that FILE or FILE#name declares, by name; none where it cannot be read."""
+def declared_parameters(target: str | Path) -> dict[str, Declaration]:
+    """Return what the parameters that FILE or FILE#name declares may be, by name; none where it cannot be read."""
     path, name = split_target(target)
     read = read_source(path, Diagnostics())
-    return {} if read is None else declared_kinds(read[1], name)
+    return {} if read is None else declarations(read[1], name)
 
 
 def compile_expanded(

@@ -120,7 +120,7 @@ def test_faulty_input_exits_with_1_and_writes_nothing(
     assert call("run", conflict, "-o", tmp_path / "out") == 1
     said = capsys.readouterr().err
     assert "mine.xml:2:" in said
-    assert "did you mean 'highway_loop'" in said
+    assert "did you mean 'highway_loop'? Or give its folder" in said
     assert "mine.xml:5:" in said
     assert not (tmp_path / "out").exists()
 
@@ -146,6 +146,51 @@ def test_diagnostics_for_programs_go_to_stdout(conflict: Path, capsys: pytest.Ca
         assert json.loads(out)[0]["line"] == 4
     else:
         assert json.loads(out)["runs"][0]["results"][0]["level"] == "error"
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        ("run it.xml --perception ideal -o out", "report: out"),
+        ("report out", "report: out"),
+        ("compile it.xml -o plan.json", ""),
+        ("preview it.xml -o it.png", ""),
+        ("list it.xml", "fade"),
+        ("list it.xml --html gallery.html", "gallery: gallery.html"),
+        ("new mine --from cut_in", "mine.xml"),
+        ("export it.xml -o out.xosc", "out.xosc"),
+        ("map info highway_loop", "lanes"),
+        ("map check highway_loop", ""),
+        ("map plot highway_loop -o map.svg", ""),
+        ("map export highway_loop --mesh -o map.obj", ""),
+        ("sweep it.xml --perception ideal --vary speed=values(10,20) -o swept", "2 variants, 0 failed"),
+        ("sweep it.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed -o least", "least final"),
+    ],
+)
+def test_stdout_is_one_document_for_programs_and_people_read_stderr(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str, told: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("it.xml").write_text(CONFLICT)
+    if command == "report out":
+        call("run", "it.xml", "--perception", "ideal", "-o", "out")
+        capsys.readouterr()
+    assert call(*command.split(), "--format", "json") == 0
+    out, err = capsys.readouterr()
+    assert isinstance(json.loads(out), list)
+    assert told in err
+
+
+def test_a_conflict_is_as_valid_after_an_export_beside_it(
+    conflict: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call("export", conflict, "-o", tmp_path / "out.xosc") == 0
+    copy = tmp_path / "highway_loop.xodr"
+    assert call("validate", conflict) == 0
+    assert call("run", conflict, "--perception", "ideal") == 0
+    copy.write_bytes(copy.read_bytes() + b"\n")
+    assert call("validate", conflict) == 1
+    assert f"the map names no spawn points (the map is {copy})" in capsys.readouterr().err
 
 
 def test_warnings_can_be_allowed_or_made_errors(conflict: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,47 @@ def test_what_does_not_fit_the_type_is_refused(vary: str, fitting: str, capsys: 
     assert not Path("out").exists()
 
 
+@pytest.mark.parametrize(
+    ("distribution", "value"),
+    [
+        ("uniform(1, 90)", "90"),
+        ("triangular(1, 2, 31)", "31"),
+        ("histogram(1, 2, 20, 3, 90)", "90"),
+        ("normal(10, 2, 5, 31)", "31"),
+        ("lognormal(1, 2, 5, 31)", "31"),
+        ("choice(10, 40, 20)", "40"),
+        ("weighted(10, 1, 40, 2)", "40"),
+        ("values(10, 40)", "40"),
+        ("grid(10, 40, 4)", "40"),
+    ],
+)
+def test_values_beyond_the_limits_are_refused(
+    distribution: str, value: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert sweep("--vary", f"speed={distribution}") == 2
+    assert f"by {distribution}, speed may become {value}, but must be at most 30" in capsys.readouterr().err
+    assert not Path("out").exists()
+
+
+@pytest.mark.parametrize(
+    "distribution",
+    ["normal(10, 1)", "lognormal(1, 0.1)", "histogram(1, 1, 20, 0, 90)", "weighted(10, 1, 40, 0)", "grid(30, 90, 1)"],
+)
+def test_values_that_may_keep_to_the_limits_are_run(distribution: str) -> None:
+    assert sweep("--vary", f"speed={distribution}") == 0
+
+
+@pytest.mark.parametrize(("option", "other"), [("--vary", "--set"), ("--set", "--vary")])
+def test_a_parameter_that_is_not_there_is_put_to_the_option_that_names_it(
+    option: str, other: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written = {"--vary": "speed=uniform(5, 10)", "--set": "number=1", option: "sped=choice(1)"}
+    assert sweep(*(part for pair in written.items() for part in pair)) == 1
+    err = capsys.readouterr().err
+    assert f"{option}: error[SC211]: there is no parameter 'sped' to set" in err
+    assert other not in err
+
+
 @pytest.mark.parametrize("vary", ["number=grid(0, 1, 2)", "busy=values(true, false)", "model=choice(vehicle.audi.a2)"])
 def test_what_fits_the_type_is_run(vary: str) -> None:
     assert sweep("--vary", vary) == 0
@@ -122,14 +164,14 @@ def test_a_scenario_that_is_not_there_is_said_to_be_none(vary: list[str], capsys
 
 
 def test_a_sweep_of_which_all_variants_fail_is_at_fault(capsys: pytest.CaptureFixture[str]) -> None:
-    assert sweep("--vary", "speed=values(40, 50, 60)") == 1
+    assert sweep("--vary", "speed=values(40, 50, 60)", "--where", "speed > 1") == 1
     out, err = capsys.readouterr()
     assert "3 variants, 3 failed" in out
     assert "all variants failed, most often: speed is 40, but must be at most 30" in err
 
 
 def test_a_sweep_of_which_some_variants_fail_tells_their_number(capsys: pytest.CaptureFixture[str]) -> None:
-    assert sweep("--vary", "speed=values(10, 20, 60)") == 0
+    assert sweep("--vary", "speed=values(10, 20, 60)", "--where", "speed > 1") == 0
     assert "1 of 3 variants failed, most often: speed is 60, but must be at most 30" in capsys.readouterr().err
 
 
@@ -152,6 +194,21 @@ def test_the_page_names_all_options_of_its_own(repository: Path, capsys: pytest.
     own, shared = ({*re.findall(r"--[a-z-]+", _help(command, capsys))} for command in ("sweep", "run"))
     page = (repository / "docs" / "sweeps.md").read_text(encoding="utf-8")
     assert own - shared <= {*re.findall(r"--[a-z-]+", page)}
+
+
+def test_the_page_s_searches_find_what_it_says(
+    repository: Path, monkeypatch: pytest.MonkeyPatch, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (repository / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    searching = page[page.index("## Searching") : page.index("## A cluster")].replace("\\\n", "")
+    commands = [shlex.split(line)[1:] for line in searching.splitlines() if line.startswith("    scenario-compiler ")]
+    assert len(commands) == 2
+    monkeypatch.chdir(repository)
+    for k, command in enumerate(commands):
+        assert call(*command[:-1], folder / str(k)) == 0
+    out = capsys.readouterr().out
+    assert re.findall(r"prints `(.*?)`", searching)[0] in out
+    assert "least minimum_time_to_collision" in out
 
 
 def _help(command: str, capsys: pytest.CaptureFixture[str]) -> str:

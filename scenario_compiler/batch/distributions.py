@@ -14,7 +14,9 @@ from statistics import NormalDist
 from typing import Literal
 
 from scenario_compiler.expressions import Value, format_value
+from scenario_compiler.source.values import outside
 from scenario_compiler.vocabulary.scenario import ParameterKind
+from scenario_compiler.vocabulary.word import AttributeSpelling
 
 ValueKind = Literal["number", "boolean", "text"]
 
@@ -37,6 +39,8 @@ class Distribution:
         points: All its values in order, for those that are a list of values; empty otherwise.
         listed: The values are tried one by one rather than drawn: a grid.
         limits: The range, for the uniform distribution: what a search looks through.
+        extent: Values that it gives, or comes as near to as one likes, the least and the greatest among them; empty
+            where nothing limits them.
     """
 
     text: str
@@ -45,6 +49,7 @@ class Distribution:
     points: tuple[Value, ...] = ()
     listed: bool = False
     limits: tuple[float, float] | None = None
+    extent: tuple[Value, ...] = ()
 
 
 def parse_distribution(text: str) -> Distribution:
@@ -88,6 +93,15 @@ def misfit(axis: Distribution, kind: ParameterKind) -> str:
     return ""
 
 
+def beyond(axis: Distribution, limits: AttributeSpelling) -> str:
+    """Return a value of a distribution outside of limits and what it must be; an empty text where all keep them."""
+    for value in axis.extent:
+        fault = outside(value, limits) if isinstance(value, float) else ""
+        if fault:
+            return f"{format_value(value)}, but must be {fault}"
+    return ""
+
+
 def value_of(text: str) -> Value:
     """Return what a text means as the value of a parameter: a truth value, a number, else the text."""
     if text in ("true", "false"):
@@ -118,7 +132,7 @@ def _choice(text: str, parts: Sequence[str]) -> Distribution:
     def quantile(u: float) -> Value:
         return values[min(int(u * len(values)), len(values) - 1)]
 
-    return Distribution(text, kind, quantile, values)
+    return Distribution(text, kind, quantile, values, extent=values)
 
 
 def _weighted(text: str, parts: Sequence[str]) -> Distribution:
@@ -133,7 +147,8 @@ def _weighted(text: str, parts: Sequence[str]) -> Distribution:
     def quantile(u: float) -> Value:
         return plain.points[next((k for k, end in enumerate(ends) if u < end), last)]
 
-    return Distribution(text, plain.kind, quantile, plain.points)
+    likely = tuple(value for value, share in zip(plain.points, shares, strict=True) if share > 0.0)
+    return Distribution(text, plain.kind, quantile, plain.points, extent=likely)
 
 
 def _grid(text: str, numbers: Sequence[float]) -> Distribution:
@@ -144,13 +159,13 @@ def _grid(text: str, numbers: Sequence[float]) -> Distribution:
     def quantile(u: float) -> Value:
         return values[min(int(u * count), count - 1)]
 
-    return Distribution(text, "number", quantile, values, listed=True)
+    return Distribution(text, "number", quantile, values, listed=True, extent=(low, high)[:count])
 
 
 def _uniform(text: str, numbers: Sequence[float]) -> Distribution:
     _need(len(numbers) == 2 and numbers[0] <= numbers[1], text)
     low, high = numbers
-    return Distribution(text, "number", lambda u: low + (high - low) * u, limits=(low, high))
+    return Distribution(text, "number", lambda u: low + (high - low) * u, limits=(low, high), extent=(low, high))
 
 
 def _bounded(normal: NormalDist, limits: Sequence[float]) -> Callable[[float], float]:
@@ -168,13 +183,14 @@ def _bounded(normal: NormalDist, limits: Sequence[float]) -> Callable[[float], f
 
 def _normal(text: str, numbers: Sequence[float]) -> Distribution:
     _need(len(numbers) in (2, 4) and numbers[1] > 0 and (len(numbers) == 2 or numbers[2] < numbers[3]), text)
-    return Distribution(text, "number", _bounded(NormalDist(numbers[0], numbers[1]), numbers[2:]))
+    quantile = _bounded(NormalDist(numbers[0], numbers[1]), numbers[2:])
+    return Distribution(text, "number", quantile, extent=tuple(numbers[2:]))
 
 
 def _lognormal(text: str, numbers: Sequence[float]) -> Distribution:
     _need(len(numbers) in (2, 4) and numbers[1] > 0 and (len(numbers) == 2 or 0 < numbers[2] < numbers[3]), text)
     inner = _bounded(NormalDist(numbers[0], numbers[1]), [math.log(limit) for limit in numbers[2:]])
-    return Distribution(text, "number", lambda u: math.exp(inner(u)))
+    return Distribution(text, "number", lambda u: math.exp(inner(u)), extent=tuple(numbers[2:]))
 
 
 def _triangular(text: str, numbers: Sequence[float]) -> Distribution:
@@ -187,7 +203,7 @@ def _triangular(text: str, numbers: Sequence[float]) -> Distribution:
             return low + math.sqrt(u * span * (mode - low))
         return high - math.sqrt((1.0 - u) * span * (high - mode))
 
-    return Distribution(text, "number", quantile)
+    return Distribution(text, "number", quantile, extent=(low, high))
 
 
 def _poisson(text: str, numbers: Sequence[float]) -> Distribution:
@@ -211,10 +227,10 @@ def _histogram(text: str, numbers: Sequence[float]) -> Distribution:
     good = len(numbers) >= 3 and len(numbers) % 2 == 1 and sorted(set(edges)) == edges
     _need(good and min(weights) >= 0 and sum(weights) > 0, text)
     whole = sum(weights)
+    filled = [k for k, weight in enumerate(weights) if weight > 0]
 
     def quantile(u: float) -> Value:
         below = u * whole
-        filled = [k for k, weight in enumerate(weights) if weight > 0]
         for k in filled[:-1]:
             if below < weights[k]:
                 return edges[k] + (edges[k + 1] - edges[k]) * below / weights[k]
@@ -222,7 +238,7 @@ def _histogram(text: str, numbers: Sequence[float]) -> Distribution:
         k = filled[-1]
         return edges[k] + (edges[k + 1] - edges[k]) * min(below / weights[k], 1.0)
 
-    return Distribution(text, "number", quantile)
+    return Distribution(text, "number", quantile, extent=(edges[filled[0]], edges[filled[-1] + 1]))
 
 
 DISTRIBUTIONS: dict[str, Callable[[str, Sequence[float]], Distribution]] = {

@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
-from scenario_compiler.batch.distributions import Distribution, SweepError, misfit, value_of
+from scenario_compiler.batch.distributions import Distribution, SweepError, beyond, misfit, value_of
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
 from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
@@ -19,8 +19,9 @@ from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, 
 from scenario_compiler.batch.sampling import Sample, Sampler, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families, Family
-from scenario_compiler.compiler import parameter_kinds
+from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.source.declared import Declaration
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 BREAK_EVEN = 80
@@ -192,22 +193,39 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     if not axes:
         Families(target, spec, {}, sink, maps)  # what is wrong with the scenario itself comes first
         raise SweepError("nothing varies: give --vary NAME=DISTRIBUTION")
-    check_kinds(axes, target)
+    declared = {} if str(target).endswith(".json") else declared_parameters(target)
+    check_axes(axes, declared, constrained=bool(spec.where))
     middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}
     families = Families(target, spec, middle, sink, maps)
+    if not declared:
+        of_plan = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
+        check_axes(axes, of_plan, constrained=bool(spec.where))
     fixed = {name: value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
     form = form_of(spec, families.base, sampler.total)
     return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total))
 
 
-def check_kinds(axes: Mapping[str, Distribution], target: str | Path) -> None:
-    """Raise SweepError where a distribution gives a parameter values that are not of its kind."""
-    kinds = {} if str(target).endswith(".json") else parameter_kinds(target)
+def check_axes(
+    axes: Mapping[str, Distribution], declared: Mapping[str, Declaration], *, constrained: bool = False
+) -> None:
+    """Raise SweepError where a distribution gives a parameter values that it cannot have.
+
+    Args:
+        axes: The distributions by the parameter's name.
+        declared: What the parameters may be; one that is not there is the compiler's to report.
+        constrained: Constraints may keep within the limits what the distributions do not.
+    """
     for name, axis in axes.items():
-        wanted = misfit(axis, kinds[name]) if name in kinds else ""
+        if name not in declared:
+            continue
+        kind = declared[name].kind
+        wanted = misfit(axis, kind)
         if wanted:
-            raise SweepError(f"'{name}' is of the type {kinds[name]}, which {axis.text} does not fit: give it {wanted}")
+            raise SweepError(f"'{name}' is of the type {kind}, which {axis.text} does not fit: give it {wanted}")
+        too_far = "" if constrained else beyond(axis, declared[name].limits)
+        if too_far:
+            raise SweepError(f"by {axis.text}, {name} may become {too_far}")
 
 
 def form_of(spec: SweepSpec, base: Family, total: int) -> Form:

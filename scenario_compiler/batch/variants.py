@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -11,16 +11,19 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.compiler import compile_target
-from scenario_compiler.diagnostics import CompileError, Diagnostics, weighed
+from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, weighed
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.plan.maps import open_plan_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import digest_of, read_plan
 from scenario_compiler.roads import Network
 from scenario_compiler.source.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
-from scenario_compiler.source.parameters import limits
+from scenario_compiler.source.parameters import COMMAND_LINE, limits
 from scenario_compiler.source.values import outside
 from scenario_compiler.vocabulary.word import AttributeSpelling
+
+VARIED = FilePlace("--vary")
+"""The place of a varied parameter's values that are at fault."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,12 @@ def with_values(plan: Plan, values: Mapping[str, Value]) -> Plan:
     )
     changed = plan.model_copy(update={"parameters": parameters})
     return changed.model_copy(update={"digest": digest_of(changed)})
+
+
+def _placed(one: Diagnostic, of_settings: Collection[str]) -> Diagnostic:
+    """Return a finding about an argument with the option that gave it: --vary where settings alone do not bring it."""
+    varied = one.place == COMMAND_LINE and one.message not in of_settings
+    return replace(one, place=VARIED) if varied else one
 
 
 class Families:
@@ -135,10 +144,14 @@ class Families:
         """Return the family of a structure, none where there are errors, and the findings."""
         given = {**self._spec.settings, **structure}
         first = {name: format_value(value) for name, value in self._first.items()}
+        of_settings: list[str] = []
         for arguments in (given, {**first, **given}):
             sink = Diagnostics(insisted=frozenset(self._spec.errors))
             done = compile_target(self._target, arguments, sink, maps=self._maps, overrides=self._spec.overrides)
             sink.found[:] = weighed(sink.found, self._spec.errors, self._spec.allowed)
+            if arguments == self._spec.settings:
+                of_settings = [one.message for one in sink]
+            sink.found[:] = [_placed(one, of_settings) for one in sink.found]
             if done is not None and not sink.has_errors:
                 return self._family(done.plan, done.network), sink
             if not any(one.code is MISSING_PARAMETER for one in sink):

@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 from scenario_compiler.cli.options import (
     AT_FAULT,
@@ -24,6 +24,7 @@ from scenario_compiler.cli.options import (
     new_sink,
     show,
     suggestion,
+    told,
 )
 from scenario_compiler.cli.tables import print_table
 from scenario_compiler.diagnostics import Diagnostics
@@ -66,22 +67,23 @@ def list_command(options: argparse.Namespace) -> int:
     listed = list(_listed(options, sink))
     if options.html is not None:
         return _write_gallery(options, listed, sink)
-    _print_tables(listed)
+    _print_tables(listed, told(options))
     if not listed:
         print(f"no conflict and no template in {', '.join(map(str, options.paths))}", file=sys.stderr)
     return AT_FAULT if show(sink, options) else FINE
 
 
-def _print_tables(listed: list[Listed]) -> None:
+def _print_tables(listed: list[Listed], file: TextIO) -> None:
     """Print a table of the conflicts, one of the templates and one of what varies, those that have a row."""
 
     def rows_of(kind: str) -> list[tuple[str, ...]]:
         return [(one.name, one.gold, one.map, one.summary) for one in listed if one.kind == kind]
 
     what = ("Gold", "map", "what happens")
-    print_table(("conflict", *what), rows_of("conflict"))
-    print_table(("template", *what), rows_of("template"))
-    print_table(("conflict", "varied", "values"), [(one.name, *varied) for one in listed for varied in one.varied])
+    print_table(("conflict", *what), rows_of("conflict"), file)
+    print_table(("template", *what), rows_of("template"), file)
+    varied = [(one.name, *axis) for one in listed for axis in one.varied]
+    print_table(("conflict", "varied", "values"), varied, file)
 
 
 def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
@@ -101,7 +103,7 @@ def _write_gallery(options: argparse.Namespace, listed: list[Listed], sink: Diag
     keep_inputs([*options.paths, *(one.target for one in listed if one.kind == "conflict")], options.html)
     write_gallery(_cards(options, listed, sink), options.html)
     failed = show(sink, options)
-    print(f"gallery: {options.html}")
+    print(f"gallery: {options.html}", file=told(options))
     return AT_FAULT if failed else FINE
 
 
@@ -139,7 +141,7 @@ def new_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
     keep_inputs((library_folder() / "templates").iterdir(), file)
     write_whole(file, new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters))
-    print(file)
+    print(file, file=told(options))
     return AT_FAULT if show(sink, options) else FINE
 
 

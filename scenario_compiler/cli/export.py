@@ -19,6 +19,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     new_sink,
     show,
+    told,
 )
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.outputs import make_folder, write_whole
@@ -65,7 +66,7 @@ def export_command(options: argparse.Namespace) -> int:
     for path, content in files.items():
         make_folder(path.parent)
         write_whole(path, content)
-        print(path)
+        print(path, file=told(options))
     return FINE
 
 

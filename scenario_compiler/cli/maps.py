@@ -16,6 +16,7 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     show,
     suggestion,
+    told,
 )
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.outputs import write_whole
@@ -57,15 +58,13 @@ def _map_file(options: argparse.Namespace) -> Path:
         raise WrongUse(f"{missing}{suggestion(options.file, known_maps(options.maps))}") from None
 
 
-def _loaded_map(options: argparse.Namespace) -> tuple[Document, Network] | None:
+def _loaded_map(options: argparse.Namespace, sink: Diagnostics) -> tuple[Document, Network] | None:
     from scenario_compiler.document import read_document
     from scenario_compiler.roads import load_network
 
-    sink = Diagnostics()
     path = _map_file(options)
     document = read_document(path, sink)
     network = None if document is None else load_network(path, sink=sink)
-    show(sink, options)
     return None if document is None or network is None else (document, network)
 
 
@@ -75,12 +74,14 @@ def map_info_command(options: argparse.Namespace) -> int:
 
     from scenario_compiler.roads.describe import describe_network
 
-    loaded = _loaded_map(options)
+    sink = Diagnostics()
+    loaded = _loaded_map(options, sink)
+    show(sink, options)
     if loaded is None:
         return AT_FAULT
     description = describe_network(loaded[1])
     for one in fields(description):
-        print(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}")
+        print(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}", file=told(options))
     return FINE
 
 
@@ -120,19 +121,21 @@ def map_plot_command(options: argparse.Namespace) -> int:
 
     if options.output.suffix not in (".png", ".svg"):
         raise WrongUse(f"{options.output}: a map is drawn as .png or .svg")
-    loaded = _loaded_map(options)
+    sink = Diagnostics()
+    loaded = _loaded_map(options, sink)
+    spawn_points = {} if loaded is None else read_spawn_points(loaded[1].path, sink)
+    show(sink, options)
     if loaded is None:
         return AT_FAULT
-    sink = Diagnostics()
-    spawn_points = read_spawn_points(loaded[1].path, sink)
-    show(sink, options)
     plot_map(loaded[1], options.output, spawn_points=spawn_points)
     return FINE
 
 
 def map_export_command(options: argparse.Namespace) -> int:
     """Write a map for another program."""
-    loaded = _loaded_map(options)
+    sink = Diagnostics()
+    loaded = _loaded_map(options, sink)
+    show(sink, options)
     if loaded is None:
         return AT_FAULT
     document, network = loaded

@@ -7,7 +7,7 @@ import gc
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TextIO, TypeAlias
 
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
 from scenario_compiler.diagnostics import (
@@ -87,14 +87,19 @@ def add_maps(parser: argparse.ArgumentParser) -> None:
 
 def add_diagnostics(parser: argparse.ArgumentParser) -> None:
     """Add how diagnostics are shown and weighed."""
-    parser.add_argument("--format", choices=FORMATS, default="text", help="format of the diagnostics")
+    parser.add_argument(
+        "--format",
+        choices=FORMATS,
+        default="text",
+        help="format of the diagnostics; all but text are printed on stdout, and on stderr what else there is to tell",
+    )
     parser.add_argument(
         "--error",
         action="append",
         type=code_or_all,
         default=[],
         metavar="CODE|all",
-        help="make it an error, even where a file allows it",
+        help="make a warning an error: that of a code even where a file allows it, or all that no file allows",
     )
     parser.add_argument(
         "--allow", action="append", type=code_id, default=[], metavar="CODE", help="do not report it unless an error"
@@ -148,6 +153,11 @@ def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
     if text:
         print(text, file=sys.stderr if options.format == "text" else sys.stdout)
     return any(d.severity is Severity.ERROR for d in weighed)
+
+
+def told(options: argparse.Namespace) -> TextIO:
+    """Return where what is for people to read goes: stderr where stdout holds diagnostics for a program."""
+    return sys.stdout if options.format == "text" else sys.stderr
 
 
 def settings_of(texts: Sequence[str]) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 from scenario_compiler.cli.options import (
     AT_FAULT,
@@ -22,6 +22,7 @@ from scenario_compiler.cli.options import (
     new_sink,
     show,
     suggestion,
+    told,
 )
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 from scenario_compiler.outputs import make_folder
@@ -160,7 +161,7 @@ def run_command(options: argparse.Namespace) -> int:
         from scenario_compiler.report.preview import draw_route
 
         draw_route(plan, network, options.output / "route.png")
-    print_run(finished, options.output)
+    print_run(finished, options.output, told(options))
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
 
 
@@ -182,7 +183,7 @@ def _is_filled(folder: Path) -> bool:
     return folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
 
 
-def print_run(run: Run, folder: Path | None) -> None:
+def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     """Print what a run came to."""
     from scenario_compiler.report.wording import summary_of
 
@@ -201,9 +202,9 @@ def print_run(run: Run, folder: Path | None) -> None:
     )
     width = max(len(label) for label, _ in rows)
     for label, value in rows:
-        print(f"{label:<{width}}  {value}")
+        print(f"{label:<{width}}  {value}", file=file)
     if folder is not None:
-        print(f"report: {folder / 'report.html'}")
+        print(f"report: {folder / 'report.html'}", file=file)
 
 
 def report_command(options: argparse.Namespace) -> int:
@@ -226,7 +227,7 @@ def report_command(options: argparse.Namespace) -> int:
     if show(sink, options) or plan is None or network is None:
         return AT_FAULT
     write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
-    print(f"report: {options.folder / 'report.html'}")
+    print(f"report: {options.folder / 'report.html'}", file=told(options))
     return FINE
 
 

@@ -22,6 +22,7 @@ from scenario_compiler.cli.options import (
     reason_of,
     settings_of,
     show,
+    told,
 )
 from scenario_compiler.diagnostics import CompileError, Diagnostics
 
@@ -135,9 +136,9 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
             sink=sink,
         )
     show(sink, options)
-    print(f"{result.total} variants, {result.failed} failed: {result.table}")
+    print(f"{result.total} variants, {result.failed} failed: {result.table}", file=told(options))
     if options.report:
-        print(f"report: {result.folder / 'report.html'}")
+        print(f"report: {result.folder / 'report.html'}", file=told(options))
     if result.failed:
         share = "all" if result.failed == result.total else f"{result.failed} of {result.total}"
         print(f"scenario-compiler: {share} variants failed, most often: {result.commonest}", file=sys.stderr)
@@ -152,12 +153,14 @@ def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
     if options.boundary is not None:
         found = find_boundary(*where, when=options.boundary, tolerance=options.tolerance, **again)
         show(sink, options)
-        print(f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}")
+        print(
+            f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}", file=told(options)
+        )
         return FINE
     least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, **again)
     show(sink, options)
     values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
-    print(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs")
+    print(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", file=told(options))
     return FINE
 
 

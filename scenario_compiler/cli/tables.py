@@ -1,12 +1,13 @@
-"""Tables on stdout."""
+"""Tables for people to read."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TextIO
 
 
-def print_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table that folds to the terminal's width; nothing without a row."""
+def print_table(headings: Sequence[str], rows: Sequence[Sequence[str]], file: TextIO | None = None) -> None:
+    """Print a table that folds to the terminal's width, on stdout without a `file`; nothing without a row."""
     from rich import box
     from rich.console import Console
     from rich.markup import escape
@@ -16,4 +17,4 @@ def print_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     for row in rows:
         table.add_row(*map(escape, row))
     if rows:
-        Console().print(table)
+        Console(file=file).print(table)

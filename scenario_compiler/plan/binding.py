@@ -286,13 +286,15 @@ class Binder:
             points = {**self._map_points(), **self.named}
             found = points.get(position.name)
             message = f"neither the scenario nor the map '{self.network.name}' has a spawn point '{position.name}'"
-            hint = did_you_mean(position.name, points) or "the map names no spawn points"
+            known = did_you_mean(position.name, points) or "the map names no spawn points"
+            hint = f"{known} (the map is {self.network.path})"
             place = position.place_of("name")
         else:
             listed = list(self._spawn_points().values())
             found = listed[position.index] if position.index < len(listed) else None
             message = f"there is no spawn point {position.index}"
-            hint = f"they are numbered from 0 to {len(listed) - 1}" if listed else "there are no spawn points"
+            numbers = f"they are numbered from 0 to {len(listed) - 1}" if listed else "there are no spawn points"
+            hint = f"{numbers} (the map is {self.network.path})"
             place = position.place_of("index")
         if found is None:
             self.sink.add(UNKNOWN_SPAWN_POINT, message, place, hint=hint)
@@ -309,7 +311,8 @@ class Binder:
         listed = list(self._spawn_points().values())
         if not listed:
             message = "there are no spawn points to draw from"
-            self.sink.add(UNKNOWN_SPAWN_POINT, message, position.origin, hint="list some in <spawn_points>")
+            hint = f"list some in <spawn_points> (the map is {self.network.path})"
+            self.sink.add(UNKNOWN_SPAWN_POINT, message, position.origin, hint=hint)
             return None
         if position.seed is not None:
             drawn = int(uniform(position.seed, 0, "spawn_point") * len(listed))

@@ -50,7 +50,8 @@ def open_map(
         hint = did_you_mean(Path(name).stem, known_maps(maps))
         get = "give its folder with --maps, or set CARLA_ROOT to a CARLA installation for CARLA's towns"
         published = f"it is published as {PUBLISHED_AS[name]}.xodr" if name in PUBLISHED_AS else hint
-        hint = "; ".join(part for part in (published, get, "looked in: " + ", ".join(folders)) if part)
+        get = f"{published} Or {get}" if published.endswith("?") else "; ".join(filter(None, (published, get)))
+        hint = f"{get}; looked in: {', '.join(folders)}"
         sink.add(UNKNOWN_MAP, f"there is no map '{name}'", place, hint=hint)
         return None
     status = path.stat()

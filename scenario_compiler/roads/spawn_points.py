@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import sys
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,6 +11,7 @@ from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
 from scenario_compiler.files import read_file
+from scenario_compiler.resources import maps_folder
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -39,8 +41,11 @@ class NamedPosition:
 
 
 def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPosition]:
-    """Return the spawn points by name, in the order of the file; empty for a map without a description."""
-    description = Path(network_path).parent / "map.toml"
+    """Return the spawn points by name, in the order of the file; empty for a map without a description.
+
+    A copy of a map that comes along, as an export leaves it, needs no description of its own.
+    """
+    description = _description_file(Path(network_path))
     if not description.is_file():
         return {}
     points: dict[str, NamedPosition] = {}
@@ -53,6 +58,16 @@ def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPo
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         sink.add(BAD_DESCRIPTION, f"cannot read the map's description: {_reason(error)}", FilePlace(str(description)))
     return points
+
+
+def _description_file(network: Path) -> Path:
+    """Return the description beside a map, or where there is none that of the equal map that comes along."""
+    beside = network.parent / "map.toml"
+    if beside.is_file() or not network.is_file():
+        return beside
+    described = sorted(maps_folder().glob("*/map.toml"))
+    equal = (one for one in described if any(filecmp.cmp(network, map_, False) for map_ in one.parent.glob("*.xodr")))
+    return next(equal, beside)
 
 
 def _reason(error: Exception) -> str:

@@ -25,6 +25,7 @@ from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.runtime import open_world, run
+from scenario_compiler.source.parameters import limits
 
 LIBRARY = Path(__file__).parents[2] / "library" / "conflicts"
 VARY = ("distance=uniform(10, 350)", "speed=choice(8, 13.9, 20)")
@@ -41,7 +42,7 @@ def test_a_row_says_what_the_outcome_of_its_run_says(conflict: Path, tmp_path: P
     rows, about = read_results(tmp_path / "sweep")
     sweep = prepare(conflict, spec, Diagnostics())
     assert {"pass", "fail"} <= set(rows["result"])
-    assert "driver" in rows["resolution"]
+    assert {"driver", "open"} <= set(rows["resolution"])
     for index in range(12):
         variant = sweep.variant(index, sweep.sampler.sample(index))
         family = sweep.families.base
@@ -71,7 +72,8 @@ def test_library_conflicts_run_compiled_as_interpreted(target: str, tmp_path: Pa
     numbers = [one for one in done.plan.parameters if one.default]
     if not numbers:
         pytest.skip("the conflict has no parameter that stays a number")
-    vary = tuple(f"{one.name}=uniform({0.9 * float(str(one.default))}, {one.default})" for one in numbers)
+    least = {one.name: max(0.9 * float(str(one.default)), limits(one).minimum or 0.0) for one in numbers}
+    vary = tuple(f"{one.name}=uniform({least[one.name]}, {one.default})" for one in numbers)
     tables = []
     for form in ("interpreted", "compiled"):
         spec = SweepSpec.model_validate({"vary": vary, "samples": 2, "perception": "ideal", "form": form})
@@ -131,13 +133,14 @@ def test_structure_makes_families_and_a_bad_one_costs_only_its_rows(conflict: Pa
 
 
 def test_a_value_outside_its_limits_is_a_row_with_its_error(conflict: Path, tmp_path: Path) -> None:
-    run_sweep(conflict, _spec(vary=("distance=grid(5, 60, 2)",)), tmp_path / "sweep", workers=1, report=False)
+    spec = _spec(vary=("distance=grid(5, 60, 2)",), where=("distance > 1",))
+    run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=False)
     rows, _ = read_results(tmp_path / "sweep")
     assert rows["result"] == ["error", "fail"]
     assert rows["error"][0] == "distance is 5, but must be at least 10"
 
 
-@pytest.mark.parametrize("vary", [("distanse=uniform(1, 2)",), ()])
+@pytest.mark.parametrize("vary", [("distanse=uniform(1, 2)",), ("distance=uniform(5, 60)",), ()])
 def test_a_wrong_sweep_writes_nothing(conflict: Path, tmp_path: Path, vary: tuple[str, ...]) -> None:
     with pytest.raises((CompileError, SweepError)):
         run_sweep(conflict, _spec(vary=vary), tmp_path / "sweep", report=False)
@@ -153,6 +156,8 @@ def test_a_plan_is_swept_over_its_open_parameters(conflict: Path, tmp_path: Path
     done = compile_target(conflict, {}, Diagnostics(), overrides=Overrides(perception="ideal"))
     assert done is not None
     write_plan(done.plan, tmp_path / "plan.json")
+    with pytest.raises(SweepError, match="distance may become 5, but must be at least 10"):
+        prepare(tmp_path / "plan.json", _spec(vary=("distance=uniform(5, 60)",), perception=None), Diagnostics())
     tables = []
     for target, perception in ((conflict, "ideal"), (tmp_path / "plan.json", None)):
         folder = tmp_path / target.suffix[1:]

@@ -225,6 +225,13 @@ def test_a_fault_is_found(tmp_path: Path, code: str, parts: tuple[str, ...]) -> 
     assert code in codes(write(tmp_path, *parts))
 
 
+def test_a_value_that_the_structure_forbids_is_told_once(tmp_path: Path) -> None:
+    sink = Diagnostics()
+    check_file(write(tmp_path, road(lanes=section(right=linked(-1, after="-1.0")))), sink)
+    (found,) = [one for one in sink if "-1.0" in one.message]
+    assert found.code.id == "SC323"
+
+
 def test_every_rule_has_a_case() -> None:
     modules = {check.__module__ for check in CHECKS}
     assert modules <= {

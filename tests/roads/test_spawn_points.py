@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.resources import find_map
 from scenario_compiler.roads.spawn_points import read_spawn_points
 
 POINT = '[[spawn_point]]\nname = "a"\nroad = "1"\nlane = -1\ns = 20.0\n'
@@ -33,3 +35,17 @@ def test_what_is_wrong_is_said(tmp_path: Path, content: bytes, reason: str) -> N
 def test_the_points_come_in_the_order_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "map.toml").write_text(POINT.replace('"a"', '"b"') + POINT, encoding="utf-8")
     assert list(read_spawn_points(str(tmp_path / "map.xodr"), Diagnostics())) == ["b", "a"]
+
+
+def test_a_copy_of_a_map_that_comes_along_has_its_points_unless_it_is_described_or_changed(tmp_path: Path) -> None:
+    original = find_map("town_grid")
+    copy = tmp_path / "copy.xodr"
+    shutil.copy(original, copy)
+    points = read_spawn_points(str(original), Diagnostics())
+    assert points
+    assert read_spawn_points(str(copy), Diagnostics()) == points
+    (tmp_path / "map.toml").write_text(POINT, encoding="utf-8")
+    assert list(read_spawn_points(str(copy), Diagnostics())) == ["a"]
+    (tmp_path / "map.toml").unlink()
+    copy.write_bytes(copy.read_bytes() + b"\n")
+    assert read_spawn_points(str(copy), Diagnostics()) == {}

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.roads.check.filed import read_filed
 from scenario_compiler.roads.check.joints import check_joints
@@ -25,7 +25,9 @@ from scenario_compiler.roads.check.traffic import check_traffic
 from scenario_compiler.roads.check.unread import Unread, unread
 from scenario_compiler.roads.network import Network, load_network
 from scenario_compiler.roads.parse import drop_namespace
+from scenario_compiler.roads.reading import BAD_NUMBER
 from scenario_compiler.roads.structure import check_structure
+from scenario_compiler.roads.structure.codes import BAD_VALUE
 from scenario_compiler.structure.findings import Findings
 
 CHECKS = (
@@ -58,11 +60,23 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
 
 
 def check_file(path: str | Path, sink: Diagnostics) -> None:
-    """Report everything that is wrong in a road file: form, structure, what reading it finds, and `CHECKS`."""
+    """Report everything that is wrong in a road file: form, structure, what reading it finds, and `CHECKS`.
+
+    A value that the structure forbids is told once, not again by the reader that cannot use it.
+    """
     document = read_document(path, sink)
     if document is None:
         return
     check_structure(document, sink)
     drop_namespace(document.root)
+    structural = len(sink.found)
     network = load_network(path, cache=False, sink=sink)
+    told = {_spot(one) for one in sink.found[:structural] if one.code is BAD_VALUE}
+    sink.found[structural:] = [
+        one for one in sink.found[structural:] if one.code is not BAD_NUMBER or _spot(one) not in told
+    ]
     check_network(document, network, sink)
+
+
+def _spot(one: Diagnostic) -> tuple[int, int]:
+    return one.place.line, one.place.column
