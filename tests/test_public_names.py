@@ -11,6 +11,7 @@ import pytest
 door = importlib.import_module("scenario_compiler")
 
 PROMISED = (
+    "Overrides",
     "Plan",
     "Recording",
     "compile_scenario",

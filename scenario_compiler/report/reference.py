@@ -120,7 +120,7 @@ as messages and the stop do, has an empty one.
 """
 
 _OF_MEASURES = """The `value` of a measure is null where it is not defined, and `undefined` says why. A run without an
-automated vehicle has those of no takeover alone. They are:
+automated vehicle has only those that are not about a takeover. They are:
 """
 
 _OF_TRAJECTORIES = """`run --trajectory FILE.csv` writes a row an entity present and step, for and from other programs:
