@@ -181,11 +181,14 @@ def test_stdout_is_one_document_for_programs_and_people_read_stderr(
     assert told in err
 
 
+@pytest.mark.parametrize("command", ["export mine.xml -o o.xosc", "map export highway_loop --for carla -o {}"])
 def test_a_conflict_is_as_valid_after_an_export_beside_it(
-    conflict: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    conflict: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:
-    assert call("export", conflict, "-o", tmp_path / "out.xosc") == 0
     copy = tmp_path / "highway_loop.xodr"
+    monkeypatch.chdir(tmp_path)
+    assert call(*command.format(copy).split()) == 0
+    assert copy.is_file()
     assert call("validate", conflict) == 0
     assert call("run", conflict, "--perception", "ideal") == 0
     copy.write_bytes(copy.read_bytes() + b"\n")

@@ -33,10 +33,12 @@ a folder that is not empty, a file that cannot be written |
 
 ## Diagnostics
 
-As text they go to stderr, so that stdout holds results alone; as `json`, `sarif` or `github` they go to stdout.
+As text they go to stderr, so that stdout holds results alone; as `json`, `sarif` or `github` they go to stdout, which
+then holds nothing else: results are told on stderr.
 `explain CODE` tells what a code means and what to do.
 
-`--error CODE` makes a warning an error, `--error all` every one, also where a file allows it with `<allow>`.
+`--error CODE` makes a warning an error, also where a file allows it with `<allow>`; `--error all` every one that no
+file allows.
 `--allow CODE` leaves a warning out; errors stay. `--strict` means two things: `validate --strict` takes every warning
 for an error (exit 1); `run --strict` runs all the same, and exits with 3 when a criterion fails.
 
