@@ -11,6 +11,7 @@ from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families
 from scenario_compiler.batch.worst import by_severity, repeat_command, run_again
 from scenario_compiler.report.sweep_page import Case, SweepPage, write_sweep_report
+from scenario_compiler.vocabulary.word import QUANTITIES
 
 PICTURED = 3
 """Worst cases that are shown with pictures."""
@@ -39,6 +40,7 @@ def write_page(target: str, spec: SweepSpec, families: Families, rows: Columns, 
         summary=plan.summary,
         rows=rows,
         parameters={name: axis.text for name, axis in spec.axes.items()},
+        units={one.name: QUANTITIES[one.type].unit for one in plan.parameters if one.type in QUANTITIES},
         facts=facts,
         cases=cases,
         command=sweep_command(target, spec),

@@ -23,6 +23,7 @@ from scenario_compiler.report.wording import (
     conditions,
     fixed,
     summary_of,
+    unit_words,
 )
 
 TEMPLATE = "report.html.jinja"
@@ -73,7 +74,7 @@ def render(runs: Sequence[Run], *, title: str = "") -> str:
         lstrip_blocks=True,
     )
     environment.filters["number"] = fixed
-    environment.filters["unit"] = lambda unit: unit.replace("2", "²") if unit != "1" else ""
+    environment.filters["unit"] = unit_words
     environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
     environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
     sections = [_section(run, f"run-{number}") for number, run in enumerate(runs, start=1)]

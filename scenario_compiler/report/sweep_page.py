@@ -22,7 +22,7 @@ from scenario_compiler.report import plots, sweep_plots
 from scenario_compiler.report.palette import WORDS
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.statistics import wilson_interval
-from scenario_compiler.report.wording import decimal
+from scenario_compiler.report.wording import decimal, unit_words, with_unit
 
 TEMPLATE = "sweep.html.jinja"
 
@@ -95,6 +95,7 @@ class SweepPage:
         summary: What happens in it.
         rows: The table, by column.
         parameters: Name of each varying parameter and how it is distributed.
+        units: Unit of each varying parameter that has one.
         facts: Further lines on how the sweep was made: (what, value).
         cases: The worst cases, the worst first.
         command: The command that makes the sweep again.
@@ -104,9 +105,14 @@ class SweepPage:
     summary: str
     rows: Rows
     parameters: Mapping[str, str]
+    units: Mapping[str, str]
     facts: Sequence[tuple[str, str]]
     cases: Sequence[Case]
     command: str
+
+    def titled(self, name: str) -> str:
+        """Return what a parameter's axis or column is called: its name and unit."""
+        return with_unit(name, self.units.get(name, ""))
 
     @property
     def judged(self) -> bool:
@@ -131,6 +137,7 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
     environment.filters["number"] = lambda value: "–" if value is None else decimal(value)
     environment.filters["percent"] = lambda share: f"{100 * share:.3g} %"
     environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
+    environment.filters["unit"] = unit_words
     environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
     text = environment.get_template(TEMPLATE).render(
         page=page,
@@ -206,9 +213,9 @@ def _pictures(page: SweepPage) -> dict[str, Any]:
             axes[name] = _numbers(taken)[sound]
     for name, values in axes.items():
         hits = [("collision", collided), *([("takeover request", requested)] if page.automated else [])]
-        pictures["along"].append((name, sweep_plots.rate_plot((name, values), hits, f"rate-{name}")))
+        pictures["along"].append((name, sweep_plots.rate_plot((page.titled(name), values), hits, f"rate-{name}")))
     for first, second in list(combinations(axes, 2))[:MOST_MAPS]:
-        both = (first, axes[first]), (second, axes[second])
+        both = (page.titled(first), axes[first]), (page.titled(second), axes[second])
         drawn = [sweep_plots.heat_map(*both, collided, "collision rate", f"collision-{first}-{second}")]
         if np.isfinite(closest).any():
             label = "mean of the minimum time to collision (s)"

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.report.palette import BLUE, INK, LINE, ORANGE, QUIET, SKY, VERMILION
 from scenario_compiler.report.plots import STYLE, WIDTH, svg_of
+from scenario_compiler.report.wording import with_unit
 
 BINS = 30
 CELLS = 12
@@ -35,13 +36,13 @@ def distributions_plot(measures: Sequence[tuple[str, str, Floats]], prefix: str)
             axis.hist(values, bins=BINS if len(values) > BINS else 10, color=SKY, edgecolor=BLUE, linewidth=0.4)
             middle = float(np.median(values))
             axis.axvline(middle, color=VERMILION, linewidth=1.1)
-            axis.set_title(f"{name}" + (f" ({unit})" if unit not in ("", "1") else ""), fontsize=8.5, color=INK)
+            axis.set_title(with_unit(name, unit), fontsize=8.5, color=INK)
             axis.tick_params(labelsize=7.5)
         return svg_of(figure, prefix)
 
 
 def heat_map(x: tuple[str, Floats], y: tuple[str, Floats], values: Floats, label: str, prefix: str) -> str:
-    """Return an SVG of the mean of `values` (NaN left out) in cells of two parameters: (name, values)."""
+    """Return an SVG of the mean of `values` (NaN left out) in cells of two parameters: (label, values)."""
     x_edges, y_edges = cell_edges(x[1]), cell_edges(y[1])
     good = ~np.isnan(values)
     count, _, _ = np.histogram2d(x[1][good], y[1][good], bins=(x_edges, y_edges))
@@ -60,7 +61,7 @@ def heat_map(x: tuple[str, Floats], y: tuple[str, Floats], values: Floats, label
 
 
 def rate_plot(x: tuple[str, Floats], hits: Sequence[tuple[str, Floats]], prefix: str) -> str:
-    """Return an SVG of rates along a parameter: (label, 0 or 1 of each run)."""
+    """Return an SVG of rates along a parameter, (label, values): (label, 0 or 1 of each run)."""
     edges = cell_edges(x[1])
     middle = 0.5 * (edges[1:] + edges[:-1])
     count, _ = np.histogram(x[1], bins=edges)

@@ -9,7 +9,7 @@ from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.takeover import Cause, Driver
-from scenario_compiler.vocabulary.word import Number, number_value
+from scenario_compiler.vocabulary.word import QUANTITIES, Number, number_value
 
 SCHEMES = {"gold2018": "Gold et al. 2018"}
 
@@ -102,6 +102,17 @@ def decimal(value: float) -> str:
     return fixed(value).rstrip("0").rstrip(".")
 
 
+def unit_words(unit: str) -> str:
+    """Return a unit as readers write it, empty for numbers without one."""
+    return {"1": "", "deg": "°", "m/s2": "m/s²"}.get(unit, unit)
+
+
+def with_unit(name: str, unit: str) -> str:
+    """Return what a column or an axis is called: its name, and its unit where it has one."""
+    words = unit_words(unit)
+    return f"{name} ({words})" if words else name
+
+
 CONFIDENCE_FROM = {"camera": "the camera image", "ideal": "the map's marks (ideal)"}
 
 
@@ -138,7 +149,11 @@ def conditions(run: Run) -> list[tuple[str, str]]:
             ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
             ("Driver", _driver(run)),
         ]
-    rows += [(f"${name}", _plain(value)) for name, value in sorted(header.parameters.items())]
+    units = {one.name: unit_words(QUANTITIES[one.type].unit) for one in plan.parameters if one.type in QUANTITIES}
+    rows += [
+        (f"${name}", f"{_plain(value)} {units.get(name, '')}".rstrip())
+        for name, value in sorted(header.parameters.items())
+    ]
     return rows
 
 

@@ -28,7 +28,9 @@ ROWS: dict[str, Sequence[Any]] = {
 def test_requests_are_shown_of_automated_vehicles_alone(finished: Run, tmp_path: Path, automated: bool) -> None:
     plan = finished.plan if automated else finished.plan.model_copy(update={"controller": None})
     cases = [Case(1, {"gap": 2.0}, "scenario-compiler run", replace(finished, plan=plan))]
-    page = SweepPage("it", "It happens", ROWS, {"gap": "uniform(1, 3)"}, [], cases, "scenario-compiler sweep")
+    page = SweepPage(
+        "it", "It happens", ROWS, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], cases, "scenario-compiler sweep"
+    )
     text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
     along = text.partition("Rates along each parameter")[2].partition("Distributions")[0]
     assert "Runs with a collision" in along
@@ -42,6 +44,18 @@ def test_requests_that_are_open_at_the_end_are_left_out_of_those_that_were_answe
     assert rates["request answered by the driver"] == (1, 2)
     assert rates["request ended in a minimum-risk manoeuvre"] == (0, 2)
     for shown, left_out in ((rows, True), (ROWS, False)):
-        page = SweepPage("it", "", shown, {"gap": "uniform(1, 3)"}, [], [], "scenario-compiler sweep")
+        page = SweepPage("it", "", shown, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], [], "scenario-compiler sweep")
         text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
         assert ("1 still open when the run ended" in text) is left_out
+
+
+def test_parameters_and_measures_have_their_units(tmp_path: Path) -> None:
+    cases = [Case(1, {"gap": 2.0}, "scenario-compiler run")]
+    page = SweepPage("it", "", ROWS, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], cases, "scenario-compiler sweep")
+    text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
+    assert '<td>gap</td><td class="unit">m/s²</td>' in text
+    assert '<th class="n">gap (m/s²)</th>' in text
+    drawn = text.partition("Rates along each parameter")[2]
+    assert ">gap (m/s²)</text>" in drawn
+    assert ">maximum lateral acceleration (m/s²)</text>" in drawn
+    assert "m/s2" not in text

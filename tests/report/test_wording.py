@@ -8,6 +8,7 @@ import pytest
 
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.wording import command, conditions, decimal, fixed, outcome_words, summary_of
+from scenario_compiler.vocabulary.scenario import Parameter
 
 
 @pytest.mark.parametrize(
@@ -40,6 +41,11 @@ def test_a_run_in_one_row(finished: Run) -> None:
 )
 def test_what_came_of_a_run(finished: Run, changes: dict[str, str], words: str) -> None:
     assert outcome_words(finished.outcome.model_copy(update=changes)) == words
+
+
+def test_values_of_parameters_have_their_unit(finished: Run) -> None:
+    plan = finished.plan.model_copy(update={"parameters": (Parameter(name="distance", type="length", default="90"),)})
+    assert dict(conditions(replace(finished, plan=plan)))["$distance"] == "120 m"
 
 
 def test_the_command_that_repeats_a_run(finished: Run) -> None:
