@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from importlib.metadata import version
@@ -16,7 +16,7 @@ from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
 from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
-from scenario_compiler.batch.sampling import Sample, Sampler, make_sampler
+from scenario_compiler.batch.sampling import Sample, Sampler, constraints_of, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters
@@ -194,12 +194,13 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
         Families(target, spec, {}, sink, maps)  # what is wrong with the scenario itself comes first
         raise SweepError("nothing varies: give --vary NAME=DISTRIBUTION")
     declared = {} if str(target).endswith(".json") else declared_parameters(target)
-    check_axes(axes, declared, constrained=bool(spec.where))
+    constrained = {name for expression in constraints_of(spec) for name in expression.names}
+    check_axes(axes, declared, constrained)
     middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}
     families = Families(target, spec, middle, sink, maps)
     if not declared:
         of_plan = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
-        check_axes(axes, of_plan, constrained=bool(spec.where))
+        check_axes(axes, of_plan, constrained)
     fixed = {name: value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
     form = form_of(spec, families.base, sampler.total)
@@ -207,14 +208,14 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
 
 
 def check_axes(
-    axes: Mapping[str, Distribution], declared: Mapping[str, Declaration], *, constrained: bool = False
+    axes: Mapping[str, Distribution], declared: Mapping[str, Declaration], constrained: Collection[str]
 ) -> None:
     """Raise SweepError where a distribution gives a parameter values that it cannot have.
 
     Args:
         axes: The distributions by the parameter's name.
         declared: What the parameters may be; one that is not there is the compiler's to report.
-        constrained: Constraints may keep within the limits what the distributions do not.
+        constrained: Parameters that constraints name, which may keep them within their limits.
     """
     for name, axis in axes.items():
         if name not in declared:
@@ -223,7 +224,7 @@ def check_axes(
         wanted = misfit(axis, kind)
         if wanted:
             raise SweepError(f"'{name}' is of the type {kind}, which {axis.text} does not fit: give it {wanted}")
-        too_far = "" if constrained else beyond(axis, declared[name].limits)
+        too_far = "" if name in constrained else beyond(axis, declared[name].limits)
         if too_far:
             raise SweepError(f"by {axis.text}, {name} may become {too_far}")
 

@@ -132,13 +132,17 @@ def make_sampler(spec: SweepSpec, fixed: Sample | None = None) -> Sampler:
         units = latin_hypercube(list(drawn), samples, spec.seed)
     elif drawn and spec.method == "sobol":
         units = sobol(list(drawn), samples, spec.seed)
-    try:
-        where = tuple(parse_expression(text) for text in spec.where)
-    except ExpressionError as fault:
-        raise SweepError(f"the constraint cannot be read: {fault}") from None
-    sampler = Sampler(listed, drawn, units, samples, spec.seed, where, fixed or {})
+    sampler = Sampler(listed, drawn, units, samples, spec.seed, constraints_of(spec), fixed or {})
     sampler.choose()
     return sampler
+
+
+def constraints_of(spec: SweepSpec) -> tuple[Expression, ...]:
+    """Return what every variant of a sweep fulfils; SweepError where it cannot be read."""
+    try:
+        return tuple(parse_expression(text) for text in spec.where)
+    except ExpressionError as fault:
+        raise SweepError(f"the constraint cannot be read: {fault}") from None
 
 
 def latin_hypercube(names: Sequence[str], samples: int, seed: int) -> Floats:
