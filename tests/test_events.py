@@ -218,6 +218,18 @@ def test_hazard_lights_are_logged_until_the_driver_takes_over(tmp_path: Path) ->
     assert times(answered, "hazard_lights")[1] == times(answered, "response")[0]
 
 
+def test_others_that_touch_are_named_and_no_collision_of_the_vehicle(tmp_path: Path) -> None:
+    others = (
+        '<dynamic id="runs" speed="20"><start><ahead_of entity="ego" distance="20" lanes="1"/></start></dynamic>'
+        '<static id="stands"><at><ahead_of entity="ego" distance="60" lanes="1"/></at></static>'
+    )
+    recording, outcome = played(compiled(tmp_path, markings=others, duration=4, criteria="<no_collision/>"))
+    told = [(event.entity, event.message) for event in recording.events if event.kind == "contact"]
+    assert told == [("runs", "stands")]
+    assert outcome.result == "pass"
+    assert times(recording, "collision") == []
+
+
 def test_a_stop_of_the_driver_is_a_standstill_of_its_own(tmp_path: Path) -> None:
     wall = '<static id="wall"><at><ahead_of entity="ego" distance="70" turn="90"/></at></static>'
     second = '<static id="second"><at><ahead_of entity="ego" distance="70" offset="5" turn="90"/></at></static>'

@@ -1,4 +1,4 @@
-"""Collisions: oriented boxes in the plane, those of all entities against that of the one that is reported."""
+"""Collisions: oriented boxes in the plane, with a sweep along x as broad phase."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import cos, sin
 
 from scenario_compiler.engine.faults import log_event
 from scenario_compiler.engine.numbers import safe_sqrt
-from scenario_compiler.engine.opcodes import EVENT_COLLISION
+from scenario_compiler.engine.opcodes import EVENT_COLLISION, EVENT_CONTACT, FAR, LOG_SIZE
 from scenario_compiler.engine.slots import E_CENTER, E_HEIGHT, E_LENGTH, E_WIDTH
 from scenario_compiler.engine.state import State
 from scenario_compiler.engine.tables import Program
@@ -15,13 +15,16 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def reported_entity(p: Program) -> int:
-    """Return the vehicle whose collisions are noted: the ego, without one the first entity."""
+    """Return the vehicle whose collisions count: the ego, without one the first entity."""
     return p.ego[0] if p.ego[0] >= 0 else 0
 
 
 @compiled
 def update_boxes(p: Program, st: State) -> None:
-    """Place the centre of every entity's box. Most drive straight on: cosine and sine of a heading are kept."""
+    """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted).
+
+    Most drive straight on: cosine and sine of a heading are kept.
+    """
     for i in range(p.entity_count[0]):
         h = st.h[i]
         if h != st.box_h[i]:
@@ -31,6 +34,18 @@ def update_boxes(p: Program, st: State) -> None:
         center = p.const[p.entity_const[i] + E_CENTER]
         st.middle_x[i] = st.x[i] + center * st.box_cos[i]
         st.middle_y[i] = st.y[i] + center * st.box_sin[i]
+    before = -FAR
+    for k in range(p.entity_count[0]):
+        i = st.order[k]
+        left = st.middle_x[i] - st.reach[i]
+        if left >= before:
+            before = left
+            continue
+        at = k
+        while at > 0 and st.middle_x[st.order[at - 1]] - st.reach[st.order[at - 1]] > left:
+            st.order[at] = st.order[at - 1]
+            at = at - 1
+        st.order[at] = i
 
 
 @compiled
@@ -75,22 +90,45 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
 
 
 @compiled
-def check_collisions(p: Program, st: State) -> None:
-    """Find what overlaps the vehicle that is reported, and log each new contact."""
-    if p.entity_count[0] < 2:
+def note_collision(p: Program, st: State, i: int, j: int) -> None:
+    """Log each new contact of the vehicle that is reported, and the first contact of any two others.
+
+    An entity and its trailer touch where they are coupled; two that stand were placed so.
+    """
+    if st.towed[i] == j or st.towed[j] == i:
         return
     ego = reported_entity(p)
-    x = st.middle_x[ego]
-    reach = st.reach[ego]
-    for j in range(p.entity_count[0]):
-        hit = 0
-        if j != ego and abs(st.middle_x[j] - x) <= reach + st.reach[j]:
-            hit = overlap(p, st, ego, j)
-        if hit == 1:
-            st.crashed[0] = 1
-            if st.contact[j] == 0:
-                log_event(st, EVENT_COLLISION, 1.0 * j)
-        st.contact[j] = hit
+    if ego in (i, j):
+        other = j if i == ego else i
+        if st.contact[other] == 0:
+            log_event(st, EVENT_COLLISION, 1.0 * other)
+        st.contact[other] = 2
+        st.crashed[0] = 1
+        return
+    known = st.struck[i] == 1 and st.struck[j] == 1
+    if known or (st.v[i] == 0.0 and st.v[j] == 0.0):
+        return
+    st.struck[i] = 1
+    st.struck[j] = 1
+    if 2 * st.log_count[0] < LOG_SIZE:  # the rest of the log is for what the reported vehicle meets
+        log_event(st, EVENT_CONTACT, 1.0 * (min(i, j) * p.entity_count[0] + max(i, j)))
+
+
+@compiled
+def check_collisions(p: Program, st: State) -> None:
+    """Find all overlapping pairs."""
+    count = p.entity_count[0]
+    for a in range(count):
+        i = st.order[a]
+        right = st.middle_x[i] + st.reach[i]
+        b = a + 1
+        while b < count and st.middle_x[st.order[b]] - st.reach[st.order[b]] <= right:
+            if overlap(p, st, i, st.order[b]) == 1:
+                note_collision(p, st, i, st.order[b])
+            b = b + 1
+    if st.crashed[0] == 1:
+        for i in range(count):
+            st.contact[i] = 1 if st.contact[i] == 2 else 0
 
 
 @compiled
@@ -104,5 +142,7 @@ def prepare_boxes(p: Program, st: State) -> None:
         st.box_h[i] = 0.0
         st.box_cos[i] = 1.0
         st.box_sin[i] = 0.0
+        st.order[i] = i
         st.contact[i] = 0
+        st.struck[i] = 0
     st.crashed[0] = 0

@@ -333,6 +333,7 @@ EVENT_LIGHT = 21
 EVENT_COMMAND = 22
 EVENT_SIGNAL = 23
 EVENT_HAZARD_LIGHTS = 24
+EVENT_CONTACT = 25
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 

@@ -118,6 +118,8 @@ class State:
     last_x: list[float]
     last_y: list[float]
     last_v: list[float]
+    order: list[int]
+    """Entities by the x of their boxes' left ends."""
     reach: list[float]
     """Half diagonal of the entity's box."""
     middle_x: list[float]
@@ -356,7 +358,9 @@ class State:
     """1 when that lane is on the left in the direction of travel, -1 on the right."""
     gap_free: list[int]
     contact: list[int]
-    """1 while the entity's box overlaps the ego's."""
+    """1 while the entity's box overlaps that of the vehicle that is reported."""
+    struck: list[int]
+    """1 from when the entity's box has overlapped that of another one."""
     crashed: list[int]
 
     # Takeover.
@@ -458,6 +462,7 @@ _ENTITY = (
         "last_x",
         "last_y",
         "last_v",
+        "order",
         "reach",
         "middle_x",
         "middle_y",
@@ -470,7 +475,7 @@ _ENTITY = (
         "far",
         "low",
     ],
-    *["high", "along", "across", "border_left", "border_right", "contact"],
+    *["high", "along", "across", "border_left", "border_right", "contact", "struck"],
 )
 _TRAFFIC = (
     *(

@@ -26,7 +26,8 @@ class EventRow(BaseModel):
         default="", description="Why: the cause of a warning or request, the kind of a failure, who stopped."
     )
     message: str = Field(
-        default="", description="What the driver was told, an event of the storyboard by name, or a sentence."
+        default="",
+        description="What the driver was told, an event of the storyboard or an entity by name, or a sentence.",
     )
     value: float | None = Field(default=None, description="A number that belongs to it, SI unit.")
 

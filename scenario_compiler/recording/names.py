@@ -14,7 +14,7 @@ StateName = Literal[
 
 EventKind = Literal[
     "activation", "warning", "warning_over", "request", "escalation", "response", "hand_back", "minimum_risk",
-    "standstill", "collision", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure", "failure_end",
+    "standstill", "collision", "contact", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure", "failure_end",
     "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "light",
     "command", "signal", "stop",
 ]  # fmt: skip
@@ -70,6 +70,7 @@ EVENT_KINDS: dict[int, EventKind] = {
     opcodes.EVENT_COMMAND: "command",
     opcodes.EVENT_SIGNAL: "signal",
     opcodes.EVENT_HAZARD_LIGHTS: "hazard_lights",
+    opcodes.EVENT_CONTACT: "contact",
 }
 
 FAILURES: dict[int, FailureKind] = {

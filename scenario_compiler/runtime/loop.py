@@ -225,6 +225,10 @@ class _Execution:
             if kind in NAMED:
                 name, entity = self.named[int(value)]
                 self.builder.event(st.log_time[at], kind, entity=entity, message=name)
+            elif kind == "contact":
+                one, other = divmod(int(value), len(self.plan.entities))
+                struck = self.plan.entities
+                self.builder.event(st.log_time[at], kind, entity=struck[one].id, message=struck[other].id)
             elif kind in OF_ACTIONS:
                 action, entity = self.actions[int(value)]
                 about, text = action_text(action)

@@ -147,6 +147,18 @@ def test_boxes_collide_when_they_overlap_and_not_before() -> None:
     assert overlap(run.p, run.st, 0, 1) == overlap(run.p, run.st, 1, 0) == 1
 
 
+def test_others_that_touch_are_told_once_and_end_nothing() -> None:
+    draft = Draft(highway())
+    draft.moving(-2, 10.0, 10.0)
+    draft.moving(-1, 50.0, 10.0)
+    draft.parked(100.0)
+    draft.parked(101.0)
+    run = draft.start().go(12.0)
+    logged = zip(run.st.log_kind, run.st.log_value, strict=True)
+    assert [divmod(value, 4.0) for kind, value in logged if kind == op.EVENT_CONTACT] == [(1.0, 2.0), (1.0, 3.0)]
+    assert (run.st.crashed[0], run.st.contact) == (0, [0, 0, 0, 0])
+
+
 @pytest.mark.parametrize(("gap", "hits"), [(2.9, True), (3.3, False)])
 def test_a_turned_box_reaches_as_far_as_its_corner(gap: float, hits: bool) -> None:
     draft = Draft(highway())
