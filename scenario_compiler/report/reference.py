@@ -25,7 +25,7 @@ EVENTS: Mapping[EventKind, str] = {
     "minimum_risk": "The minimum-risk manoeuvre begins; `cause` as above.",
     "standstill": "The automated vehicle stands; `cause` is `driver` where a driver stopped it.",
     "collision": "Two boxes touch: the automated vehicle's, or the first entity's, and that of `entity`.",
-    "contact": "The boxes of two others touch, of one for the first time: `entity`, and the one that `message` names.",
+    "contact": "Two others touch, one of them for the first time: `entity`, and the one that `message` names.",
     "merge": "A move to the lane beside begins.",
     "merge_aborted": "That move is broken off.",
     "brake": "The driver brakes before what blocks the path.",
