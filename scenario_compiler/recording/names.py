@@ -14,8 +14,8 @@ StateName = Literal[
 
 EventKind = Literal[
     "activation", "warning", "warning_over", "request", "escalation", "response", "hand_back", "minimum_risk",
-    "standstill", "collision", "contact", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure", "failure_end",
-    "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "light",
+    "standstill", "collision", "contact", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure",
+    "failure_end", "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "light",
     "command", "signal", "stop",
 ]  # fmt: skip
 """Kinds of events. Activation, request (transition demand), response (override), minimum-risk manoeuvre and
