@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import resource
+import shlex
 import signal
 import subprocess
 import sys
@@ -139,6 +140,47 @@ try:
 except OSError:
     print("OSError", len(list((folder / "parts").glob("*.parquet"))))
 """
+
+
+NAMESPACE = ["unshare", "--map-root-user", "--mount", "sh", "-c"]
+"""Run a shell whose mounts nobody else sees, without being the administrator."""
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Path:
+    """Folder to mount a small file system on."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    try:
+        tried = [*NAMESPACE, f"mount -t tmpfs -o size=40k tmpfs {shlex.quote(str(folder))}"]
+        subprocess.run(tried, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("no file system can be mounted here")
+    return folder
+
+
+@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("60k", "/s/results.parquet")])
+def test_a_full_tmpfs_keeps_what_was_finished(
+    size: str, fails: str, conflict: Path, tmp_path: Path, small_disk: Path
+) -> None:
+    spec = _spec()
+    run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
+    sweep = [sys.executable, "-m", "scenario_compiler", "sweep", str(conflict), *("--vary", spec.vary[0])]
+    sweep += ["--samples", "64", "--perception", "ideal", "--workers", "1", "--no-report", "-o", str(small_disk / "s")]
+    disk = shlex.quote(str(small_disk))
+    script = [
+        f"mount -t tmpfs -o size={size} tmpfs {disk}",
+        f"{shlex.join(sweep)}; ended=$?",
+        f"cp -r {disk}/s {shlex.quote(str(tmp_path / 'kept'))}",
+        "exit $ended",
+    ]
+    done = subprocess.run([*NAMESPACE, "; ".join(script)], capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 1
+    assert fails in done.stderr
+    assert "cannot be written: No space left on device; --resume does the rest" in done.stderr
+    run_sweep(conflict, spec, tmp_path / "kept", workers=1, resume=True, report=False)
+    tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("whole", "kept")]
+    assert tables[0] == tables[1]
 
 
 @pytest.mark.slow
