@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -22,7 +23,8 @@ def write_whole(path: str | Path, content: bytes | str) -> None:
 def whole_file(path: str | Path) -> Iterator[BinaryIO]:
     """Open a file that is whole or not there when it is closed, also when the machine stops.
 
-    The content goes to a draft beside the file, which then takes its place. A device or pipe is written to as it is.
+    The content goes to a draft beside the file, which then takes its place; who else writes the file at that time has a
+    draft of its own. A device or pipe is written to as it is.
 
     Raises:
         OSError: It cannot be written; nothing of it is left, and what was there before is as it was.
@@ -46,7 +48,7 @@ def make_folder(path: str | Path) -> None:
 
 @contextlib.contextmanager
 def _draft_of(target: Path) -> Iterator[BinaryIO]:
-    draft = target.with_name(f"{target.name}.tmp")
+    draft = target.with_name(f"{target.name}.{os.getpid()}-{threading.get_ident()}.tmp")
     try:
         with draft.open("wb") as file:
             yield file

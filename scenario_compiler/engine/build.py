@@ -28,6 +28,7 @@ from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.engine.sweep import SUMMARY_SIZE
 from scenario_compiler.engine.tables import Program
 from scenario_compiler.marker import REGISTRY
+from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads.tables import RoadTables
 
@@ -200,14 +201,8 @@ def _load_engine(path: Path, say: Callable[[str], None] | None) -> CompiledEngin
 
 def keep_code(path: Path, code: bytes) -> None:
     """Keep machine code in a file, whole or not at all; OSError where that cannot be."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(f".{os.getpid()}.tmp")
-    try:
-        draft.write_bytes(hashlib.sha256(code).digest() + code)
-        draft.replace(path)
-    except OSError:
-        draft.unlink(missing_ok=True)
-        raise
+    make_folder(path.parent)
+    write_whole(path, hashlib.sha256(code).digest() + code)
 
 
 def kept_code(path: Path) -> bytes | None:

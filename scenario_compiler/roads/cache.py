@@ -1,12 +1,8 @@
 """Parsed tables in the user's cache: read back only when they are exactly what was written.
 
-A cache file is named by the road file's content and by this package's own sources, so a changed map or a
-changed reader
-never meets an old file. It is plain data: a JSON head, the columns as machine numbers and a SHA-256 over
-both. Writing goes to a
-temporary file that is moved into place, so two processes never see half of one. Whatever goes wrong, the
-road file is
-read again.
+A cache file is named by the road file's content and by this package's own sources, so a changed map or a changed reader
+never meets an old file. It is plain data: a JSON head, the columns as machine numbers and a SHA-256 over both. It is
+written whole or not at all, so two processes never see half of one. Whatever goes wrong, the road file is read again.
 """
 
 from __future__ import annotations
@@ -14,15 +10,14 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import os
 import struct
 import sys
-import tempfile
 from array import array
 from functools import lru_cache
 from pathlib import Path
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, FilePlace, Severity
+from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads.tables import FLOAT_COLUMNS, ParsedNetwork, RoadTables
 
@@ -74,7 +69,9 @@ def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> N
     ).encode()
     payload = struct.pack("<Q", len(head)) + head + b"".join(blocks)
     with contextlib.suppress(OSError, RuntimeError):
-        _write_atomically(_cache_file(sha256), MAGIC + hashlib.sha256(payload).digest() + payload)
+        path = _cache_file(sha256)
+        make_folder(path.parent)
+        write_whole(path, MAGIC + hashlib.sha256(payload).digest() + payload)
 
 
 def _numbers(finding: Diagnostic) -> tuple[int, int, int, str]:
@@ -89,18 +86,6 @@ def _as_array(name: str, values: list[float] | list[int]) -> array[float] | arra
         return array("i", [int(v) for v in values])
     except OverflowError:
         return array("q", [int(v) for v in values])
-
-
-def _write_atomically(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".tmp")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        Path(name).replace(path)
-    except OSError:
-        Path(name).unlink(missing_ok=True)
-        raise
 
 
 def _cache_file(sha256: str) -> Path:
