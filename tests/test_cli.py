@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.cli import main
+from tests.command import call
 
 CONFLICT = """\
 <scenarios version="1">
@@ -33,14 +33,6 @@ def conflict(tmp_path: Path) -> Path:
     file = tmp_path / "mine.xml"
     file.write_text(CONFLICT)
     return file
-
-
-def call(*arguments: object) -> int:
-    """Return the exit code of a command."""
-    with pytest.raises(SystemExit) as left:
-        main([str(argument) for argument in arguments])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 def test_run_writes_the_run_folder(conflict: Path, tmp_path: Path) -> None:

@@ -6,17 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.cli import main
+from tests.command import call
 
 LIBRARY = Path(__file__).parent.parent / "library"
-
-
-def call(*arguments: object) -> int:
-    """Return the exit code of a command."""
-    with pytest.raises(SystemExit) as left:
-        main([str(argument) for argument in arguments])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 @pytest.fixture(autouse=True)

@@ -8,16 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.cli import main
+from tests.command import call
 from tests.test_cli import CONFLICT
-
-
-def call(*arguments: object) -> int:
-    """Return the exit code of a command."""
-    with pytest.raises(SystemExit) as left:
-        main([str(argument) for argument in arguments])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 @pytest.fixture(scope="module")

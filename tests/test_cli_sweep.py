@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.batch.distributions import DISTRIBUTIONS
-from scenario_compiler.cli import main
+from tests.command import call
 
 CONFLICT = """\
 <scenarios version="1">
@@ -63,14 +63,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     Path("it.xml").write_text(CONFLICT.format(""))
     return tmp_path
-
-
-def call(*arguments: object) -> int:
-    """Return the exit code of a command."""
-    with pytest.raises(SystemExit) as left:
-        main([str(argument) for argument in arguments])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 def sweep(*options: object, target: str = "it.xml") -> int:

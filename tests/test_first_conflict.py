@@ -10,11 +10,11 @@ import pytest
 from lxml import etree
 
 from scenario_compiler import judge, open_world, run
-from scenario_compiler.cli import main
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.resources import schema_file
 from scenario_compiler.validation import validate_file
+from tests.command import call
 
 PAGE = Path(__file__).parent.parent / "docs" / "your-first-conflict.md"
 
@@ -61,9 +61,7 @@ def test_file_has_no_finding_and_keeps_to_the_schema(folder: Path, name: str) ->
 @pytest.mark.parametrize("lines", COMMANDS, ids=lambda lines: lines[0])
 def test_commands_run(folder: Path, lines: list[str]) -> None:
     for line in lines:
-        with pytest.raises(SystemExit) as left:
-            main(shlex.split(line)[1:])
-        assert left.value.code == 0, line
+        assert call(*shlex.split(line)[1:]) == 0, line
         if "-o out" in line:
             assert (folder / "out" / "report.html").is_file()
 

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.cli import main
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.resources import find_map
+from tests.command import call
 
 CONFLICT = """\
 <scenarios version="1">
@@ -39,14 +39,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     shutil.copy(road, "road.xodr")
     shutil.copy(road.with_name("map.toml"), "map.toml")
     return tmp_path
-
-
-def call(*arguments: object) -> int:
-    """Return the exit code of a command."""
-    with pytest.raises(SystemExit) as left:
-        main([str(argument) for argument in arguments])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 @contextmanager

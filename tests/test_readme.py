@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.cli import main
+from tests.command import call
 
 DOCS = (Path(__file__).parent.parent / "docs").glob("*.md")
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
@@ -36,9 +36,7 @@ def commands() -> list[list[str]]:
 
 @pytest.mark.parametrize("arguments", commands(), ids=" ".join)
 def test_command_runs(folder: Path, arguments: list[str]) -> None:
-    with pytest.raises(SystemExit) as left:
-        main(arguments)
-    assert left.value.code == 0
+    assert call(*arguments) == 0
 
 
 def test_python_runs(folder: Path) -> None:

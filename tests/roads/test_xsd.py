@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.cli import main
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, parse_document, read_document
 from scenario_compiler.roads.xsd import validate_with_xsd
 from scenario_compiler.structure.schemas import find_schema
 from tests.asam import schemas_of_wheel
+from tests.command import call
 
 BY_1_8_1 = "the list used the schema of revision 1.8.1, whose assertions that of 1.8.0 in the wheel does not have"
 DIFFERENT = {
@@ -109,9 +109,7 @@ def test_the_verdict_agrees_with_the_corpus(schemas: Path, corpus: Path) -> None
 def test_validate_lets_the_schema_judge(schemas: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "bad.xodr"
     file.write_text('<OpenDRIVE><header revMajor="1" revMinor="6" made="up"/><road/></OpenDRIVE>', encoding="utf-8")
-    with pytest.raises(SystemExit) as left:
-        main(["validate", str(file), "--xsd", str(schemas)])
-    assert left.value.code == 1
+    assert call("validate", file, "--xsd", schemas) == 1
     said = capsys.readouterr().err
     assert "SC331" in said
     assert "SC32" not in said

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from scenario_compiler.cli import main
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.document import parse_document
@@ -24,6 +23,7 @@ from scenario_compiler.structure.schemas import find_schema
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.scenario import Scenario
 from tests.asam import schemas_of_wheel
+from tests.command import call
 
 LIBRARY = Path(__file__).resolve().parents[3] / "library" / "conflicts"
 SAMPLE = (
@@ -183,9 +183,7 @@ def test_a_plan_is_exported_alike(tmp_path: Path, capsys: pytest.CaptureFixture[
     write_plan(compilation.plan, tmp_path / "plan.json")
     for source, out in ((str(target), "a"), (str(tmp_path / "plan.json"), "b")):
         more = [] if source.endswith(".json") else ["--perception", "ideal"]
-        with pytest.raises(SystemExit) as exit_info:
-            main(["export", source, "-o", str(tmp_path / out / "out.xosc"), *more])
-        assert exit_info.value.code == 0
+        assert call("export", source, "-o", tmp_path / out / "out.xosc", *more) == 0
     assert (tmp_path / "a" / "out.xosc").read_bytes() == (tmp_path / "b" / "out.xosc").read_bytes()
     assert "out.xosc" in capsys.readouterr().out
 
@@ -202,7 +200,5 @@ def test_files_that_differ_are_not_written_over(tmp_path: Path, capsys: pytest.C
     target, out = str(LIBRARY / "sensor_failure.xml#sensor_failure"), tmp_path / "out.xosc"
     out.write_text("mine", encoding="utf-8")
     for more, code in (((), 2), (("--force",), 0), ((), 0)):
-        with pytest.raises(SystemExit) as exit_info:
-            main(["export", target, "-o", str(out), *more])
-        assert exit_info.value.code == code
+        assert call("export", target, "-o", out, *more) == code
     assert "--force" in capsys.readouterr().err

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from scenario_compiler.cli import main
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.document import Document, parse_document
 from scenario_compiler.source.openscenario.structure import check_structure
@@ -20,6 +19,7 @@ from scenario_compiler.source.openscenario.xsd import is_installed, validate_wit
 from scenario_compiler.structure.content import AnyOrder, Choice, Content, Model, Name, Repeat, Sequence
 from scenario_compiler.structure.schemas import Schemas, find_schema
 from tests.asam import schemas_of_wheel
+from tests.command import call
 
 XS = "{http://www.w3.org/2001/XMLSchema}"
 VERSIONS = range(FIRST_MINOR, LAST_MINOR + 1)
@@ -293,9 +293,7 @@ def test_a_file_that_the_checker_cannot_read_keeps_its_verdict(tmp_path: Path) -
 def test_without_the_checker_our_declarations_judge(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "bad.xosc"
     file.write_text(BAD, encoding="utf-8")
-    with pytest.raises(SystemExit) as left:
-        main(["validate", str(file), "--xsd"])
-    assert left.value.code == 1
+    assert call("validate", file, "--xsd") == 1
     said = capsys.readouterr().err
     assert "warning[SC731]: ASAM's checker is not installed: pip install 'scenario-compiler[asam]'" in said
     assert "error[SC702]" in said
@@ -304,7 +302,5 @@ def test_without_the_checker_our_declarations_judge(tmp_path: Path, capsys: pyte
 def test_a_folder_may_hold_the_schemas(schemas: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "bad.xosc"
     file.write_text(BAD, encoding="utf-8")
-    with pytest.raises(SystemExit) as left:
-        main(["validate", str(file), "--xsd", str(schemas)])
-    assert left.value.code == 1
+    assert call("validate", file, "--xsd", schemas) == 1
     assert "error[SC730]" in capsys.readouterr().err
