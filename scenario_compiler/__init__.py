@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation, Overrides, compile_built, compile_scenario
     from scenario_compiler.controllers import Control, ControllerModel, ControllerParams
     from scenario_compiler.diagnostics import CompileError
+    from scenario_compiler.openscenario.export.files import write_openscenario
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.outcome import Outcome, judge
     from scenario_compiler.recording.recording import Recording
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from scenario_compiler.resources import find_map
     from scenario_compiler.roads import Network, load_network
     from scenario_compiler.runtime import open_world, run
-    from scenario_compiler.source.openscenario.export.files import write_openscenario
 
 _HOMES = {
     "Compilation": "compiler",
@@ -41,7 +41,7 @@ _HOMES = {
     "load_network": "roads",
     "open_world": "runtime",
     "run": "runtime",
-    "write_openscenario": "source.openscenario.export.files",
+    "write_openscenario": "openscenario.export.files",
     "write_report": "report.html",
 }
 

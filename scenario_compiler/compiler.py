@@ -12,16 +12,24 @@ from lxml import etree
 from scenario_compiler.controllers import check_controller
 from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import Document
+from scenario_compiler.languages import (
+    Source,
+    declarations,
+    drop_allowed,
+    expand,
+    is_whole,
+    map_place,
+    parse,
+    read_scenario_document,
+)
+from scenario_compiler.openscenario.held import OpenScenario
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import sealed
 from scenario_compiler.roads import Network
-from scenario_compiler.source import Source, drop_allowed, expand, is_whole, parse
 from scenario_compiler.source.building import completed
-from scenario_compiler.source.declared import Declaration, declarations
-from scenario_compiler.source.documents import map_place, read_scenario_document
-from scenario_compiler.source.openscenario.held import OpenScenario
+from scenario_compiler.source.declared import Declaration
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.variation import Vary

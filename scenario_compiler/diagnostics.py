@@ -100,9 +100,9 @@ CODE_HOMES = (
     "roads.check",
     "roads.xsd",
     "source.aisa",
-    "source.openscenario.export.files",
-    "source.openscenario.validation",
-    "source.openscenario.xsd",
+    "openscenario.export.files",
+    "openscenario.validation",
+    "openscenario.xsd",
     "validation",
 )
 """Modules that bring in all others that declare codes. They are loaded only for who asks about a code by its name."""

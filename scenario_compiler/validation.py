@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from scenario_compiler.compiler import Overrides, compile_expanded, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import UNREADABLE, Document, read_document
-from scenario_compiler.source import check_source, drop_allowed
+from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.structure.schemas import Schemas
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
         sink.add(UNREADABLE, message, FilePlace(str(path)))
         return
     if path.suffix == ".xosc":
-        from scenario_compiler.source.openscenario.validation import add_meaning, validate_openscenario
+        from scenario_compiler.openscenario.validation import add_meaning, validate_openscenario
 
         meaning = Diagnostics()
         validate_openscenario(path, sink, xsd)

@@ -17,6 +17,7 @@ from scenario_compiler.coverage.conflict import conflict_table, conflict_words
 from scenario_compiler.coverage.openscenario import openscenario_table
 from scenario_compiler.coverage.table import Table, as_markdown
 from scenario_compiler.coverage.uses import files_naming, files_with
+from scenario_compiler.openscenario.structure.elements import elements
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
@@ -24,7 +25,6 @@ from scenario_compiler.report.reference import run_folder_page
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.source.form import conflict_xsd, language_reference
-from scenario_compiler.source.openscenario.structure.elements import elements
 
 FOLDER = Path(__file__).resolve().parent
 

@@ -13,6 +13,7 @@ import pytest
 
 from scenario_compiler.compiler import Compilation, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.listing import Listed, list_library
 from scenario_compiler.plan.model import Plan, RouteLeg, StartPose
 from scenario_compiler.report.gallery import Card, shrunk, start_picture, write_gallery
 from scenario_compiler.report.happenings import happenings_of, last_known_time
@@ -22,7 +23,6 @@ from scenario_compiler.roads import Network, load_network
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.positions import LanePosition
 from scenario_compiler.source.authoring import new_conflict
-from scenario_compiler.source.listing import Listed, list_library
 from scenario_compiler.validation import validate_file
 from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition

@@ -35,8 +35,8 @@ WITHOUT_CASE = {
     "SC377": "positions whose parameters have no value: the language gives every parameter one",
     "SC378": "speaks of map.toml files: tests/roads",
     "SC506": "speaks of --perception: tests/plan/test_findings.py",
-    "SC783": "speaks of exported files: tests/source/openscenario/test_export.py",
-    **dict.fromkeys(("SC730", "SC731", "SC732", "SC733"), "speak of --xsd: tests/source/openscenario/test_xsd.py"),
+    "SC783": "speaks of exported files: tests/openscenario/test_export.py",
+    **dict.fromkeys(("SC730", "SC731", "SC732", "SC733"), "speak of --xsd: tests/openscenario/test_xsd.py"),
 }
 """Codes that no scenario file can bring about, and why."""
 

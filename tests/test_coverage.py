@@ -15,9 +15,9 @@ from scenario_compiler.coverage.conflict import EXECUTION, conflict_table, confl
 from scenario_compiler.coverage.table import table_of
 from scenario_compiler.coverage.uses import files_with
 from scenario_compiler.engine import opcodes
+from scenario_compiler.openscenario.structure.elements import elements
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.source.openscenario.structure.elements import elements
 from scenario_compiler.vocabulary.word import Word
 
 WORDS = conflict_words()

@@ -12,7 +12,7 @@ import pytest
 from scenario_compiler.coverage.conflict import NOT_YET
 from scenario_compiler.coverage.openscenario import FORMS, HOMES, UNREAD, WITHOUT_EFFECT, openscenario_table, words_of
 from scenario_compiler.coverage.uses import files_naming
-from scenario_compiler.source.openscenario.structure.elements import Element, elements
+from scenario_compiler.openscenario.structure.elements import Element, elements
 
 OTHERS = ("structure", "export")
 """Folders of the front end that do not read."""
@@ -33,7 +33,7 @@ def texts_of(file: Path) -> frozenset[str]:
 @pytest.fixture
 def front_end(repository: Path) -> Path:
     """Folder of the modules that read OpenSCENARIO."""
-    return repository / "scenario_compiler" / "source" / "openscenario"
+    return repository / "scenario_compiler" / "openscenario"
 
 
 def read_by_front_end(front_end: Path) -> frozenset[str]:

@@ -23,7 +23,7 @@ from scenario_compiler.diagnostics import (
     did_you_mean,
 )
 from scenario_compiler.document import MALFORMED
-from scenario_compiler.source.names import NOT_EXECUTED
+from scenario_compiler.markup.names import NOT_EXECUTED
 
 FAULT, HINT = MALFORMED, NOT_EXECUTED
 """Two codes that exist, an error and a note: a code made for a test would need a case of its own."""

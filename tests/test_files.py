@@ -9,11 +9,10 @@ import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.files import read_file
+from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.plan.store import read_plan
 from scenario_compiler.recording.trajectory import read_trajectory
 from scenario_compiler.roads import load_network
-from scenario_compiler.source import parse
-from scenario_compiler.source.documents import read_scenario_document
 from scenario_compiler.structure.schemas import find_schema
 
 INCLUDING = '<scenarios version="1"><include file="{}"/></scenarios>'

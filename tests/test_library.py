@@ -15,10 +15,10 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import format_value
+from scenario_compiler.languages import parse
 from scenario_compiler.plan.lower import Perception
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.resources import library_folder
-from scenario_compiler.source import parse
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.source.conflict import Library, Part
 from scenario_compiler.source.parameters import limits

@@ -13,13 +13,13 @@ from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, weighed
 from scenario_compiler.expressions import Value, format_value
+from scenario_compiler.markup.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
+from scenario_compiler.markup.values import COMMAND_LINE, outside
 from scenario_compiler.plan.maps import open_plan_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import digest_of, read_plan
 from scenario_compiler.roads import Network
-from scenario_compiler.source.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
-from scenario_compiler.source.parameters import COMMAND_LINE, limits
-from scenario_compiler.source.values import outside
+from scenario_compiler.source.parameters import limits
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 VARIED = FilePlace("--vary")

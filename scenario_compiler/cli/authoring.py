@@ -31,8 +31,8 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.outputs import write_whole
 
 if TYPE_CHECKING:
+    from scenario_compiler.listing import Listed
     from scenario_compiler.report.gallery import Card
-    from scenario_compiler.source.listing import Listed
 
 
 def add(commands: Commands) -> None:
@@ -87,8 +87,8 @@ def _print_tables(listed: list[Listed], file: TextIO) -> None:
 
 
 def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
+    from scenario_compiler.listing import list_library
     from scenario_compiler.resources import library_folder
-    from scenario_compiler.source.listing import list_library
 
     keep_loaded()
     for path in options.paths or [library_folder()]:
@@ -123,9 +123,9 @@ def _cards(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics)
 
 def new_command(options: argparse.Namespace) -> int:
     """Write a commented conflict that uses a template."""
+    from scenario_compiler.listing import list_library
     from scenario_compiler.resources import library_folder
     from scenario_compiler.source.authoring import new_conflict
-    from scenario_compiler.source.listing import list_library
     from scenario_compiler.vocabulary.word import IDENTIFIER
 
     if not re.fullmatch(IDENTIFIER, options.name):

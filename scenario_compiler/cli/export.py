@@ -52,7 +52,7 @@ def export_command(options: argparse.Namespace) -> int:
     if found is None:
         show(sink, options)
         return AT_FAULT
-    from scenario_compiler.source.openscenario.export.files import export_files
+    from scenario_compiler.openscenario.export.files import export_files
 
     plan, network, scenario = found
     major, minor = options.version.split(".")

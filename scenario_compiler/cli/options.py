@@ -182,7 +182,7 @@ def keep_loaded() -> None:
 def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
     """Compile what a command names, with the changes that its options make."""
     from scenario_compiler.compiler import Overrides, compile_target
-    from scenario_compiler.source import ScenarioNameNeededError
+    from scenario_compiler.languages import ScenarioNameNeededError
 
     keep_loaded()
     overrides = Overrides(

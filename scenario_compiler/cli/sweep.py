@@ -69,7 +69,7 @@ def sweep_command(options: argparse.Namespace) -> int:
 
     from scenario_compiler.batch.distributions import SweepError
     from scenario_compiler.batch.results import MANIFEST
-    from scenario_compiler.source import ScenarioNameNeededError
+    from scenario_compiler.languages import ScenarioNameNeededError
 
     sink = new_sink(options)
     try:

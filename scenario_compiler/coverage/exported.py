@@ -1,17 +1,17 @@
 """What each word of the conflict language is in an exported OpenSCENARIO file.
 
-Words of the storyboard have forms, which both directions use (`source.openscenario`); the rest is said here. What the
+Words of the storyboard have forms, which both directions use (`openscenario`); the rest is said here. What the
 standard has no words for is kept in properties, which this program reads back and others leave alone.
 """
 
 from __future__ import annotations
 
+from scenario_compiler.openscenario.actions import ACTIONS
+from scenario_compiler.openscenario.conditions import BY_ENTITY, BY_VALUE
+from scenario_compiler.openscenario.positions import POSITIONS
+from scenario_compiler.openscenario.spelling import Form
+from scenario_compiler.openscenario.structure.elements import elements
 from scenario_compiler.source import conflict
-from scenario_compiler.source.openscenario.actions import ACTIONS
-from scenario_compiler.source.openscenario.conditions import BY_ENTITY, BY_VALUE
-from scenario_compiler.source.openscenario.positions import POSITIONS
-from scenario_compiler.source.openscenario.spelling import Form
-from scenario_compiler.source.openscenario.structure.elements import elements
 from scenario_compiler.vocabulary import entities, scenario, signals, storyboard, variables, variation, weather
 from scenario_compiler.vocabulary.actions import (
     AtRate,

@@ -14,11 +14,11 @@ from scenario_compiler.coverage.table import Table
 from scenario_compiler.engine.program.actions import ACTIONS as ACTION_ROWS
 from scenario_compiler.engine.program.conditions import CONDITIONS as CONDITION_ROWS
 from scenario_compiler.engine.program.positions import POSITIONS as POSITION_ROWS
-from scenario_compiler.source.openscenario.actions import ACTIONS
-from scenario_compiler.source.openscenario.conditions import BY_ENTITY, BY_VALUE
-from scenario_compiler.source.openscenario.positions import POSITIONS
-from scenario_compiler.source.openscenario.structure.elements import Element, elements
-from scenario_compiler.source.openscenario.structure.grammar import FIRST_MINOR, LAST_MINOR
+from scenario_compiler.openscenario.actions import ACTIONS
+from scenario_compiler.openscenario.conditions import BY_ENTITY, BY_VALUE
+from scenario_compiler.openscenario.positions import POSITIONS
+from scenario_compiler.openscenario.structure.elements import Element, elements
+from scenario_compiler.openscenario.structure.grammar import FIRST_MINOR, LAST_MINOR
 from scenario_compiler.vocabulary.word import Word
 
 
@@ -27,7 +27,7 @@ class Home:
     """Elements that one module reads, beside those that are words themselves.
 
     Attributes:
-        reader: The module, below `source.openscenario`.
+        reader: The module, below `openscenario`.
         execution: What becomes of them; None for the parts of actions, conditions and positions, which those execute.
         written: Names of those that an exported file has.
         expanded: Names of those that an exported file does not have, because what they stand for is written out.
@@ -50,12 +50,12 @@ _SAMPLED = Execution("sweep", "batch.sampling")
 
 HOMES = (
     Home("expansion", Execution("compilation", "compiler"), "OpenSCENARIO FileHeader"),
-    Home("parameters", Execution("expansion", "source.openscenario.parameters"),
+    Home("parameters", Execution("expansion", "openscenario.parameters"),
          "ParameterDeclarations ParameterDeclaration",
          "ValueConstraintGroup ValueConstraint ParameterAssignments ParameterAssignment"),
     Home("variables", Execution("engine", "engine.variables"),
          "VariableDeclarations VariableDeclaration", "MonitorDeclarations MonitorDeclaration"),
-    Home("catalogs", Execution("expansion", "source.openscenario.catalogs"),
+    Home("catalogs", Execution("expansion", "openscenario.catalogs"),
          "CatalogLocations", "CatalogLocation Directory Catalog CatalogReference"),
     Home("road_network", Execution("compilation", "plan.maps"), "RoadNetwork File"),
     Home("road_network", Execution("engine", "engine.signals"),
@@ -226,7 +226,7 @@ def _read(element: Element) -> str:
     if element.name in UNREAD:
         return f"no: {UNREAD[element.name]}"
     words = ", ".join(f"<{word.tag()}>" for word in words_of(element))
-    read = f"as {words}" if words else f"source.openscenario.{_HOME[element.name].reader}"
+    read = f"as {words}" if words else f"openscenario.{_HOME[element.name].reader}"
     without = WITHOUT_EFFECT.get(element.name, "").split()
     return f"{read}, without {', '.join(without)}" if without else read
 

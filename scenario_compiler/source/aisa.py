@@ -15,15 +15,16 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.expressions import Expression, Value, format_value, parse_expression
+from scenario_compiler.markup import names
+from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.reading import read_word
+from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.resources import PUBLISHED_AS
-from scenario_compiler.source import names
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import Catalogs
-from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.events import storyboard_of
 from scenario_compiler.source.expansion import catalog_driver, catalog_vehicles
-from scenario_compiler.source.parameters import COMMAND_LINE, report_unknown_arguments, typed
-from scenario_compiler.source.reading import read_word
+from scenario_compiler.source.parameters import report_unknown_arguments, typed
 from scenario_compiler.vocabulary.actions import LaneChangeAction, SpeedAction
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
 from scenario_compiler.vocabulary.entities import Actor, Dynamic, Ego, Static

@@ -8,13 +8,13 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.expressions import parse_expression
+from scenario_compiler.markup import names
+from scenario_compiler.markup.writing import write_word
 from scenario_compiler.resources import library_folder
-from scenario_compiler.source import names
 from scenario_compiler.source.aisa import filed_scenario, report_off_map
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
 from scenario_compiler.source.conflict import EntityWhen, ScenarioElement
-from scenario_compiler.source.writing import write_word
 from scenario_compiler.vocabulary.positions import WorldPosition
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Do

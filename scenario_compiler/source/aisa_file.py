@@ -9,7 +9,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
-from scenario_compiler.source import names
+from scenario_compiler.markup import names
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.markup import names
 from scenario_compiler.resources import library_folder
-from scenario_compiler.source import names
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
 from scenario_compiler.source.events import storyboard_of
 from scenario_compiler.source.expansion import (

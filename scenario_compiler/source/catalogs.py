@@ -10,9 +10,9 @@ from typing import Literal
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
 from scenario_compiler.document import read_document
-from scenario_compiler.source import names
-from scenario_compiler.source.environment import Environment, Reading
-from scenario_compiler.source.reading import place_children, read_attributes, read_word
+from scenario_compiler.markup import names
+from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.reading import place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.takeover import DriverModel
 from scenario_compiler.vocabulary.word import Word, attribute, child

@@ -17,10 +17,10 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Place, Severity, all_codes, code_named, did_you_mean
 from scenario_compiler.document import Document, read_document
-from scenario_compiler.source import names
+from scenario_compiler.markup import names
+from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
-from scenario_compiler.source.environment import Environment, Reading
-from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Row, Static, Traffic, WorkZone

@@ -12,10 +12,11 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.expressions import Value, format_value, parse_expression
-from scenario_compiler.source import names
+from scenario_compiler.markup import names
+from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import Catalogs
 from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
-from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.events import MOST_WAYS, storyboard_of, ways
 from scenario_compiler.source.parameters import (
     STRUCTURAL_KINDS,
@@ -24,7 +25,6 @@ from scenario_compiler.source.parameters import (
     default_value,
     read_parameters,
 )
-from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.templates import Expander, Scope, template_parameters
 from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind

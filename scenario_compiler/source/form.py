@@ -9,8 +9,8 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, FilePlace
 from scenario_compiler.document import Document
+from scenario_compiler.markup import codes
 from scenario_compiler.resources import schema_file
-from scenario_compiler.source import codes
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
 

@@ -8,22 +8,19 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
-from scenario_compiler.source import codes, names
-from scenario_compiler.source.environment import Binding, Environment, Reading
-from scenario_compiler.source.reading import misspelt, read_word
-from scenario_compiler.source.values import bound_value, outside
+from scenario_compiler.markup import codes, names
+from scenario_compiler.markup.environment import Binding, Environment, Reading
+from scenario_compiler.markup.reading import misspelt, read_word
+from scenario_compiler.markup.values import COMMAND_LINE, bound_value, outside
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling, Word
 
 STRUCTURAL_KINDS = ("integer", "text", "boolean")
 """Kinds whose parameters are always replaced by their values; the others may stay open in a plan."""
-
-COMMAND_LINE = FilePlace("--set")
-"""The place of an argument that is at fault."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,9 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import Value
-from scenario_compiler.source import names
+from scenario_compiler.markup import names
+from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.conflict import (
     MOST_ROUNDS,
     Else,
@@ -28,10 +30,8 @@ from scenario_compiler.source.conflict import (
     Use,
     read_library,
 )
-from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.groups import lines, members
 from scenario_compiler.source.parameters import Declared, bind_use, read_parameters
-from scenario_compiler.source.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.entities import Dynamic, Row, Static, Traffic, WorkZone
 from scenario_compiler.vocabulary.grammar import NUMBER, ChildRule, grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings

@@ -5,7 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.source import names
+from scenario_compiler.markup import names
 from scenario_compiler.source.conflict import Library, ScenarioElement, Use
 
 

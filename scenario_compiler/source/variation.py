@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.expressions import ExpressionError, format_value, parse_expression
-from scenario_compiler.source import codes, names
+from scenario_compiler.markup import codes, names
+from scenario_compiler.markup.values import outside
 from scenario_compiler.source.parameters import Declared, limits, typed
-from scenario_compiler.source.values import outside
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.variation import Axis, Choice, Constraint, Grid, Poisson, Vary
 

@@ -2,5 +2,5 @@
 
 What enters: a document, a `grammar.Grammar` (the format's declarations of elements, words and kinds of values) and a
 version. What leaves: diagnostics with line and column (`walk.check_elements`). Knows no format: `roads.structure`
-declares OpenDRIVE's, `source.openscenario.structure` OpenSCENARIO's. Imports the flat modules of the hall.
+declares OpenDRIVE's, `openscenario.structure` OpenSCENARIO's. Imports the flat modules of the hall.
 """

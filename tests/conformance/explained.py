@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-_ALKS = (
-    "From 3 s on the Ego is driven by esmini's own ALKS controller, which the file that this distribution varies "
-    "assigns to it. The other vehicles agree{}."
-)
-_LOGICAL = "OSC-ALKS-scenarios/logical_scenarios/alks_scenario_"
 _UNIT_TESTS = "esmini/EnvironmentSimulator/Unittest/xosc/"
 
 EXPLAINED: dict[str, str] = {
@@ -28,11 +23,5 @@ EXPLAINED: dict[str, str] = {
         "The entity whose route is random takes another turn at the junction: the draws are those of esmini's own "
         "generator. The other entity agrees."
     ),
-    _LOGICAL + "4_1_2_swerving_lead_vehicle_variation.xosc": _ALKS.format(""),
-    _LOGICAL + "4_3_1_follow_lead_vehicle_comfortable_variation.xosc": _ALKS.format(
-        " until their speeds are set relative to the Ego's"
-    ),
-    _LOGICAL + "4_5_1_cut_out_fully_blocking_variation.xosc": _ALKS.format(""),
-    _LOGICAL + "4_5_2_cut_out_multiple_blocking_targets_variation.xosc": _ALKS.format(""),
 }
 """Path of a scenario in the corpus to the reason."""

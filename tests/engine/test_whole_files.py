@@ -16,8 +16,8 @@ from scenario_compiler.engine.build import Compiled, Interpreted
 from scenario_compiler.engine.program import Program, build_program
 from scenario_compiler.engine.state import make_draws, new_state
 from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.listing import list_library
 from scenario_compiler.resources import library_folder
-from scenario_compiler.source.listing import list_library
 from tests.conformance.esmini import runs_without_controllers
 
 STEP = 0.05

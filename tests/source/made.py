@@ -6,7 +6,7 @@ from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.document import parse_document
-from scenario_compiler.source import Source, expand, parse
+from scenario_compiler.languages import Source, expand, parse
 from scenario_compiler.vocabulary.scenario import Scenario
 
 EGO = '<ego speed="10"><start><lane road="1" lane="-1" s="20"/></start></ego>'

@@ -10,7 +10,7 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import parse_expression
-from scenario_compiler.source import Source, check_source, expand, parse
+from scenario_compiler.languages import Source, check_source, expand, parse
 from scenario_compiler.vocabulary.actions import LaneChangeAction, SpeedAction
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import WorldPosition

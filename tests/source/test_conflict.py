@@ -9,7 +9,7 @@ import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression
-from scenario_compiler.source import ScenarioNameNeededError, check_source, expand
+from scenario_compiler.languages import ScenarioNameNeededError, check_source, expand
 from scenario_compiler.vocabulary.conditions import TimeHeadwayCondition
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition

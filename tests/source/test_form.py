@@ -15,14 +15,14 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Place, as_text
 from scenario_compiler.document import Document, Origin, parse_document
+from scenario_compiler.markup import codes
+from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.reading import read_word
+from scenario_compiler.markup.values import SPACE
 from scenario_compiler.resources import library_folder
-from scenario_compiler.source import codes
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.source.environment import Environment, Reading
 from scenario_compiler.source.form import conflict_xsd, judge_form
-from scenario_compiler.source.reading import read_word
-from scenario_compiler.source.values import SPACE
 from scenario_compiler.vocabulary.grammar import EXPRESSION, grammar_of
 from scenario_compiler.vocabulary.schema import words_below
 

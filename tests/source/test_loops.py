@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.source import check_source, expand
+from scenario_compiler.languages import check_source, expand
 from scenario_compiler.vocabulary.entities import Static
 from scenario_compiler.vocabulary.positions import RelativeLanePosition
 from tests.source.made import codes_of, expanded, library_text, parsed

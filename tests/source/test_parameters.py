@@ -6,7 +6,8 @@ import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Value
-from scenario_compiler.source.parameters import COMMAND_LINE, Declared, bind_arguments, default_value, limits, typed
+from scenario_compiler.markup.values import COMMAND_LINE
+from scenario_compiler.source.parameters import Declared, bind_arguments, default_value, limits, typed
 from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
 
 

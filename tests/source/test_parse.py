@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import parse_document
-from scenario_compiler.source import ScenarioNameNeededError, check_source, expand, parse
+from scenario_compiler.languages import ScenarioNameNeededError, check_source, expand, parse
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.conflict import Library
 from tests.source.made import EGO, codes_of, library_text, parsed

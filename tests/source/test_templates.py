@@ -6,7 +6,7 @@ import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression
-from scenario_compiler.source import check_source, expand
+from scenario_compiler.languages import check_source, expand
 from scenario_compiler.source.templates import Scope
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import RelativeLanePosition

@@ -6,7 +6,7 @@ import pytest
 
 from scenario_compiler.diagnostics import Code, Diagnostics
 from scenario_compiler.document import parse_document
-from scenario_compiler.source.openscenario.structure import codes
+from scenario_compiler.openscenario.structure import codes
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.grammar import Faults, Grammar
 from scenario_compiler.structure.notation import Declaration, in_versions

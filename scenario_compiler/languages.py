@@ -1,0 +1,195 @@
+"""The languages that a scenario can be written in, and the one way to read, expand and check a file of any of them.
+
+`source` has our conflict language and the AISA toolkit's file, `openscenario` has ASAM's. Neither knows the other, so
+what asks "which of them is it?" stands here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, Severity, did_you_mean
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.markup import codes, names
+from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.openscenario.held import OpenScenario, parameter_kinds
+from scenario_compiler.resources import library_folder
+from scenario_compiler.source.aisa_file import AisaConfig, read_aisa
+from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
+from scenario_compiler.source.conflict import Library, LibraryElement, read_library
+from scenario_compiler.source.declared import Declaration, declared_in
+from scenario_compiler.source.expansion import around, check_template, expand_scenario
+from scenario_compiler.source.form import judge_form
+from scenario_compiler.source.unused import report_unused_templates
+from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.word import AttributeSpelling
+
+
+class ScenarioNameNeededError(Exception):
+    """A file holds several scenarios and none is named; `names` lists them."""
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        """Keep the names, in the file's order."""
+        super().__init__(f"name one of the file's scenarios: {', '.join(names)}")
+        self.names = names
+
+
+Source: TypeAlias = Library | AisaConfig | OpenScenario
+"""What a file can be."""
+
+OPENSCENARIO = ("OpenSCENARIO", "OpenScenario")
+"""Names of the first element of ASAM's files; its schemas take the second too."""
+
+
+def read_scenario_document(path: str | Path, sink: Diagnostics) -> Document | None:
+    """Read a scenario file; in one of OpenSCENARIO comments with two hyphens are mended, with a warning."""
+    if Path(path).suffix == ".xosc":
+        from scenario_compiler.openscenario.files import read_forgiving
+
+        return read_forgiving(path, sink)
+    return read_document(path, sink)
+
+
+def parse(document: Document, sink: Diagnostics) -> Source | None:
+    """Return what a file holds, by its first element; None, reported, when it is no scenario file."""
+    root = str(document.root.tag)
+    if root == LibraryElement.tag():
+        return read_library(document, sink)
+    if root == CatalogElement.tag():
+        return Library(document, catalogs=read_catalog(Reading(document, sink, Environment())))
+    if root == "config":
+        return read_aisa(document, sink)
+    place = document.origin(document.root)
+    if root.rpartition("}")[2] in OPENSCENARIO:
+        from scenario_compiler.openscenario.expansion import read_openscenario
+
+        return read_openscenario(document, sink)
+    known = [LibraryElement.tag(), CatalogElement.tag(), "config", "OpenSCENARIO"]
+    sink.add(
+        codes.UNKNOWN_ROOT,
+        f"<{root}> is not the first element of a scenario file",
+        place,
+        hint=did_you_mean(root, known),
+    )
+    return None
+
+
+def expand(
+    source: Source,
+    name: str | None,
+    arguments: Mapping[str, str],
+    sink: Diagnostics,
+    catalogs: Catalogs | None = None,
+) -> Scenario | None:
+    """Return one scenario of a file, with nothing left to expand; None when too much of it is at fault.
+
+    A scenario may be returned although the sink has errors, so that later stages can look for more.
+
+    Args:
+        source: The file.
+        name: Name of the scenario; None for a file's only one.
+        arguments: Values of the scenario's parameters, as text in XML units.
+        sink: Where faults go.
+        catalogs: Vehicles and drivers; the library's when None.
+
+    Raises:
+        ScenarioNameNeededError: The file holds several scenarios and none is named.
+    """
+    known = tuple(source.scenarios)
+    if name is None and len(known) > 1:
+        raise ScenarioNameNeededError(tuple(name for name in known if name))
+    chosen = known[0] if name is None and known else name
+    if chosen is None or chosen not in source.scenarios:
+        message = f"there is no scenario '{chosen}'" if chosen else "the file holds no scenario"
+        place = source.document.origin(source.document.root)
+        sink.add(names.UNKNOWN_SCENARIO, message, place, hint=did_you_mean(chosen or "", known))
+        return None
+    if isinstance(source, OpenScenario):
+        from scenario_compiler.openscenario.expansion import expand_openscenario
+
+        return expand_openscenario(source, chosen, arguments, sink)
+    folder = library_folder()
+    catalogs = catalogs or load_catalogs(folder / "catalogs", sink)
+    if isinstance(source, AisaConfig):
+        from scenario_compiler.source.aisa import expand_aisa
+
+        return expand_aisa(source, chosen, arguments, sink, catalogs)
+    return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, folder, catalogs))
+
+
+def drop_allowed(sink: Diagnostics, source: Source) -> None:
+    """Take back the warnings and notes that a file allows for itself and what it uses, but those insisted on."""
+    allowed = (source.allowed if isinstance(source, Library) else frozenset()) - sink.insisted
+    path = source.document.path
+
+    def kept(one: Diagnostic) -> bool:
+        if one.code.id not in allowed or one.severity is Severity.ERROR:
+            return True
+        return path not in {one.place.file, *(use.file for use in one.chain())}
+
+    sink.found[:] = [one for one in sink.found if kept(one)]
+
+
+@dataclass(frozen=True)
+class Expanded:
+    """A scenario of a file, and whether all of it could be read (see `is_whole`)."""
+
+    scenario: Scenario
+    whole: bool
+
+
+def is_whole(source: Source, found: Iterable[Diagnostic]) -> bool:
+    """Return whether a scenario says all that its author wrote, so that its plan can be checked by what it lacks.
+
+    Names that lead nowhere leave it whole. `found` is what expanding it has reported, and for a file in OpenSCENARIO
+    what reading it has.
+    """
+    complete = source.complete if isinstance(source, Library) else True
+    return complete and all(one.code in names.LEAVING_WHOLE for one in found if one.severity is Severity.ERROR)
+
+
+def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
+    """Report every fault of every template and scenario of a file; return the scenarios at their defaults.
+
+    A template is expanded once on its own: at its defaults, and what depends on a parameter without one is left open.
+    A file that reads without fault is checked against its schema too, where that is at hand.
+    """
+    folder = library_folder()
+    if isinstance(source, Library):
+        surroundings = around(source, folder, load_catalogs(folder / "catalogs", sink))
+        for template in source.own_templates:
+            check_template(source.templates[template], sink, surroundings)
+    expanded = []
+    for name in source.scenarios:
+        found = Diagnostics(list(sink.found) if isinstance(source, OpenScenario) else [])
+        scenario = expand(source, name, {}, found)
+        if scenario is not None:
+            expanded.append(Expanded(scenario, is_whole(source, found)))
+        sink.found.extend(found.found)
+    read_without_fault = all(one.place.file != source.document.path for one in sink.found)
+    if isinstance(source, Library) and read_without_fault:
+        judge_form(source.document, sink)
+    if isinstance(source, Library) and is_whole(source, sink):
+        report_unused_templates(source, sink)
+    return expanded
+
+
+def map_place(scenario: Scenario, document: Document) -> Place:
+    """Return where a scenario's file names the map."""
+    logic = document.root.find("{*}RoadNetwork/{*}LogicFile")
+    return scenario.place_of("map") if logic is None else document.origin(logic, "filepath")
+
+
+def declarations(source: Source, name: str | None) -> dict[str, Declaration]:
+    """Return what the parameters of a scenario may be, by name; none for a scenario that is not there.
+
+    Args:
+        source: The file.
+        name: Name of the scenario; None for a file's only one.
+    """
+    if isinstance(source, OpenScenario):
+        return {one: Declaration(kind, AttributeSpelling()) for one, kind in parameter_kinds(source).items()}
+    return {} if isinstance(source, AisaConfig) else declared_in(source, name)

@@ -1,0 +1,122 @@
+"""What a library holds: its conflicts and templates, one row each, read without expanding anything."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Literal
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.languages import parse, read_scenario_document
+from scenario_compiler.markup.environment import Environment
+from scenario_compiler.markup.reading import read_word
+from scenario_compiler.openscenario.held import OpenScenario
+from scenario_compiler.source.aisa import KNOWN
+from scenario_compiler.source.aisa_file import AisaConfig
+from scenario_compiler.source.conflict import Library, Part
+from scenario_compiler.source.templates import template_parameters
+from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.variation import Vary
+
+SUFFIXES = (".xml", ".xosc")
+"""Endings of the files that are looked for in a folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A conflict or a template of a library.
+
+    Attributes:
+        kind: Which of the two.
+        target: FILE#name as `run` takes it, or a template's name as `<use>` takes it.
+        name: Its name.
+        summary: One sentence: what happens.
+        source: Where the situation comes from.
+        map: Name of the map; empty for a template.
+        gold: Number of the situation in Gold et al. 2018, empty for none.
+        parameters: What `--set`, or a use, can set.
+        varied: Parameters that a sweep varies when no `--vary` is given, each with the values that it gets.
+    """
+
+    kind: Literal["conflict", "template"]
+    target: str
+    name: str
+    summary: str
+    source: str
+    map: str
+    gold: str
+    parameters: tuple[Parameter, ...] = ()
+    varied: tuple[tuple[str, str], ...] = ()
+
+
+def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
+    """Yield what stands in the files below a folder, or in one file: sorted by path, in document order.
+
+    Files that cannot be read are reported and passed over; so are catalogs, without a word.
+    """
+    paths = sorted(path for ending in SUFFIXES for path in folder.rglob(f"*{ending}")) if folder.is_dir() else [folder]
+    for path in paths:
+        document = read_scenario_document(path, sink)
+        source = None if document is None else parse(document, sink)
+        if isinstance(source, Library):
+            for name in source.own_templates:
+                yield _listed("template", name, name, source.templates[name])
+            for name, part in source.scenarios.items():
+                yield _listed("conflict", f"{path}#{name}", name, part)
+        elif isinstance(source, AisaConfig):
+            for name, element in source.scenarios.items():
+                summary = KNOWN[name].summary if name in KNOWN else ""
+                town = element.get("town", "")
+                yield Listed("conflict", f"{path}#{name}", name, summary, "AISA toolkit", town, "")
+        elif isinstance(source, OpenScenario):
+            yield from (_openscenario(path, name, source) for name in source.scenarios)
+
+
+def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
+    """Return the scenario of a file, or the one that a file of values is for, with these."""
+    root, variation = source.document.root, source.variation
+    header = root.find("{*}FileHeader")
+    logic = root.find("{*}RoadNetwork/{*}LogicFile")
+    described = "" if header is None else header.get("description", "")
+    return Listed(
+        kind="conflict",
+        target=str(path),
+        name=name,
+        summary=described if variation is None else f"varies {Path(source.document.path).name}",
+        source="" if header is None else header.get("author", ""),
+        map="" if logic is None else PurePosixPath(logic.get("filepath", "")).stem,
+        gold="",
+        varied=() if variation is None else tuple(_varied(variation.vary, variation.sets)),
+    )
+
+
+def _varied(vary: Vary, sets: Mapping[str, Sequence[Mapping[str, str]]]) -> Iterator[tuple[str, str]]:
+    """Yield each parameter that varies with its values; of sets of values, each set by the number that chooses it."""
+    for axis in vary.axes:
+        if axis.parameter in sets:
+            for number, values in enumerate(sets[axis.parameter]):
+                text = ", ".join(f"{name} = {value}" for name, value in values.items())
+                yield f"{axis.parameter} {number}", text
+        else:
+            yield axis.parameter, axis.spelling().partition("=")[2]
+
+
+def _listed(kind: Literal["conflict", "template"], target: str, name: str, part: Part) -> Listed:
+    element = part.element
+    place = element.find("classification")
+    gold = place.get("number", "") if place is not None and place.get("scheme") == "gold2018" else ""
+    known = template_parameters(part, Diagnostics()).known
+    written = element.find(Vary.tag())
+    vary = None if written is None else read_word(written, Vary, part.reading(Diagnostics(), Environment()))
+    return Listed(
+        kind=kind,
+        target=target,
+        name=name,
+        summary=element.get("summary", ""),
+        source=element.get("source", ""),
+        map=element.get("map", ""),
+        gold=gold,
+        parameters=tuple(known.values()),
+        varied=() if vary is None else tuple(_varied(vary, {})),
+    )

@@ -1,0 +1,211 @@
+"""The one reader of XML words: an element and a word's type in, the word out, driven by the word's declaration.
+
+Every fault of an element and of all below it is reported in one pass, each at its attribute or tag.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Place, did_you_mean
+from scenario_compiler.markup import codes
+from scenario_compiler.markup.environment import Reading
+from scenario_compiler.markup.values import SPACE, UnreadError, read_attribute
+from scenario_compiler.vocabulary.grammar import ChildRule, grammar_of
+from scenario_compiler.vocabulary.traversal import AnyWord
+from scenario_compiler.vocabulary.word import Word
+
+_SCHEMA_HINTS = (
+    "{http://www.w3.org/2001/XMLSchema-instance}schemaLocation",
+    "{http://www.w3.org/2001/XMLSchema-instance}noNamespaceSchemaLocation",
+)
+
+
+def read_word(element: etree._Element, word: type[AnyWord], reading: Reading) -> AnyWord | None:
+    """Return the word that the element spells; None when something that it cannot do without is missing or wrong.
+
+    A part that it can do without and that is at fault is reported and left out, so that later stages can still look
+    for more. What has been read is not validated again: the validators of the storyboard's words are large, and a
+    command that checks a file builds none of them.
+    """
+    values = read_attributes(element, word, reading)
+    complete = values is not None
+    fields: dict[str, Any] = values or {}
+    for rule, elements in place_children(element, word, reading):
+        read = [read_word(child, rule.words[str(child.tag)], reading) for child in elements]
+        words = [one for one in read if one is not None]
+        if rule.required and not words:
+            complete = False
+        elif rule.many:
+            fields[rule.field] = tuple(words)
+        elif words:
+            fields[rule.field] = words[0]
+        else:
+            _add_default(fields, word, rule, reading.origin(element))
+    return word.model_construct(**fields).written_at(reading.origin(element)) if complete else None
+
+
+def _add_default(fields: dict[str, Any], word: type[Word], rule: ChildRule, origin: Place) -> None:
+    """Let a word that stands in for a missing child carry the place of the parent."""
+    factory: Any = word.model_fields[rule.field].default_factory
+    if factory is not None:
+        fields[rule.field] = factory().written_at(origin)
+
+
+def read_attributes(element: etree._Element, word: type[Word], reading: Reading) -> dict[str, Any] | None:
+    """Return the values of the word's attributes by field; None when a required one is missing or wrong."""
+    grammar = grammar_of(word)
+    fields: dict[str, Any] = {}
+    complete = True
+    for name in map(str, element.attrib):
+        if name in grammar.attributes:
+            rule = grammar.attributes[name]
+            try:
+                fields[rule.field] = read_attribute(
+                    str(element.attrib[name]), rule, reading, reading.origin(element, name)
+                )
+            except UnreadError:
+                complete = complete and not rule.required
+        elif grammar.others and not name.startswith("{"):
+            fields.setdefault(grammar.others, {})[name] = str(element.attrib[name])
+        elif name not in _SCHEMA_HINTS:
+            reading.sink.add(
+                codes.UNKNOWN_ATTRIBUTE,
+                f"<{element.tag}> has no attribute '{_short_name(name)}'",
+                reading.origin(element).name_of(name),
+                hint=did_you_mean(name, set(grammar.attributes) - set(map(str, element.attrib))),
+            )
+    for name, rule in grammar.attributes.items():
+        if rule.required and name not in element.attrib:
+            complete = False
+            reading.sink.add(
+                codes.MISSING_ATTRIBUTE,
+                f"<{element.tag}> needs the attribute '{name}'",
+                reading.origin(element),
+                hint=f"{name}: {rule.description}",
+            )
+    return fields if complete else None
+
+
+def place_children(
+    element: etree._Element, word: type[Word], reading: Reading
+) -> Iterator[tuple[ChildRule, list[etree._Element]]]:
+    """Yield every rule of the word's children with the elements that follow it; report children that fit none."""
+    _report_text(element, reading)
+    rules = grammar_of(word).children
+    owner = {tag: i for i, rule in enumerate(rules) for tag in rule.tags}
+    found: list[list[etree._Element]] = [[] for _ in rules]
+    furthest = 0
+    for child in element.iterchildren(etree.Element):
+        index = owner.get(str(child.tag))
+        if index is None:
+            _report_unknown_child(element, child, list(owner), reading)
+            continue
+        if index < furthest:
+            before = next(
+                tag
+                for tag in map(str, (c.tag for c in element.iterchildren(etree.Element)))
+                if owner.get(tag, -1) > index
+            )
+            reading.sink.add(
+                codes.ELEMENT_ORDER,
+                f"<{child.tag}> must stand before <{before}> in <{element.tag}>",
+                reading.origin(child),
+                hint="the order is " + ", ".join("|".join(f"<{tag}>" for tag in rule.tags) for rule in rules),
+            )
+        furthest = max(furthest, index)
+        if found[index] and (rules[index].wrapper or not rules[index].many):
+            reading.sink.add(codes.REPEATED_ELEMENT, _repeated(element, found[index][0], child), reading.origin(child))
+            continue
+        found[index].append(child)
+    for rule, elements in zip(rules, found, strict=True):
+        yield rule, _unwrapped(element, rule, elements, reading)
+
+
+def misspelt(parent: etree._Element, tags: Iterable[str]) -> bool:
+    """Return whether a child's tag is almost, but not quite, one of some: the fault is its spelling alone."""
+    meant = tuple(tags)
+    found = {str(child.tag) for child in parent.iterchildren(etree.Element)}.difference(meant)
+    return any(difflib.get_close_matches(tag, meant, n=1, cutoff=0.8) for tag in found)
+
+
+def _repeated(parent: etree._Element, first: etree._Element, second: etree._Element) -> str:
+    if first.tag == second.tag:
+        return f"<{parent.tag}> takes one <{second.tag}>"
+    return f"<{parent.tag}> takes either <{first.tag}> or <{second.tag}>"
+
+
+def _unwrapped(
+    parent: etree._Element, rule: ChildRule, elements: list[etree._Element], reading: Reading
+) -> list[etree._Element]:
+    """Return the elements that spell words, out of their wrapper; report what is missing or too much."""
+    if not elements:
+        if rule.required and not misspelt(parent, rule.tags):
+            _report_missing(parent, rule.tags, rule.description, reading)
+        return []
+    if not rule.wrapper:
+        return elements
+    wrapper = elements[0]
+    for name in map(str, wrapper.attrib):
+        reading.sink.add(
+            codes.UNKNOWN_ATTRIBUTE,
+            f"<{wrapper.tag}> has no attributes",
+            reading.origin(wrapper).name_of(name),
+            hint=f"it holds {_choice(rule.words)}",
+        )
+    _report_text(wrapper, reading)
+    inner: list[etree._Element] = []
+    for child in wrapper.iterchildren(etree.Element):
+        if str(child.tag) not in rule.words:
+            _report_unknown_child(wrapper, child, list(rule.words), reading)
+        elif inner and not rule.many:
+            reading.sink.add(codes.REPEATED_ELEMENT, _repeated(wrapper, inner[0], child), reading.origin(child))
+        else:
+            inner.append(child)
+    if not inner and not rule.many:
+        _report_missing(wrapper, tuple(rule.words), rule.description, reading)
+    return inner
+
+
+def _report_missing(parent: etree._Element, tags: tuple[str, ...], description: str, reading: Reading) -> None:
+    reading.sink.add(
+        codes.MISSING_ELEMENT,
+        f"<{parent.tag}> needs {_choice(tags)}",
+        reading.origin(parent),
+        hint=description,
+    )
+
+
+def _report_unknown_child(parent: etree._Element, child: etree._Element, known: list[str], reading: Reading) -> None:
+    hint = did_you_mean(str(child.tag), known) if known else f"<{parent.tag}> holds no elements"
+    reading.sink.add(
+        codes.UNKNOWN_ELEMENT,
+        f"<{_short_name(str(child.tag))}> is not known in <{parent.tag}>",
+        reading.origin(child),
+        hint=hint,
+    )
+
+
+def _report_text(element: etree._Element, reading: Reading) -> None:
+    pieces = [element.text, *(child.tail for child in element)]
+    stray = next((piece.strip(SPACE) for piece in pieces if piece and piece.strip(SPACE)), "")
+    if stray:
+        shown = stray.split("\n")[0][:40]
+        reading.sink.add(
+            codes.STRAY_TEXT,
+            f"text '{shown}' stands in <{element.tag}>, which holds elements only",
+            reading.origin(element),
+        )
+
+
+def _choice(tags: Iterable[str]) -> str:
+    shown = [f"<{tag}>" for tag in tags]
+    return shown[0] if len(shown) == 1 else "one of " + ", ".join(shown)
+
+
+def _short_name(name: str) -> str:
+    return name.rsplit("}", 1)[-1]

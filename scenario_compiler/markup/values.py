@@ -1,0 +1,189 @@
+"""An attribute's text to its value, by the attribute's declaration: literals, expressions, units and limits."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import NoReturn, TypeAlias
+
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Place, did_you_mean
+from scenario_compiler.document import Origin
+from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value, parse_expression
+from scenario_compiler.markup import codes
+from scenario_compiler.markup.environment import Reading, UndeterminedError, UnknownNameError
+from scenario_compiler.markup.names import UNKNOWN_PARAMETER
+from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule
+from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling
+
+Structural: TypeAlias = int | bool | float | str
+FieldValue: TypeAlias = Structural | Expression | tuple[Structural, ...]
+
+COMMAND_LINE = FilePlace("--set")
+"""The place of an argument that is at fault."""
+
+SPACE = " \t\r\n"
+"""What XML takes for white space."""
+
+_SPACES = re.compile(f"[{SPACE}]+")
+_NUMBER = re.compile(rf"(?:{NUMBER})\Z")
+_INTEGER = re.compile(rf"(?:{INTEGER})\Z")
+
+
+class UnreadError(Exception):
+    """An attribute has no value: the fault has been reported, or the value is not determined."""
+
+
+def read_attribute(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> FieldValue:
+    """Return the value of an attribute's text, in SI units; report and raise UnreadError when it has none."""
+    try:
+        expression = reading.environment.symbolic(text)
+        if rule.kind == "number":
+            return _number(text, expression, rule, reading, origin)
+        if expression is not None:
+            text = format_value(reading.environment.settled(expression))
+    except UndeterminedError:
+        raise UnreadError from None
+    except ExpressionError as error:
+        report_expression(error, text, reading.sink, origin)
+        raise UnreadError from None
+    return _structural(text, rule, reading, origin)
+
+
+def _number(
+    text: str, expression: Expression | None, rule: AttributeRule, reading: Reading, origin: Origin
+) -> float | Expression:
+    quantity = QUANTITIES.get(rule.spelling.quantity)
+    factor = quantity.factor if quantity else 1.0
+    if expression is None:
+        literal = _literal_number(text, rule, reading, origin)
+        _check_limits(literal, rule, reading, origin)
+        return literal * factor
+    present = expression.number(reading.environment.values)
+    _check_limits(present, rule, reading, origin)
+    if not expression.names:
+        return present * factor
+    return expression if factor == 1.0 else parse_expression(f"radians({expression.text})")
+
+
+def _structural(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> FieldValue:
+    if rule.spelling.separated:
+        words = [word for word in _SPACES.split(text) if word]
+        if not words:
+            _wrong(text, rule, reading, origin)
+        return tuple(_single(word, rule, reading, origin) for word in words)
+    return _single(text, rule, reading, origin)
+
+
+def _single(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> Structural:
+    stripped = text.strip(SPACE)
+    if rule.kind == "fixed_number":
+        number = _literal_number(text, rule, reading, origin)
+        _check_limits(number, rule, reading, origin)
+        quantity = QUANTITIES.get(rule.spelling.quantity)
+        return number * (quantity.factor if quantity else 1.0)
+    if rule.kind == "integer":
+        if not _INTEGER.match(stripped):
+            _wrong(text, rule, reading, origin)
+        _check_limits(int(stripped), rule, reading, origin)
+        return int(stripped)
+    if rule.kind == "boolean":
+        if stripped not in ("true", "false"):
+            _wrong(text, rule, reading, origin)
+        return stripped == "true"
+    if rule.kind == "choice":
+        if stripped not in rule.choices:
+            _wrong(text, rule, reading, origin)
+        return stripped
+    if rule.spelling.pattern:
+        if not re.fullmatch(rule.spelling.pattern, stripped):
+            _wrong(text, rule, reading, origin)
+        return stripped
+    if rule.required and not text:
+        _wrong(text, rule, reading, origin)
+    return text
+
+
+def _literal_number(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> float:
+    stripped = text.strip(SPACE)
+    if not _NUMBER.match(stripped):
+        _wrong(text, rule, reading, origin)
+    return float(stripped)
+
+
+def _wrong(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> NoReturn:
+    expected, hint = _expected(text, rule)
+    reading.sink.add(
+        codes.WRONG_VALUE, f"'{text}' is not {expected} ({rule.name}: {rule.description})", origin, hint=hint
+    )
+    raise UnreadError
+
+
+def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
+    if rule.kind == "choice":
+        hint = did_you_mean(text, rule.choices)
+        return f"one of {', '.join(rule.choices)}", hint if hint.startswith("did") else ""
+    if rule.kind == "boolean":
+        return "true or false", ""
+    if rule.kind == "integer":
+        return "a whole number", ""
+    if rule.kind == "text":
+        if rule.spelling.pattern:
+            return "a name of letters, digits and _, with a letter first", ""
+        return "a text that says something", ""
+    quantity = QUANTITIES.get(rule.spelling.quantity)
+    unit = f" in {quantity.unit}" if quantity and quantity.unit not in ("", "1") else ""
+    hint = f"write {text.replace(',', '.')}" if _NUMBER.match(text.strip(SPACE).replace(",", ".")) else ""
+    return f"a number{unit}", hint
+
+
+def _check_limits(number: float, rule: AttributeRule, reading: Reading, origin: Origin) -> None:
+    fault = outside(number, rule.spelling)
+    if fault:
+        reading.sink.add(
+            codes.OUT_OF_LIMITS,
+            f"{rule.name} is {format_value(float(number))}, but must be {fault}",
+            origin,
+            hint=rule.description,
+        )
+        raise UnreadError
+
+
+def outside(number: float, limits: AttributeSpelling) -> str:
+    """Return the limit that a number breaks, in words, in the XML unit; empty when it keeps them."""
+    low, high = limits.minimum, limits.maximum
+    if low is not None and (number < low or (limits.exclusive and number == low)):
+        return f"{'greater than' if limits.exclusive else 'at least'} {format_value(float(low))}"
+    if high is not None and number > high:
+        return f"at most {format_value(float(high))}"
+    return ""
+
+
+def report_expression(error: ExpressionError, text: str, sink: Diagnostics, origin: Place) -> None:
+    """Report an expression that cannot be read or has no value, at the character where it goes wrong."""
+    place: Place = origin
+    if origin.length == len(text) and "\n" not in text and error.offset:
+        place = FilePlace(origin.file, origin.line, origin.column + error.offset, 1, origin.source_line, origin.within)
+    code: Code = codes.BAD_EXPRESSION
+    hint = ""
+    if isinstance(error, UnknownNameError):
+        code, hint = UNKNOWN_PARAMETER, error.hint
+        if isinstance(place, FilePlace):
+            place = replace(place, length=len(error.name))
+    sink.add(code, str(error), place, hint=hint)
+
+
+def bound_value(text: str, reading: Reading, origin: Place) -> Expression | Value | None:
+    """Return what a text of any type stands for: an expression's value or form, or the text itself; None if faulty."""
+    try:
+        expression = reading.environment.symbolic(text)
+        if expression is None:
+            return text
+        if expression.names:
+            expression.evaluate(reading.environment.values)
+            return expression
+        return expression.evaluate({})
+    except UndeterminedError:
+        return None
+    except ExpressionError as error:
+        report_expression(error, text, reading.sink, origin)
+        return None

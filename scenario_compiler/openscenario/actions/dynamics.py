@@ -1,0 +1,60 @@
+"""What actions have in common: how a change is timed and shaped, and what limits a motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+
+from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.output import Output
+from scenario_compiler.openscenario.spelling import Child, Fields, made, number, regular
+from scenario_compiler.vocabulary.actions import AtRate, Limits, OverDistance
+
+SHAPES = ("linear", "cubic", "sinusoidal", "step")
+COORDINATES = ("entity", "lane", "road", "trajectory", "world")
+
+
+class Transition:
+    """A child of the type TransitionDynamics: the fields `shape`, `over_time` and `dynamics`."""
+
+    def __init__(self, tag: str) -> None:
+        """Take note of the child's name."""
+        self.tag = tag
+
+    def read(self, node: Node) -> Fields:
+        """Return the fields; without the element the change is a step."""
+        inner = node.required(self.tag)
+        if inner is None:
+            return {"shape": "step"}
+        shape = inner.choice("dynamicsShape", SHAPES)
+        dimension = inner.choice("dynamicsDimension", ("time", "rate", "distance"))
+        inner.text("followingMode", "")
+        value = inner.number("value")
+        if dimension == "time":
+            return {"shape": shape, "over_time": value}
+        kind: type[AtRate | OverDistance] = AtRate if dimension == "rate" else OverDistance
+        return {"shape": shape, "dynamics": kind.model_construct(value=value)}
+
+    def write(self, word: Any, element: etree._Element, output: Output) -> None:
+        """Add the child."""
+        dynamics = word.dynamics
+        dimension, value = "time", word.over_time
+        if dynamics is not None:
+            dimension, value = ("rate" if isinstance(dynamics, AtRate) else "distance"), dynamics.value
+        number = output.text(value, word)
+        element.append(made(self.tag, dynamicsShape=word.shape, value=number, dynamicsDimension=dimension))
+
+
+_LIMITS = regular(
+    "DynamicConstraints",
+    Limits,
+    number("acceleration", "maxAcceleration", None),
+    number("acceleration_rate", "maxAccelerationRate", None, (1, 2)),
+    number("deceleration", "maxDeceleration", None),
+    number("deceleration_rate", "maxDecelerationRate", None, (1, 2)),
+    number("speed", "maxSpeed", None),
+)
+
+LIMITS = Child("limits", "DynamicConstraints", _LIMITS.read, _LIMITS.write, required=False)
+"""The limits of a motion."""

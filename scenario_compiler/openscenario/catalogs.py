@@ -1,0 +1,156 @@
+"""Catalogs: the folders that a scenario lists, and the entry that a <CatalogReference> names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics, Severity, did_you_mean
+from scenario_compiler.document import Document
+from scenario_compiler.openscenario.codes import NO_CATALOG_FOLDER, UNKNOWN_CATALOG_ENTRY
+from scenario_compiler.openscenario.files import (
+    VERSIONS,
+    beside,
+    is_file,
+    is_folder,
+    read_forgiving,
+    read_version,
+)
+from scenario_compiler.openscenario.node import Node, local_name
+from scenario_compiler.openscenario.parameters import assigned_parameters, with_parameters
+from scenario_compiler.openscenario.reading import Reading
+
+MOST_NESTED = 8
+"""Most catalog references that lead to one another."""
+
+
+@dataclass(frozen=True)
+class CatalogFile:
+    """A catalog: its file, the names that it is known by, and its entries by name."""
+
+    document: Document
+    version: tuple[int, int]
+    names: tuple[str, str]
+    entries: dict[str, etree._Element]
+
+
+@dataclass
+class CatalogFolders:
+    """The catalogs in the folders of a scenario; files are read when the first reference needs them.
+
+    Attributes:
+        folders: The folders, in the order in which the scenario lists them.
+        read: The catalogs, None until they are read.
+    """
+
+    folders: list[Path] = field(default_factory=list)
+    read: list[CatalogFile] | None = None
+
+    def named(self, name: str, sink: Diagnostics) -> list[CatalogFile]:
+        """Return the catalogs of a name: those whose file has it, then those that say so themselves."""
+        catalogs = self.all(sink)
+        by_file = [one for one in catalogs if one.names[0] == name]
+        return by_file + [one for one in catalogs if one.names[1] == name and one.names[0] != name]
+
+    def all(self, sink: Diagnostics) -> list[CatalogFile]:
+        """Return all catalogs, in the order of the folders and of the files' names."""
+        if self.read is None:
+            folders = dict.fromkeys(self.folders)
+            files = [path for one in folders for path in ([one] if is_file(one) else sorted(one.glob("*.xosc")))]
+            found = [_catalog_file(path, sink) for path in files]
+            self.read = [one for one in found if one is not None]
+        return self.read
+
+
+def _catalog_file(path: Path, sink: Diagnostics) -> CatalogFile | None:
+    document = read_forgiving(path, sink)
+    catalog = None if document is None else _child(document.root, "Catalog")
+    if document is None or catalog is None:
+        return None
+    header = _child(document.root, "FileHeader")
+    version = VERSIONS[-1]
+    if header is not None:
+        place = document.origin(header, "revMinor")
+        version = read_version(header.get("revMajor", ""), header.get("revMinor", ""), place, sink)
+    entries: dict[str, etree._Element] = {}
+    for entry in catalog.iterchildren(etree.Element):
+        entries.setdefault(str(entry.get("name", "")), entry)
+    return CatalogFile(document, version, (path.stem, str(catalog.get("name", ""))), entries)
+
+
+def _child(element: etree._Element, tag: str) -> etree._Element | None:
+    return next((one for one in element.iterchildren(etree.Element) if local_name(one) == tag), None)
+
+
+def read_catalog_locations(root: Node) -> CatalogFolders:
+    """Return the folders that <CatalogLocations> lists; those that are not there are reported."""
+    folders = CatalogFolders()
+    for locations in root.children("CatalogLocations"):
+        for kind in locations.elements():
+            for directory in kind.children("Directory"):
+                written = directory.text("path")
+                found = [one for one in beside(root.reading.folder, written) if is_folder(one) or is_file(one)]
+                folders.folders += found[:1]
+                if written and not found:
+                    directory.report(NO_CATALOG_FOLDER, f"there is no folder '{written}'", "path")
+    return folders
+
+
+def referred(reference: Node, severity: Severity | None = None) -> Node | None:
+    """Return the entry that a <CatalogReference> names, with its parameters in scope.
+
+    When there is none that is reported, with another severity than an error's where one is given.
+    """
+    catalog_name, entry_name = reference.text("catalogName"), reference.text("entryName")
+    reading = reference.reading
+    assigned = assigned_parameters(reference)
+    folders = reading.known.catalogs or CatalogFolders()
+    fitting = folders.named(catalog_name, reading.sink)
+    if not fitting:
+        hint = did_you_mean(catalog_name, [name for one in folders.all(reading.sink) for name in one.names])
+        message = f"there is no catalog '{catalog_name}'"
+        reference.report(UNKNOWN_CATALOG_ENTRY, message, "catalogName", hint, severity)
+        return None
+    catalog = next((one for one in fitting if entry_name in one.entries), fitting[0])
+    element = catalog.entries.get(entry_name)
+    if element is None or _depth(reading) > MOST_NESTED:
+        hint = did_you_mean(entry_name, catalog.entries)
+        message = f"'{catalog_name}' has no entry '{entry_name}'"
+        reference.report(UNKNOWN_CATALOG_ENTRY, message, "entryName", hint, severity)
+        return None
+    within = reading.of(catalog.document, catalog.version, reference.origin)
+    entry = Node(element, within, reference.scope)
+    reading.known.entries.setdefault(element, entry)
+    return with_parameters(entry.inner(assigned), assigned)
+
+
+def given(node: Node, *tags: str, severity: Severity | None = None) -> Node | None:
+    """Return the child of one of these names, or the entry of that kind that a child <CatalogReference> names.
+
+    Either has the parameters in scope that it declares. A reference that leads nowhere is reported as `referred` does.
+    """
+    found = node.child(*tags)
+    if found is not None:
+        return with_parameters(found)
+    reference = node.child("CatalogReference")
+    return None if reference is None else entry_of(reference, *tags, severity=severity)
+
+
+def entry_of(reference: Node, *tags: str, severity: Severity | None = None) -> Node | None:
+    """Return the entry that a <CatalogReference> names, as `referred` does; an entry of another kind is reported."""
+    entry = referred(reference, severity)
+    if entry is None or entry.tag in tags:
+        return entry
+    entry.read_whole()
+    expected = " or ".join(f"<{tag}>" for tag in tags)
+    reference.report(UNKNOWN_CATALOG_ENTRY, f"the entry is a <{entry.tag}>, not a {expected}", "entryName")
+    return None
+
+
+def _depth(reading: Reading) -> int:
+    place, depth = reading.within, 0
+    while place is not None:
+        place, depth = place.within, depth + 1
+    return depth

@@ -1,0 +1,365 @@
+"""Conditions between OpenSCENARIO's elements and our words: those by entity and those by value."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import did_you_mean
+from scenario_compiler.expressions import Expression
+from scenario_compiler.markup import codes
+from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.output import Output, Version
+from scenario_compiler.openscenario.positions import anywhere, read_position, write_position
+from scenario_compiler.openscenario.spelling import (
+    Children,
+    Fields,
+    Form,
+    Forms,
+    Part,
+    boolean,
+    choice,
+    entity,
+    integer,
+    made,
+    number,
+    regular,
+    text,
+)
+from scenario_compiler.vocabulary.conditions import (
+    AccelerationCondition,
+    AngleCondition,
+    CollisionCondition,
+    Condition,
+    DistanceCondition,
+    ElementStateCondition,
+    EndOfRoadCondition,
+    EventCondition,
+    LaneConfidenceCondition,
+    OffroadCondition,
+    PositionDistanceCondition,
+    ReachPositionCondition,
+    RelativeAngleCondition,
+    RelativeClearanceCondition,
+    RelativeLaneRange,
+    RelativeSpeedCondition,
+    Rule,
+    SensorHealthCondition,
+    SimulationTimeCondition,
+    SpeedCondition,
+    StandstillCondition,
+    TakeoverStateCondition,
+    TimeHeadwayCondition,
+    TimeOfDayCondition,
+    TimeToCollisionCondition,
+    TrafficSignalCondition,
+    TrafficSignalControllerCondition,
+    TraveledDistanceCondition,
+    UserDefinedValueCondition,
+    VariableCondition,
+)
+from scenario_compiler.vocabulary.word import Word
+
+_RULES: tuple[Rule, ...] = ("lessThan", "lessOrEqual", "greaterThan", "greaterOrEqual", "equalTo", "notEqualTo")
+_STRICT = {"lessOrEqual": ("lessThan", 2.0e-6), "greaterOrEqual": ("greaterThan", -2.0e-6)}
+"""1.0 has no <= and >=: what is written instead, and what is added to the value. Comparisons tolerate 1e-6."""
+
+
+class _Compared:
+    """A value and the rule that it is compared by."""
+
+    def __init__(self, value: str) -> None:
+        self.value = value
+
+    def read(self, node: Node) -> Fields:
+        return {self.value: node.number("value"), "rule": node.choice("rule", _RULES)}
+
+    def write(self, word: Any, element: etree._Element, output: Output) -> None:
+        rule, value = word.rule, getattr(word, self.value)
+        if output.version == (1, 0) and rule in _STRICT and not isinstance(value, Expression):
+            rule, more = _STRICT[rule]
+            value = value + more
+        _write_rule(rule, word, element, output)
+        element.set("value", output.text(value, word))
+
+
+class _ComparedText:
+    """A text and the rule that it is compared by."""
+
+    def __init__(self, value: str) -> None:
+        self.value = value
+
+    def read(self, node: Node) -> Fields:
+        return {self.value: node.text(_attribute(self.value)), "rule": node.choice("rule", _RULES)}
+
+    def write(self, word: Any, element: etree._Element, output: Output) -> None:
+        _write_rule(word.rule, word, element, output)
+        element.set(_attribute(self.value), getattr(word, self.value))
+
+
+def _attribute(field: str) -> str:
+    return "dateTime" if field == "date_time" else field
+
+
+def _write_rule(rule: str, word: Word, element: etree._Element, output: Output) -> None:
+    if output.version == (1, 0) and rule not in ("lessThan", "greaterThan", "equalTo"):
+        output.tell_lost(word, f"the rule {rule} is not known before 1.1")
+        rule = {"lessOrEqual": "lessThan", "greaterOrEqual": "greaterThan"}.get(rule, "equalTo")
+    element.set("rule", rule)
+
+
+_COORDINATES = ("entity", "lane", "road", "trajectory", "world")
+_DISTANCES = ("euclidianDistance", "longitudinal", "lateral", "cartesianDistance")
+
+
+class _Measured:
+    """How a distance is measured: coordinate system and kind of distance, in 1.0 `alongRoute` for both."""
+
+    def __init__(self, *, kind_needed: bool = False) -> None:
+        """Take note whether the kind of distance must be there and `alongRoute` is not known."""
+        self.kind_needed = kind_needed
+
+    def read(self, node: Node) -> Fields:
+        along = not self.kind_needed and node.boolean("alongRoute", False)
+        system = node.choice("coordinateSystem", _COORDINATES, "road" if along else "entity")
+        usual = None if self.kind_needed else "longitudinal" if along else "euclidianDistance"
+        kind = node.choice("relativeDistanceType", _DISTANCES, usual)
+        return {
+            "coordinates": system,
+            "distance": "euclidianDistance" if kind == "cartesianDistance" else kind,
+            "freespace": node.boolean("freespace"),
+        }
+
+    def write(self, word: Any, element: etree._Element, output: Output) -> None:
+        element.set("freespace", output.text(word.freespace, word))
+        if output.version == (1, 0):
+            self._write_old(word, element, output)
+            return
+        element.set("coordinateSystem", word.coordinates)
+        element.set("relativeDistanceType", word.distance)
+
+    def _write_old(self, word: Any, element: etree._Element, output: Output) -> None:
+        along = word.coordinates != "entity"
+        if self.kind_needed:
+            known = word.coordinates == "entity"
+            kind = "cartesianDistance" if word.distance == "euclidianDistance" else word.distance
+            element.set("relativeDistanceType", kind)
+        else:
+            known = (word.coordinates, word.distance) in (("road", "longitudinal"), ("entity", "euclidianDistance"))
+            element.set("alongRoute", output.text(along, word))
+        if not known:
+            output.tell_lost(word, f"1.0 measures no {word.distance} distance in the system '{word.coordinates}'")
+
+
+class _Target:
+    """What a time to collision is measured to: an entity or a position."""
+
+    def read(self, node: Node) -> Fields | None:
+        target = node.required("TimeToCollisionConditionTarget")
+        inner = None if target is None else target.required("EntityRef", "Position")
+        if inner is None:
+            return None
+        if inner.tag == "EntityRef":
+            return {"to": inner.entity("entityRef")}
+        position = read_position(inner)
+        return None if position is None else {"position": position}
+
+    def write(self, word: TimeToCollisionCondition, element: etree._Element, output: Output) -> None:
+        inner = made("EntityRef", entityRef=word.to)
+        if word.position is not None:
+            inner = write_position(word.position, output)
+        element.append(made("TimeToCollisionConditionTarget", inner))
+
+
+class _Other:
+    """What is collided with: an entity, or one of a type."""
+
+    def read(self, node: Node) -> Fields:
+        inner = node.child("EntityRef", "ByType")
+        if inner is None:
+            return {}
+        if inner.tag == "EntityRef":
+            return {"with_entity": inner.entity("entityRef")}
+        return {"with_type": inner.choice("type", ("vehicle", "pedestrian", "miscellaneous"))}
+
+    def write(self, word: CollisionCondition, element: etree._Element, output: Output) -> None:
+        if word.with_entity:
+            element.append(made("EntityRef", entityRef=word.with_entity))
+        elif word.with_type:
+            element.append(made("ByType", type=word.with_type))
+        else:
+            output.tell_lost(word, "OpenSCENARIO asks which entity or type is touched; this one waits for any")
+            element.append(made("ByType", type="vehicle"))
+
+
+class _Others:
+    """The entities that a clearance is kept from."""
+
+    def read(self, node: Node) -> Fields:
+        return {"of": tuple(one.entity("entityRef") for one in node.children("EntityRef"))}
+
+    def write(self, word: RelativeClearanceCondition, element: etree._Element, output: Output) -> None:
+        del output
+        element.extend([made("EntityRef", entityRef=one) for one in word.of])
+
+
+def _direction(word: type[Word]) -> Part:
+    return choice(word, "direction", default="total", since=(1, 2))
+
+
+_LANES = regular(
+    "RelativeLaneRange", RelativeLaneRange, integer("least", "from", None), integer("greatest", "to", None)
+)
+
+BY_ENTITY = Forms(
+    (
+        regular("EndOfRoadCondition", EndOfRoadCondition, number("duration")),
+        regular("CollisionCondition", CollisionCondition, _Other()),
+        regular("OffroadCondition", OffroadCondition, number("duration")),
+        regular("TimeHeadwayCondition", TimeHeadwayCondition, entity(), _Compared("below"), _Measured()),
+        regular("TimeToCollisionCondition", TimeToCollisionCondition, _Compared("below"), _Measured(), _Target()),
+        regular("AccelerationCondition", AccelerationCondition, _Compared("value"), _direction(AccelerationCondition)),
+        regular("StandStillCondition", StandstillCondition, number("duration")),
+        regular("SpeedCondition", SpeedCondition, _Compared("value"), _direction(SpeedCondition)),
+        regular(
+            "RelativeSpeedCondition",
+            RelativeSpeedCondition,
+            entity(),
+            _Compared("value"),
+            _direction(RelativeSpeedCondition),
+        ),
+        regular("TraveledDistanceCondition", TraveledDistanceCondition, number("distance", "value")),
+        regular("ReachPositionCondition", ReachPositionCondition, number("tolerance"), anywhere()),
+        regular("DistanceCondition", PositionDistanceCondition, _Compared("below"), _Measured(), anywhere()),
+        regular(
+            "RelativeDistanceCondition",
+            DistanceCondition,
+            entity(),
+            _Compared("below"),
+            _Measured(kind_needed=True),
+        ),
+        regular(
+            "RelativeClearanceCondition",
+            RelativeClearanceCondition,
+            boolean("opposite_lanes", "oppositeLanes"),
+            number("forward", "distanceForward", 0.0),
+            number("backward", "distanceBackward", 0.0),
+            boolean("freespace", "freeSpace"),
+            Children("lanes", _LANES),
+            _Others(),
+            since=(1, 2),
+        ),
+        regular(
+            "AngleCondition",
+            AngleCondition,
+            choice(AngleCondition, "kind", "angleType"),
+            number("value", "angle"),
+            number("tolerance", "angleTolerance"),
+            choice(AngleCondition, "coordinates", "coordinateSystem", "world"),
+            since=(1, 3),
+        ),
+        regular(
+            "RelativeAngleCondition",
+            RelativeAngleCondition,
+            entity(),
+            choice(RelativeAngleCondition, "kind", "angleType"),
+            number("value", "angle"),
+            number("tolerance", "angleTolerance"),
+            since=(1, 3),
+        ),
+    )
+)
+"""Conditions by entity: the child of an <EntityCondition>."""
+
+
+def _variable_tag(version: Version) -> str:
+    return "VariableCondition" if version >= (1, 2) else "ParameterCondition"
+
+
+def _read_variable(node: Node) -> VariableCondition:
+    named = "variableRef" if node.tag == "VariableCondition" else "parameterRef"
+    return VariableCondition.model_construct(
+        variable=node.text(named), rule=node.choice("rule", _RULES), value=node.text("value")
+    ).written_at(node.origin)
+
+
+def _write_variable(word: VariableCondition, output: Output) -> etree._Element:
+    tag = _variable_tag(output.version)
+    named = "variableRef" if tag == "VariableCondition" else "parameterRef"
+    element = made(tag, **{named: word.variable})
+    _write_rule(word.rule, word, element, output)
+    element.set("value", word.value)
+    return element
+
+
+BY_VALUE = Forms(
+    (
+        regular("SimulationTimeCondition", SimulationTimeCondition, _Compared("after")),
+        regular(
+            "StoryboardElementStateCondition",
+            ElementStateCondition,
+            choice(ElementStateCondition, "kind", "storyboardElementType"),
+            text("element", "storyboardElementRef"),
+            choice(ElementStateCondition, "state"),
+        ),
+        regular("TimeOfDayCondition", TimeOfDayCondition, _ComparedText("date_time")),
+        Form("VariableCondition", VariableCondition, _read_variable, _write_variable),
+        Form("ParameterCondition", VariableCondition, _read_variable, _write_variable),
+        regular("UserDefinedValueCondition", UserDefinedValueCondition, text("name"), _ComparedText("value")),
+        regular("TrafficSignalCondition", TrafficSignalCondition, text("signal", "name"), text("state")),
+        regular(
+            "TrafficSignalControllerCondition",
+            TrafficSignalControllerCondition,
+            text("controller", "trafficSignalControllerRef"),
+            text("phase"),
+        ),
+    )
+)
+"""Conditions by value: the child of a <ByValueCondition>."""
+
+OWN = {
+    LaneConfidenceCondition: ("lane_confidence", "below"),
+    SensorHealthCondition: ("sensor_health", "below"),
+    TakeoverStateCondition: ("takeover_state", "state"),
+    EventCondition: ("event", "state"),
+}
+"""Conditions of ours that are written as a value that another program gives: its name, and the field it is held to."""
+
+
+def read_condition(node: Node) -> Condition | None:
+    """Return the condition that a child of <EntityCondition> or <ByValueCondition> is; report what is none."""
+    form = BY_ENTITY.by_tag.get(node.tag) or BY_VALUE.by_tag.get(node.tag)
+    if form is None:
+        node.read_whole()
+        known = [*BY_ENTITY.by_tag, *BY_VALUE.by_tag]
+        node.report(codes.UNKNOWN_ELEMENT, f"<{node.tag}> is no condition", hint=did_you_mean(node.tag, known))
+        return None
+    condition: Condition | None = form.read(node)
+    return condition
+
+
+def write_condition(word: Word, output: Output) -> etree._Element | None:
+    """Return the element of a condition, to stand in <EntityCondition> or <ByValueCondition>; None, told, for none."""
+    form = BY_ENTITY.by_word.get(type(word)) or BY_VALUE.by_word.get(type(word))
+    if form is not None and output.version >= form.since:
+        return form.write(word, output)
+    if type(word) in OWN:
+        return _write_own(word, output)
+    before = "" if form is None else f" before {output.dotted(form.since)}"
+    output.tell_lost(word, f"the condition <{word.tag()}> cannot be written{before}")
+    return None
+
+
+def _write_own(word: Word, output: Output) -> etree._Element:
+    name, field = OWN[type(word)]
+    if isinstance(word, EventCondition):
+        name = f"{name}.{word.name}"
+    rule = "lessThan" if field == "below" else "equalTo"
+    output.tell_lost(word, f"<{word.tag()}> is written as the user-defined value '{name}', which others must provide")
+    return made("UserDefinedValueCondition", name=name, rule=rule, value=output.text(getattr(word, field), word))
+
+
+def is_by_entity(word: Word) -> bool:
+    """Return whether a condition is one of <EntityCondition>."""
+    return type(word) in BY_ENTITY.by_word

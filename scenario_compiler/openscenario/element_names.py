@@ -1,0 +1,137 @@
+"""Names of storyboard elements: each element's full path, and the element that a condition means by a shorter name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.openscenario.codes import (
+    AMBIGUOUS_STORYBOARD_ELEMENT,
+    DUPLICATE_ELEMENT,
+    UNKNOWN_STORYBOARD_ELEMENT,
+)
+from scenario_compiler.openscenario.node import Node
+from scenario_compiler.vocabulary.conditions import ElementStateCondition
+from scenario_compiler.vocabulary.storyboard import Story, Storyboard
+from scenario_compiler.vocabulary.traversal import replaced
+from scenario_compiler.vocabulary.word import Word
+
+BETWEEN = "::"
+"""What stands between the names of a path."""
+
+KINDS = ("story", "act", "maneuverGroup", "maneuver", "event", "action")
+"""The kinds of storyboard elements, outermost first."""
+
+MOST_GUESSES = 100
+"""Most unknown names for which the nearest known one is looked for."""
+
+Path = tuple[str, ...]
+
+
+@dataclass
+class Siblings:
+    """Names taken by elements of one kind side by side."""
+
+    taken: set[str] = field(default_factory=set)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def name(self, node: Node) -> str:
+        """Return an element's name, with a number behind it, reported, where another has it already."""
+        written = node.text("name", "") or node.tag
+        name, number = written, self.counts.get(written, 1)
+        while name in self.taken:
+            number += 1
+            name = f"{written}#{number}"
+        self.counts[written] = number
+        if name != written:
+            node.report(DUPLICATE_ELEMENT, f"<{node.tag}> '{written}' stands beside another of that name", "name")
+        self.taken.add(name)
+        return name
+
+
+def with_full_names(storyboard: Storyboard, sink: Diagnostics) -> Storyboard:
+    """Return the storyboard with the full path of the element in each condition on an element's state."""
+    names = ElementNames()
+    for story in storyboard.stories:
+        names.add_story(story)
+    stories = tuple(_resolved(story, names, (story.name,), sink) for story in storyboard.stories)
+    stop = None if storyboard.stop is None else replaced(storyboard.stop, lambda word: names.meant(word, (), sink))
+    return storyboard.model_copy(update={"stories": stories, "stop": stop})
+
+
+def _resolved(story: Story, names: ElementNames, path: Path, sink: Diagnostics) -> Story:
+    return replaced(story, lambda word: names.meant(word, path, sink))
+
+
+@dataclass
+class ElementNames:
+    """The paths of all elements by kind and own name, in document order."""
+
+    paths: dict[str, dict[str, list[Path]]] = field(default_factory=lambda: {kind: {} for kind in KINDS})
+    unknown: int = 0
+
+    def add_story(self, story: Story) -> None:
+        """Take note of a story and everything in it."""
+        self._add((story.name,))
+        for act in story.acts:
+            self._add((story.name, act.name))
+            for group in act.groups:
+                self._add((story.name, act.name, group.name))
+                for maneuver in group.maneuvers:
+                    path = (story.name, act.name, group.name, maneuver.name)
+                    self._add(path)
+                    for event in maneuver.events:
+                        self._add((*path, event.name))
+                        for action in event.actions:
+                            self._add((*path, event.name, action.name))
+
+    def _add(self, path: Path) -> None:
+        self.paths[KINDS[len(path) - 1]].setdefault(path[-1], []).append(path)
+
+    def _fitting(self, kind: str, wanted: Path) -> list[Path]:
+        named = self.paths[kind].get(wanted[-1], []) if wanted else []
+        return [path for path in named if _fits(path, wanted)]
+
+    def meant(self, word: Word, around: Path, sink: Diagnostics) -> Word:
+        """Return a condition on an element's state with the element's full path; any other word as it is."""
+        if not isinstance(word, ElementStateCondition):
+            return word
+        wanted = tuple(part for part in word.element.split(BETWEEN) if part)
+        fitting = self._fitting(word.kind, wanted)
+        if not fitting:
+            self._report_unknown(word, wanted, sink)
+            return word
+        nearest = max(fitting, key=lambda path: _shared(path, around))
+        if len(fitting) > 1:
+            message = f"{len(fitting)} elements are called '{word.element}'; {BETWEEN.join(nearest)} is meant"
+            sink.add(AMBIGUOUS_STORYBOARD_ELEMENT, message, word.place_of("storyboardElementRef"))
+        return word.model_copy(update={"element": BETWEEN.join(nearest)}).written_at(word.origin)
+
+    def _report_unknown(self, word: ElementStateCondition, wanted: Path, sink: Diagnostics) -> None:
+        others = [kind for kind in KINDS if self._fitting(kind, wanted)]
+        known = self.paths[word.kind]
+        self.unknown += 1
+        guess = did_you_mean(word.element, known) if self.unknown <= MOST_GUESSES else ""
+        hint = f"there is {_article(others[0])} of that name" if others else guess
+        message = f"there is no {word.kind} '{word.element}'"
+        sink.add(UNKNOWN_STORYBOARD_ELEMENT, message, word.place_of("storyboardElementRef"), hint=hint)
+
+
+def _article(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+def _fits(path: Path, wanted: Path) -> bool:
+    """Return whether names, of an element and some of those around it in order, lead to a path of that last name."""
+    rest = iter(path[:-1])
+    return all(any(name == one for one in rest) for name in wanted[:-1])
+
+
+def _shared(path: Path, around: Path) -> int:
+    """Return how many names two paths have in common from the start."""
+    count = 0
+    for one, other in zip(path, around, strict=False):
+        if one != other:
+            break
+        count += 1
+    return count

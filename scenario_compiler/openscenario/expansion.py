@@ -1,0 +1,174 @@
+"""An OpenSCENARIO file to a `Scenario`: parameters bound, catalogs followed, names resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Severity
+from scenario_compiler.document import Document
+from scenario_compiler.markup.codes import WRONG_VALUE
+from scenario_compiler.markup.values import COMMAND_LINE
+from scenario_compiler.openscenario.catalogs import read_catalog_locations
+from scenario_compiler.openscenario.codes import NO_SCENARIO_FILE, NOT_READ
+from scenario_compiler.openscenario.distributions import read_variation
+from scenario_compiler.openscenario.entities import read_entities
+from scenario_compiler.openscenario.files import VERSIONS, beside, is_file, read_forgiving, read_version
+from scenario_compiler.openscenario.held import OpenScenario, Variation
+from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.parameters import (
+    declared_name,
+    declared_parameters,
+    given_parameters,
+    parameter_word,
+    report_unknown,
+)
+from scenario_compiler.openscenario.reading import Reading
+from scenario_compiler.openscenario.restoring import restored
+from scenario_compiler.openscenario.road_network import read_map, read_signal_controllers
+from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
+from scenario_compiler.openscenario.storyboard import read_storyboard
+from scenario_compiler.openscenario.structure import check_structure
+from scenario_compiler.openscenario.traffic import with_traffic_vehicles
+from scenario_compiler.openscenario.unread import report_unread
+from scenario_compiler.openscenario.variables import read_variables, used_variables
+from scenario_compiler.vocabulary.scenario import Parameter, Scenario
+from scenario_compiler.vocabulary.storyboard import Storyboard
+from scenario_compiler.vocabulary.traversal import parameters_in
+from scenario_compiler.vocabulary.weather import Weather, weather_preset
+
+WEATHER = "ClearNoon"
+"""The weather, until an action sets another."""
+
+LONGEST = 600.0
+"""Length of a run that only a stop trigger ends, s, where it never comes true."""
+
+
+def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | None:
+    """Return what an <OpenSCENARIO> file holds; None, reported, when it is nothing that is known."""
+    root = _root(document, sink)
+    if root.child("Storyboard") is not None or root.child("Entities") is not None:
+        return OpenScenario(document, {Path(document.path).stem: document.root})
+    if root.child("Catalog") is not None:
+        return OpenScenario(document, {})
+    distribution = root.child("ParameterValueDistribution")
+    if distribution is not None:
+        return _varied(distribution, Path(document.path).stem, sink)
+    root.required("Storyboard", "Catalog", "ParameterValueDistribution")
+    return None
+
+
+def _varied(node: Node, name: str, sink: Diagnostics) -> OpenScenario | None:
+    """Return the scenario whose parameters a <ParameterValueDistribution> gives values; None when it is not there."""
+    variation = read_variation(node)
+    file = node.required("ScenarioFile")
+    written = "" if file is None else file.text("filepath")
+    path = next((one for one in beside(node.reading.folder, written) if is_file(one)), None)
+    document = None if path is None else read_forgiving(path, sink)
+    if document is None or document.root.find("{*}Storyboard") is None:
+        if file is not None:
+            file.report(NO_SCENARIO_FILE, f"there is no scenario '{written}'", "filepath")
+        return None
+    return OpenScenario(document, {name: document.root}, variation)
+
+
+def _chosen(variation: Variation, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, str]:
+    """Return the values of parameters: those given, those of the sets that the given numbers choose, the first ones."""
+    values = dict(variation.first)
+    for counter, sets in variation.sets.items():
+        number = literal_number(arguments.get(counter, "0"))
+        if number is None or number != int(number) or not 0 <= number < len(sets):
+            message = f"{counter} is a whole number from 0 to {len(sets) - 1}"
+            sink.add(WRONG_VALUE, message, COMMAND_LINE)
+            number = 0.0
+        values.update(sets[int(number)])
+    return {**values, **{name: text for name, text in arguments.items() if name not in variation.sets}}
+
+
+def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str, str], sink: Diagnostics) -> Scenario:
+    """Return the scenario.
+
+    Numeric parameters stay open where numbers use them. One that decides anything else turns out to do so while
+    reading; then the scenario is read again with that parameter's value in its place everywhere.
+    """
+    variation = source.variation
+    if variation is not None:
+        arguments = _chosen(variation, arguments, sink)
+    settled: set[str] = set()
+    while True:
+        attempt = Diagnostics()
+        root = _root(source.document, attempt)
+        scenario = _scenario(root, name, arguments, settled, variation)
+        if root.scope.structural <= settled:
+            sink.found.extend(_with_structure(source.document, attempt.found))
+            return scenario
+        settled |= root.scope.structural
+
+
+def _with_structure(document: Document, found: list[Diagnostic]) -> list[Diagnostic]:
+    """Return findings and, as warnings, what the structure of the file's version has against it, each place once."""
+    structure = Diagnostics()
+    check_structure(document, structure, forgiving=True)
+    wrong = {_where(one) for one in found if one.severity is Severity.ERROR}
+    told = [replace(one, severity=Severity.WARNING) for one in structure.found if _where(one) not in wrong]
+    places = {_where(one) for one in told}
+    return told + [one for one in found if one.code is not NOT_READ or _where(one) not in places]
+
+
+def _where(one: Diagnostic) -> tuple[str, int, int]:
+    return one.place.file, one.place.line, one.place.column
+
+
+def _root(document: Document, sink: Diagnostics) -> Node:
+    """Return the file's first element, read as the version that its header names."""
+    reading = Reading(document, sink, VERSIONS[-1])
+    root = Node(document.root, reading, Scope())
+    header = root.child("FileHeader")
+    if header is None:
+        return root
+    version = read_version(header.text("revMajor", ""), header.text("revMinor", ""), header.place("revMinor"), sink)
+    return Node(document.root, replace(reading, version=version), root.scope)
+
+
+def _scenario(
+    root: Node, name: str, arguments: Mapping[str, str], settled: Collection[str], variation: Variation | None
+) -> Scenario:
+    declared = declared_parameters(root, given_parameters(arguments), settled)
+    report_unknown(arguments, declared, root, {} if variation is None else variation.places)
+    root = root.inner(declared)
+    root.reading.known.catalogs = read_catalog_locations(root)
+    road = read_map(root)
+    controllers = read_signal_controllers(root)
+    variables = read_variables(root)
+    entities = read_entities(root)
+    written = root.required("Storyboard")
+    storyboard = Storyboard.model_construct() if written is None else read_storyboard(written, entities.first)
+    variables_used = used_variables(storyboard, variables, root.scope, root.reading.sink)
+    for one in (root, *root.reading.known.entries.values()):
+        report_unread(one)
+    scenario = Scenario.model_construct(
+        name=name,
+        map=road,
+        duration=LONGEST if storyboard.stop is not None else None,
+        weather=weather_preset(WEATHER) or Weather.model_construct(),
+        actors=tuple(entities.actors),
+        vehicles=tuple(entities.vehicles.values()),
+        variables=variables_used,
+        signal_controllers=controllers,
+        vary=None if variation is None else variation.vary,
+        storyboard=storyboard,
+    ).written_at(root.origin)
+    scenario = with_traffic_vehicles(restored(scenario, root), root)
+    return scenario.model_copy(update={"parameters": _open_parameters(root, declared, scenario)})
+
+
+def _open_parameters(root: Node, declared: Mapping[str, Bound], scenario: Scenario) -> tuple[Parameter, ...]:
+    """Return the parameters that numbers of the scenario use, as words."""
+    in_use = parameters_in(scenario)
+    return tuple(
+        parameter_word(declaration, declared[name])
+        for group in root.children("ParameterDeclarations")
+        for declaration in group.children("ParameterDeclaration")
+        if (name := declared_name(declaration)) in in_use
+    )

@@ -1,0 +1,71 @@
+"""The files of an export: the scenario, its road, and how it varies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.openscenario.export.distribution import export_variation
+from scenario_compiler.openscenario.export.document import export_openscenario
+from scenario_compiler.openscenario.output import VERSIONS, Output, Version
+from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
+
+
+def export_files(
+    plan: Plan, network: Network, output: Path, version: Version, sink: Diagnostics, scenario: Scenario | None = None
+) -> dict[Path, bytes]:
+    """Return what an export consists of, by the files' paths; nothing is written.
+
+    The road file stands beside the scenario under its own name; a scenario that varies gets a second file, whose name
+    ends in `_variation`.
+
+    Args:
+        plan: The plan.
+        network: Its map.
+        output: Path of the scenario's file.
+        version: Version of OpenSCENARIO.
+        sink: Where it is told what cannot be said.
+        scenario: What the plan was made from, where it is at hand.
+    """
+    road = output.parent / Path(network.path).name
+    element = export_openscenario(plan, network, road.name, version, sink, scenario)
+    files = {output: _text(element), road: Path(network.path).read_bytes()}
+    if scenario is not None and scenario.vary is not None:
+        names = [one.name for one in plan.parameters]
+        telling = Output(version, sink, parameter_values(plan.parameters))
+        variation = export_variation(scenario.vary, names, output.name, telling)
+        if variation is not None:
+            files[output.with_name(f"{output.stem}_variation{output.suffix}")] = _text(variation)
+    return files
+
+
+def write_openscenario(
+    plan: Plan, network: Network, path: str | Path, version: str = "1.3", scenario: Scenario | None = None
+) -> Diagnostics:
+    """Write a plan as OpenSCENARIO, its road file beside it, over what is there; return what cannot be said in it.
+
+    Args:
+        plan: The plan.
+        network: Its map.
+        path: The scenario's file.
+        version: "1.0", "1.1", "1.2" or "1.3"; ValueError for any other.
+        scenario: What the plan was made from: without it, background traffic and how a sweep varies are lost.
+    """
+    known = {"{}.{}".format(*one): one for one in VERSIONS}
+    if version not in known:
+        raise ValueError(f"OpenSCENARIO is written in {', '.join(known)}, not in '{version}'")
+    sink = Diagnostics()
+    for file, content in export_files(plan, network, Path(path), known[version], sink, scenario).items():
+        make_folder(file.parent)
+        write_whole(file, content)
+    return sink
+
+
+def _text(element: etree._Element) -> bytes:
+    etree.indent(element)
+    return etree.tostring(element, xml_declaration=True, encoding="UTF-8", pretty_print=True)

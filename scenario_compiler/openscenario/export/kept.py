@@ -1,0 +1,79 @@
+"""What of a plan goes into the properties of entities: what the standard has no words for."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from scenario_compiler.markup.writing import write_word
+from scenario_compiler.openscenario.export.places import goal_of
+from scenario_compiler.openscenario.spelling import made
+from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.vocabulary.entities import Controller, Dynamic, Ego, Static, Vehicle
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.positions import FreePosition
+from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.word import Word
+
+_NOWHERE = FreePosition(x=0.0, y=0.0)
+_ATTRIBUTES_SAID = ("id", "model", "speed")
+"""Attributes of entities that the standard has words for, as it has for their starts."""
+
+SAID = ("parameters", "variables", "signal_controllers", "storyboard")
+"""Parts of a plan that the standard has words for."""
+
+
+def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
+    """Return the element that keeps what an entity is here; none for one that the standard's actions alone place."""
+    if entity.start is None:
+        return []
+    word: Word = Dynamic(id="id", destination=goal_of(plan, entity), follow=entity.follow, path=entity.path)
+    if entity.kind == "static":
+        word = Static(id="id", at=_NOWHERE)
+    elif entity.kind == "ego":
+        word = Ego(
+            desired_speed=entity.desired_speed or None,
+            start=_NOWHERE,
+            destination=plan.destination,
+            camera=plan.camera,
+            controller=plan.controller or Controller(),
+        )
+    element = write_word(word)
+    for attribute in _ATTRIBUTES_SAID:
+        if attribute in element.attrib:
+            del element.attrib[attribute]
+    for child in element.findall("start") + element.findall("at"):
+        element.remove(child)
+    return [element]
+
+
+def scenario_kept(plan: Plan, scenario: Scenario | None, groups: int) -> list[etree._Element]:
+    """Return the element that keeps what holds for the whole plan; `groups` is how many groups its own stop has."""
+    element = made("scenario", step=str(plan.step), control_every=str(plan.control_every), duration=str(plan.duration))
+    element.set("stop_groups", str(groups))
+    if plan.summary:
+        element.set("summary", plan.summary)
+    words: list[Word] = [] if scenario is None else [*scenario.traffic, *_vehicles_of_traffic(plan, scenario)]
+    for rule in grammar_of(Scenario).children:
+        if rule.field in Plan.model_fields and rule.field not in SAID:
+            value = getattr(plan, rule.field)
+            words += value if isinstance(value, tuple) else () if value is None else (value,)
+    element.extend([write_word(word) for word in words])
+    return [element]
+
+
+def vehicles_kept(plan: Plan, scenario: Scenario | None) -> list[etree._Element]:
+    """Return the element that keeps what actions on traffic let appear, of a scenario without automated vehicle."""
+    words = [] if scenario is None else _vehicles_of_traffic(plan, scenario)
+    return [made("scenario", *(write_word(word) for word in words))] if words else []
+
+
+def appears_by_action(entity: Entity) -> bool:
+    """Return whether an entity is one that an action on traffic lets appear."""
+    return entity.kind == "traffic" and entity.start is None
+
+
+def _vehicles_of_traffic(plan: Plan, scenario: Scenario) -> list[Vehicle]:
+    if not scenario.traffic and not any(map(appears_by_action, plan.entities)):
+        return []
+    said = {one.vehicle.name for one in plan.entities if one.kind not in ("traffic", "walker")}
+    return [one for one in scenario.vehicles if one.name not in said]

@@ -1,0 +1,91 @@
+"""Where entities of a plan start and go, in positions that the standard has words for."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import FilePlace
+from scenario_compiler.expressions import Expression, parse_expression
+from scenario_compiler.openscenario.output import LOST, Output
+from scenario_compiler.openscenario.positions import POSITIONS
+from scenario_compiler.plan.binding import travel_direction
+from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.positions import (
+    FreePosition,
+    LanePosition,
+    LanesAwayPosition,
+    Position,
+    RelativeLanePosition,
+)
+from scenario_compiler.vocabulary.traversal import parameters_in
+from scenario_compiler.vocabulary.word import Number
+
+SEED = 1
+"""Seed whose draws a file shows of what is drawn anew in each run."""
+
+
+def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -> Position:
+    """Return where an entity starts in a position that the standard knows; told where that is one draw of many."""
+    start = entity.start
+    if start is not None and type(start) in POSITIONS.by_word:
+        return start  # type: ignore[return-value]  # every position that is said is one
+    if isinstance(start, RelativeLanePosition) and parameters_in(start):
+        ahead = _ahead(plan, network, start)
+        if ahead is not None:
+            return ahead
+    pose = plan.derived.get(entity.id)
+    if pose is not None:
+        if start is not None and parameters_in(start):
+            message = f"where '{entity.id}' starts is written for the parameters' present values"
+            output.sink.add(LOST, message, start.origin)
+        return FreePosition(x=pose.x, y=pose.y, z=pose.z, heading=pose.heading)
+    message = f"where '{entity.id}' starts is drawn anew in each run; the file has the place of seed {SEED}"
+    output.sink.add(LOST, message, FilePlace(plan.name) if start is None else start.origin)
+    return _drawn(plan, network, entity.id)
+
+
+def _ahead(plan: Plan, network: Network, start: RelativeLanePosition) -> LanesAwayPosition | None:
+    """Return a start ahead of an entity in the standard's terms; None where it cannot be told which way that faces."""
+    other = next((one.start for one in plan.entities if one.id == start.entity), None)
+    if not isinstance(other, LanePosition):
+        return None
+    along = travel_direction(network, other.road, other.lane)
+    return LanesAwayPosition(
+        entity=start.entity,
+        lanes=start.lanes * along,
+        distance=start.distance,
+        along="lane",
+        offset=_times(start.offset, along),
+        turn=start.turn,
+    )
+
+
+def _times(number: Number, sign: int) -> Number:
+    if sign > 0:
+        return number
+    return parse_expression(f"-({number.text})") if isinstance(number, Expression) else -number
+
+
+def _drawn(plan: Plan, network: Network, entity: str) -> FreePosition:
+    from scenario_compiler.engine.program import build_program
+    from scenario_compiler.engine.state import make_draws, new_state
+    from scenario_compiler.engine.step import reset
+
+    try:
+        program = build_program(plan, network)
+    except ValueError:
+        return FreePosition(x=0.0, y=0.0)
+    state = new_state(program)
+    state.draw[:] = make_draws(SEED)
+    reset(network.tables, program, state)
+    k = [one.id for one in plan.entities].index(entity)
+    return FreePosition(x=state.x[k], y=state.y[k], z=state.z[k], heading=state.h[k])
+
+
+def goal_of(plan: Plan, entity: Entity) -> LanePosition | None:
+    """Return where an entity is going; None where it goes nowhere in particular."""
+    if entity.kind == "ego":
+        return plan.destination
+    if not entity.route:
+        return None
+    last = entity.route[-1]
+    return LanePosition(road=last.road, lane=last.lane, s=last.s_to)

@@ -1,0 +1,71 @@
+"""Files of OpenSCENARIO: read as real ones are, found as real ones name each other."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path, PureWindowsPath
+
+from scenario_compiler.diagnostics import Diagnostics, Place
+from scenario_compiler.document import MALFORMED, Document, parse_document, read_document
+from scenario_compiler.files import read_file
+from scenario_compiler.openscenario.codes import MENDED_COMMENT, UNKNOWN_VERSION
+
+VERSIONS = ((1, 0), (1, 1), (1, 2), (1, 3))
+"""Versions of OpenSCENARIO XML that are read."""
+
+_COMMENT = re.compile(rb"<!--(.*?)-->", re.DOTALL)
+
+
+def read_forgiving(path: str | Path, sink: Diagnostics) -> Document | None:
+    """Read a file as `read_document` does; comments that hold two hyphens are mended, with a warning."""
+    attempt = Diagnostics()
+    document = read_document(path, attempt)
+    if document is None and any(one.code is MALFORMED for one in attempt.found):
+        raw = read_file(path)
+        mended = _COMMENT.sub(lambda m: b"<!--" + _without_hyphens(m.group(1)) + b"-->", raw)
+        again = Diagnostics()
+        document = None if mended == raw else parse_document(mended, str(path), again)
+        if document is not None:
+            sink.add(MENDED_COMMENT, "a comment holds '--'", attempt.found[0].place)
+            sink.found.extend(again.found)
+            return document
+    sink.found.extend(attempt.found)
+    return document
+
+
+def _without_hyphens(comment: bytes) -> bytes:
+    mended = re.sub(rb"-(?=-)", b" ", comment)
+    return mended[:-1] + b" " if mended.endswith(b"-") else mended
+
+
+def beside(folder: Path, written: str) -> list[Path]:
+    """Return where a path written in a file of a folder is looked for: whole, then by its bare name."""
+    path = Path(PureWindowsPath(written).as_posix() if "\\" in written else written)
+    return list(dict.fromkeys([folder / path, folder / path.name])) if written.strip() else []
+
+
+def is_file(path: Path) -> bool:
+    """Return whether a path is a file; a path that the system does not take is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether a path is a folder; a path that the system does not take is none."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def read_version(major: str, minor: str, place: Place, sink: Diagnostics) -> tuple[int, int]:
+    """Return the version that a header names; the nearest one, with a warning, when there is none of that name."""
+    named = (int(major), int(minor)) if major.isdecimal() and minor.isdecimal() and len(major + minor) < 9 else None
+    if named in VERSIONS:
+        return named
+    nearest = VERSIONS[-1] if named is None or named > VERSIONS[-1] else VERSIONS[0]
+    message = f"there is no version '{major}.{minor}'; the file is read as {nearest[0]}.{nearest[1]}"
+    sink.add(UNKNOWN_VERSION, message, place)
+    return nearest

@@ -1,0 +1,62 @@
+"""What a file of OpenSCENARIO holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Place
+from scenario_compiler.document import Document
+from scenario_compiler.vocabulary.scenario import ParameterKind
+from scenario_compiler.vocabulary.variation import Vary
+
+KINDS: dict[str, ParameterKind] = {
+    "double": "number",
+    "integer": "integer",
+    "int": "integer",
+    "unsignedInt": "integer",
+    "unsignedShort": "integer",
+}
+"""What OpenSCENARIO's types are here; the others are texts, also a boolean, which may be written as 0 or 1."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A <ParameterValueDistribution>: the values that the parameters of another file take.
+
+    Attributes:
+        vary: How a sweep varies them.
+        first: The first value of each parameter that has a first one.
+        sets: Values of several parameters at once, by the name of the parameter that counts the sets from 0.
+        places: Where each parameter is named.
+    """
+
+    vary: Vary
+    first: Mapping[str, str] = field(default_factory=dict)
+    sets: Mapping[str, Sequence[Mapping[str, str]]] = field(default_factory=dict)
+    places: Mapping[str, Place] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class OpenScenario:
+    """A file of OpenSCENARIO: a scenario, values for the parameters of one, or a catalog, which holds none.
+
+    Attributes:
+        document: The scenario's file; the catalog's.
+        scenarios: The scenario under the name of the file that was asked for.
+        variation: The values that its parameters take, when the file that was asked for gives some.
+    """
+
+    document: Document
+    scenarios: Mapping[str, etree._Element]
+    variation: Variation | None = None
+
+
+def parameter_kinds(held: OpenScenario) -> dict[str, ParameterKind]:
+    """Return what kind each parameter is that a file declares, by its name."""
+    declared = held.document.root.findall("{*}ParameterDeclarations/{*}ParameterDeclaration")
+    return {
+        one.get("name", "").lstrip("$"): KINDS.get(one.get("parameterType", "").strip(), "text") for one in declared
+    }

@@ -1,0 +1,252 @@
+"""One element of an OpenSCENARIO file with the parameters in scope: its attributes as values, its children as nodes.
+
+A fault is reported once, with its place, and a usable default is returned, so that reading goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias, TypeVar
+
+from lxml import etree
+
+from scenario_compiler.diagnostics import Code, Place, Severity, did_you_mean
+from scenario_compiler.document import Origin
+from scenario_compiler.expressions import Expression, ExpressionError
+from scenario_compiler.markup import codes
+from scenario_compiler.markup.names import UNKNOWN_ENTITY
+from scenario_compiler.markup.values import report_expression
+from scenario_compiler.openscenario.codes import ONE_ENTITY
+from scenario_compiler.openscenario.reading import Reading
+from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
+
+_TRUE, _FALSE = ("true", "1"), ("false", "0")
+_Chosen = TypeVar("_Chosen", bound=str)
+_Value = TypeVar("_Value")
+
+Real: TypeAlias = float
+"""A float, named otherwise where `Node.float` hides it."""
+
+
+class Node:
+    """An element, what it is read with, and the parameters that it may use.
+
+    Attributes:
+        element: The element.
+        reading: What it is read with.
+        scope: The parameters that it may use.
+        opened: The parameters that it declares itself are among them.
+    """
+
+    __slots__ = ("element", "opened", "reading", "scope")
+
+    def __init__(self, element: etree._Element, reading: Reading, scope: Scope, *, opened: bool = False) -> None:
+        """Take note that the element is looked at."""
+        self.element = element
+        self.opened = opened
+        self.reading = reading
+        self.scope = scope
+        reading.used.setdefault(element, set())
+
+    @property
+    def tag(self) -> str:
+        """Name of the element, without a namespace."""
+        return local_name(self.element)
+
+    @property
+    def origin(self) -> Origin:
+        """Place of the element's start tag."""
+        return self.reading.origin(self.element)
+
+    def place(self, attribute: str) -> Origin:
+        """Return the place of an attribute's value."""
+        return self.reading.origin(self.element, attribute)
+
+    def inner(self, more: Mapping[str, Bound], *, opened: bool = False) -> Node:
+        """Return the node with more parameters in scope; `opened` when they are those that it declares."""
+        return Node(self.element, self.reading, self.scope.inner(more), opened=opened or self.opened)
+
+    def elements(self) -> list[Node]:
+        """Return all child elements."""
+        return [Node(one, self.reading, self.scope) for one in self.element.iterchildren(etree.Element)]
+
+    def children(self, *tags: str) -> list[Node]:
+        """Return the child elements of these names, in document order."""
+        return [
+            Node(one, self.reading, self.scope)
+            for one in self.element.iterchildren(etree.Element)
+            if local_name(one) in tags
+        ]
+
+    def child(self, *tags: str) -> Node | None:
+        """Return the first child element that has one of these names."""
+        for one in self.element.iterchildren(etree.Element):
+            if local_name(one) in tags:
+                return Node(one, self.reading, self.scope)
+        return None
+
+    def first(self) -> Node | None:
+        """Return the first child element of any name."""
+        for one in self.element.iterchildren(etree.Element):
+            return Node(one, self.reading, self.scope)
+        return None
+
+    def required(self, *tags: str) -> Node | None:
+        """Return the first child of one of these names; report when there is none."""
+        found = self.child(*tags)
+        if found is None:
+            expected = " or ".join(f"<{tag}>" for tag in tags)
+            self.report(codes.MISSING_ELEMENT, f"<{self.tag}> has no {expected}")
+        return found
+
+    def read_whole(self) -> None:
+        """Take note that the element, its attributes and all below it are dealt with."""
+        for one in self.element.iter(etree.Element):
+            self.reading.used.setdefault(one, set()).update(str(name) for name in one.attrib)
+
+    def has(self, attribute: str) -> bool:
+        """Return whether the attribute is there and not empty."""
+        return self._raw(attribute) is not None
+
+    def report(
+        self, code: Code, message: str, attribute: str = "", hint: str = "", severity: Severity | None = None
+    ) -> None:
+        """Report a finding at the element, or at one of its attributes, with the code's severity if none is given."""
+        place: Place = self.place(attribute) if attribute else self.origin
+        self.reading.sink.add(code, message, place, hint=hint, severity=severity)
+
+    def text(self, attribute: str, default: str | None = None) -> str:
+        """Return an attribute's text with parameters resolved; without a default it must be there."""
+        found = self._present(attribute, required=default is None, joined=True)
+        return (default or "") if found is None else found
+
+    def number(self, attribute: str, default: Real | None = None) -> Real | Expression:
+        """Return a number, left open where it depends on the scenario's open parameters; SI unit as the file has it."""
+        raw = self._raw(attribute)
+        if raw is None:
+            return self._missing(attribute, default)
+        try:
+            found = self.scope.symbolic(raw)
+            if isinstance(found, Expression):
+                found.number(self.scope.values)
+                return found
+        except ExpressionError as error:
+            report_expression(error, raw, self.reading.sink, self.place(attribute))
+            return default or 0.0
+        number = literal_number(found)
+        return self._wrong(attribute, found, "a number", default or 0.0) if number is None else number
+
+    def optional_number(self, attribute: str) -> Real | Expression | None:
+        """Return a number as `number` does, None when the attribute is not there."""
+        return self.number(attribute) if self.has(attribute) else None
+
+    def float(self, attribute: str, default: Real | None = None, *, severity: Severity | None = None) -> Real:
+        """Return a number's present value; the parameters that it depends on decide structure.
+
+        What is no number is an error, if nothing else is given.
+        """
+        found = self._present(attribute, required=default is None)
+        if found is None:
+            return default or 0.0
+        number = literal_number(found)
+        if number is None:
+            return self._wrong(attribute, found, "a number", default or 0.0, severity=severity)
+        return number
+
+    def integer(self, attribute: str, default: int | None = None) -> int:
+        """Return a whole number; the parameters that it depends on decide structure."""
+        found = self._present(attribute, required=default is None)
+        if found is None:
+            return default or 0
+        number = literal_number(found)
+        if number is None or number != int(number):
+            return self._wrong(attribute, found, "a whole number", default or 0)
+        return int(number)
+
+    def boolean(self, attribute: str, default: bool | None = None) -> bool:
+        """Return true or false, also written 1 or 0."""
+        found = self._present(attribute, required=default is None)
+        if found is None:
+            return bool(default)
+        stripped = found.strip()
+        if stripped.lower() in _TRUE + _FALSE:
+            return stripped.lower() in _TRUE
+        return self._wrong(attribute, found, "true or false", bool(default))
+
+    def choice(self, attribute: str, allowed: Sequence[_Chosen], default: _Chosen | None = None) -> _Chosen:
+        """Return one of the allowed words; report any other and return the default, or the first allowed word."""
+        otherwise = allowed[0] if default is None else default
+        found = self._present(attribute, required=default is None)
+        if found is None:
+            return otherwise
+        stripped = found.strip()
+        for word in allowed:
+            if word == stripped:
+                return word
+        hint = did_you_mean(stripped, allowed)
+        return self._wrong(attribute, found, f"one of {', '.join(allowed)}", otherwise, hint)
+
+    def entity(self, attribute: str, default: str | None = None) -> str:
+        """Return the name of an entity; report one that the scenario does not have, and a selection of several."""
+        name = self.text(attribute, default)
+        members = self._members(name, attribute)
+        if name in self.reading.known.selections and len(members) != 1:
+            message = f"'{name}' is a selection of {len(members)}; its first member is taken"
+            self.report(ONE_ENTITY, message, attribute)
+        return members[0] if members else name
+
+    def entities(self, attribute: str) -> tuple[str, ...]:
+        """Return the entities of a name, an entity's or a selection's; report one that the scenario does not have."""
+        return self._members(self.text(attribute), attribute)
+
+    def _members(self, name: str, attribute: str) -> tuple[str, ...]:
+        known = self.reading.known
+        if name in known.selections:
+            return known.selections[name]
+        if name and name not in known.entities:
+            hint = did_you_mean(name, [*known.entities, *known.selections])
+            self.report(UNKNOWN_ENTITY, f"there is no entity '{name}'", attribute, hint)
+        return (name,) if name in known.entities else ()
+
+    def _raw(self, attribute: str) -> str | None:
+        self.reading.used[self.element].add(attribute)
+        text = self.element.get(attribute)
+        return None if text is None or text == "" else str(text)
+
+    def _present(self, attribute: str, required: bool, joined: bool = False) -> str | None:
+        raw = self._raw(attribute)
+        if raw is None:
+            if required and self.element.get(attribute) is None:
+                self._missing(attribute, None)
+            return None
+        try:
+            return self.scope.text(raw)
+        except ExpressionError as error:
+            together = self.scope.joined(raw) if joined else None
+            if together is not None:
+                return together
+            report_expression(error, raw, self.reading.sink, self.place(attribute))
+            return None
+
+    def _missing(self, attribute: str, default: Real | None) -> Real:
+        if default is None:
+            self.report(codes.MISSING_ATTRIBUTE, f"<{self.tag}> has no {attribute}")
+        return default or 0.0
+
+    def _wrong(
+        self,
+        attribute: str,
+        text: str,
+        expected: str,
+        default: _Value,
+        hint: str = "",
+        severity: Severity | None = None,
+    ) -> _Value:
+        message = f"'{text}' is not {expected} ({self.tag}/{attribute})"
+        self.report(codes.WRONG_VALUE, message, attribute, hint, severity)
+        return default
+
+
+def local_name(element: etree._Element) -> str:
+    """Return an element's name without its namespace."""
+    return str(element.tag).rpartition("}")[2]

@@ -1,0 +1,190 @@
+"""<ParameterDeclarations> and assignments of values to parameters: what `$name` stands for below them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
+
+from scenario_compiler.diagnostics import Place, did_you_mean
+from scenario_compiler.expressions import Expression, ExpressionError, format_value
+from scenario_compiler.markup import names
+from scenario_compiler.markup.values import COMMAND_LINE, report_expression
+from scenario_compiler.openscenario.codes import CONSTRAINT, REPEATED_PARAMETER, WRONG_TYPE
+from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.scope import NUMERIC, Bound, literal_number
+from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.variables import seconds_of
+
+TYPES = ("boolean", "dateTime", "double", "int", "integer", "string", "unsignedInt", "unsignedShort")
+"""ParameterType; `integer` is the spelling of 1.0 to 1.1."""
+
+Given = Mapping[str, Bound]
+"""Values that come from outside, by the parameter's name."""
+
+
+def declared_parameters(
+    node: Node, given: Given | None = None, settled: Collection[str] | None = None
+) -> dict[str, Bound]:
+    """Return the parameters that a node's <ParameterDeclarations> declares, each at its given value or its own.
+
+    Args:
+        node: The element that holds the declarations.
+        given: Values from outside.
+        settled: For the scenario's own: those that do not stay open although they are numbers; None for others'.
+    """
+    found: dict[str, Bound] = {}
+    for group in node.children("ParameterDeclarations"):
+        for declaration in group.children("ParameterDeclaration"):
+            name = declared_name(declaration)
+            if name in found:
+                message = f"a parameter '{name}' is declared here already; this declaration counts"
+                declaration.report(REPEATED_PARAMETER, message, "name")
+            one = _declared(declaration.inner(found), name, given or {})
+            found[name] = one if settled is None or name in settled else node.scope.opened(name, one)
+    return found
+
+
+def declared_name(declaration: Node) -> str:
+    """Return the name that a declaration gives; drafts before 1.0 write it with a $."""
+    declaration.has("name")
+    return str(declaration.element.get("name", "")).lstrip("$")
+
+
+def with_parameters(node: Node, given: Given | None = None) -> Node:
+    """Return the node with the parameters in scope that it declares, each at its given value or its own; once."""
+    return node if node.opened else node.inner(declared_parameters(node, given), opened=True)
+
+
+def assigned_parameters(reference: Node) -> dict[str, Bound]:
+    """Return the values that the <ParameterAssignments> of a catalog reference gives, over the reference's scope."""
+    found: dict[str, Bound] = {}
+    for group in reference.children("ParameterAssignments"):
+        for one in group.children("ParameterAssignment"):
+            name = str(one.element.get("parameterRef", "")).lstrip("$")
+            one.has("parameterRef")
+            found[name] = replace(bound("", one, "value"), place=one.origin)
+    return found
+
+
+def bound(kind: str, node: Node, attribute: str) -> Bound:
+    """Return what a parameter of a type stands for when an attribute gives its value."""
+    raw = str(node.element.get(attribute, ""))
+    node.has(attribute)
+    try:
+        found = node.scope.symbolic(raw)
+        if isinstance(found, Expression):
+            return Bound(kind or "double", format_value(found.evaluate(node.scope.values)), found)
+    except ExpressionError as error:
+        together = node.scope.joined(raw) if kind in ("string", "") else None
+        if together is not None:
+            return Bound("string", together)
+        report_expression(error, raw, node.reading.sink, node.place(attribute))
+        return Bound(kind, "")
+    return Bound(kind or ("string" if literal_number(found) is None else "double"), found)
+
+
+def _declared(declaration: Node, name: str, given: Given) -> Bound:
+    kind = declaration.choice("parameterType", TYPES, "string")
+    own = bound(kind, declaration, "value")
+    place: Place = declaration.place("value")
+    value = own
+    if name in given:
+        value = replace(given[name], type=kind)
+        place = value.place or place
+    if not fits(value, kind):
+        message = f"'{value.text}', the value of '{name}', is not of the type {kind}"
+        declaration.reading.sink.add(WRONG_TYPE, message, place)
+        return Bound("string", value.text)
+    _check_constraints(declaration, name, value, place)
+    return value
+
+
+def fits(value: Bound, kind: str) -> bool:
+    """Return whether a value is of a ParameterType."""
+    if kind in NUMERIC:
+        number = literal_number(value.text)
+        whole = kind == "double" or (number is not None and number == int(number))
+        return number is not None and whole and (number >= 0.0 or not kind.startswith("unsigned"))
+    return kind != "boolean" or value.text.strip() in ("true", "false", "1", "0")
+
+
+def _check_constraints(declaration: Node, name: str, value: Bound, place: Place) -> None:
+    groups = declaration.children("ConstraintGroup")
+    for group in groups:
+        group.read_whole()
+    fulfilled = [all(_holds(one, value) for one in group.children("ValueConstraint")) for group in groups]
+    if groups and not any(fulfilled):
+        wanted = " or ".join(
+            " and ".join(f"{one.text('rule')} {one.text('value')}" for one in group.children("ValueConstraint"))
+            for group in groups
+        )
+        message = f"{name} is {value.text}, but must be: {wanted}"
+        declaration.reading.sink.add(CONSTRAINT, message, place)
+
+
+RULES = ("equalTo", "greaterThan", "lessThan", "greaterOrEqual", "lessOrEqual", "notEqualTo")
+"""ASAM's Rule."""
+
+
+def _holds(constraint: Node, value: Bound) -> bool:
+    rule = constraint.choice("rule", RULES)
+    text = constraint.text("value")
+    limit, number = _comparable(text, value.type), _comparable(value.text, value.type)
+    if limit is None or number is None:
+        if rule in ("equalTo", "notEqualTo"):
+            return (text.strip() == value.text.strip()) == (rule == "equalTo")
+        return _compared(rule, (value.text > text) - (value.text < text))
+    return _compared(rule, (number > limit) - (number < limit))
+
+
+def _comparable(text: str, kind: str) -> float | None:
+    try:
+        return seconds_of(text) if kind == "dateTime" else literal_number(text)
+    except (ValueError, OverflowError):
+        return None
+
+
+def _compared(rule: str, sign: int) -> bool:
+    return {
+        "equalTo": sign == 0,
+        "notEqualTo": sign != 0,
+        "greaterThan": sign > 0,
+        "lessThan": sign < 0,
+        "greaterOrEqual": sign >= 0,
+        "lessOrEqual": sign <= 0,
+    }[rule]
+
+
+def given_parameters(arguments: Mapping[str, str]) -> dict[str, Bound]:
+    """Return the values that `--set name=value` gives."""
+    return {
+        name: Bound("string" if literal_number(text) is None else "double", text, place=COMMAND_LINE)
+        for name, text in arguments.items()
+    }
+
+
+def report_unknown(
+    arguments: Mapping[str, str], declared: Iterable[str], node: Node, places: Mapping[str, Place]
+) -> None:
+    """Report values of parameters that the scenario does not declare; `places` are those not on the command line."""
+    known = tuple(declared)
+    for name in arguments:
+        if name not in known:
+            message = f"the scenario has no parameter '{name}'"
+            place, hint = places.get(name, COMMAND_LINE), did_you_mean(name, known)
+            node.reading.sink.add(names.UNKNOWN_ARGUMENT, message, place, hint=hint)
+
+
+def parameter_word(declaration: Node, value: Bound) -> Parameter:
+    """Return an open parameter as a word, with the limits that a single constraint group gives."""
+    low: float | None = None
+    high: float | None = None
+    groups = declaration.children("ConstraintGroup")
+    for one in groups[0].children("ValueConstraint") if len(groups) == 1 else []:
+        limit = literal_number(one.text("value"))
+        low = limit if one.text("rule") == "greaterOrEqual" else low
+        high = limit if one.text("rule") == "lessOrEqual" else high
+    name = declared_name(declaration)
+    text = format_value(literal_number(value.text) or 0.0)
+    found = Parameter.model_construct(name=name, type="number", default=text, min=low, max=high)
+    return found.written_at(declaration.origin)

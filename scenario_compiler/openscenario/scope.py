@@ -1,0 +1,152 @@
+"""Parameters in scope: what `$name` and `${expression}` stand for at a place of an OpenSCENARIO file.
+
+A numeric parameter of the scenario stays open where a number uses it, so that a sweep varies it in one plan. What
+decides structure takes the parameter's present value, and the name is remembered as structural.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from scenario_compiler.diagnostics import Place, did_you_mean
+from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value, parse_expression
+from scenario_compiler.markup.environment import UnknownNameError
+
+NUMERIC = ("double", "integer", "int", "unsignedInt", "unsignedShort")
+"""Types whose parameters are numbers; `integer` is the spelling of 1.0."""
+
+_NAME = re.compile(r"\$([^\s${}]+)\Z")
+_EXPRESSION = re.compile(r"\$\{(.*)\}\Z", re.DOTALL)
+_OPEN_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What a parameter stands for.
+
+    Attributes:
+        type: Its ParameterType.
+        text: Its present value as an attribute would write it.
+        expression: Its value over the scenario's open parameters, for a number that depends on some; else None.
+        place: Where its value stands, when that is not at its declaration.
+    """
+
+    type: str
+    text: str
+    expression: Expression | None = None
+    place: Place | None = None
+
+    @property
+    def value(self) -> Value:
+        """The present value: true or false, a number, also where a text writes one, or a text."""
+        if self.type == "boolean":
+            return self.text in ("true", "1")
+        number = literal_number(self.text)
+        return self.text if number is None else number
+
+
+@dataclass(frozen=True)
+class Scope:
+    """The parameters that an element may use.
+
+    Attributes:
+        bound: By name.
+        values: Present values of the scenario's open parameters; filled as they are declared.
+        structural: Open parameters that something other than a number turned out to depend on; filled while reading.
+    """
+
+    bound: Mapping[str, Bound] = field(default_factory=dict)
+    values: dict[str, Value] = field(default_factory=dict)
+    structural: set[str] = field(default_factory=set)
+
+    def inner(self, more: Mapping[str, Bound]) -> Scope:
+        """Return the scope in which more parameters are known; they hide others of the same names."""
+        return Scope({**self.bound, **more}, self.values, self.structural) if more else self
+
+    def symbolic(self, text: str) -> Expression | str:
+        """Return what a text stands for: itself, a parameter's text, or an expression over open parameters.
+
+        One that has grown longer or deeper than expressions are read stands for its present value.
+
+        Raises:
+            ExpressionError: An expression is malformed, or a name is not known; the offset is into `text`.
+        """
+        stripped = text.strip()
+        lead = text.find(stripped)
+        name = _NAME.match(stripped)
+        if name is not None:
+            one = self._find(name.group(1), lead + 1)
+            return one.text if one.expression is None else one.expression
+        inner = _EXPRESSION.match(stripped)
+        if inner is None:
+            return text.replace("\\$", "$")
+        start = lead + inner.start(1)
+        try:
+            expression = parse_expression(inner.group(1))
+        except ExpressionError as error:
+            raise ExpressionError(str(error), error.offset + start) from None
+        replacements: dict[str, Expression | Value] = {}
+        for used in expression.names:
+            one = self._find(used, start + max(0, inner.group(1).find(used)))
+            replacements[used] = one.value if one.expression is None else one.expression
+        expression = expression.substitute(replacements)
+        if expression.names and expression.bounded:
+            return expression
+        self.structural.update(expression.names)
+        return format_value(expression.evaluate(self.values))
+
+    def text(self, text: str) -> str:
+        """Return the present text; open parameters that it depends on become structural. Raises as `symbolic` does."""
+        found = self.symbolic(text)
+        if isinstance(found, str):
+            return found
+        self.structural.update(found.names)
+        return format_value(found.evaluate(self.values))
+
+    def joined(self, text: str) -> str | None:
+        """Return the texts and parameters of `${a + b}` one after the other, as names are put together in real files.
+
+        None for other texts, and where a parameter is not known.
+        """
+        inner = _EXPRESSION.match(text.strip())
+        parts = [part.strip() for part in inner.group(1).split("+")] if inner else []
+        if not parts or any("$" in part and part[1:] not in self.bound for part in parts):
+            return None
+        return "".join(self.bound[part[1:]].text if part.startswith("$") else part for part in parts)
+
+    def opened(self, name: str, one: Bound) -> Bound:
+        """Return the scenario's parameter left open, if it is a number of its own and expressions know its name."""
+        value = one.value
+        if one.expression is not None or one.type not in NUMERIC or not _OPEN_NAME.match(name):
+            return one
+        self.values[name] = value
+        return Bound(one.type, one.text, parse_expression(f"${name}"))
+
+    def _find(self, name: str, offset: int) -> Bound:
+        if name not in self.bound:
+            error = UnknownNameError(name, offset, {})
+            error.hint = did_you_mean(name, self.bound) or "declare it in <ParameterDeclarations>"
+            raise error
+        return self.bound[name]
+
+
+def literal_number(text: str) -> float | None:
+    """Return the finite number that a text writes, XML Schema's INF as 1e10; None when it writes none."""
+    stripped = text.strip()
+    if stripped in ("INF", "+INF", "-INF", "inf", "-inf"):
+        return -LARGE if stripped.startswith("-") else LARGE
+    if not _NUMBER.match(stripped):
+        return None
+    number = float(stripped)
+    return number if abs(number) <= MOST else None
+
+
+LARGE = 1.0e10
+"""What stands for an infinite limit."""
+
+MOST = 1.0e300
+"""Largest number that is read: sums and products of a few of them stay finite where it matters."""
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")

@@ -1,0 +1,82 @@
+"""Variables and monitors: values that change in a run, and parameters that actions or conditions name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import get_args
+
+from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
+from scenario_compiler.document import Origin
+from scenario_compiler.markup import names
+from scenario_compiler.openscenario.codes import UNKNOWN_VARIABLE, WRONG_TYPE
+from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.parameters import TYPES, bound, fits
+from scenario_compiler.openscenario.scope import Bound, Scope
+from scenario_compiler.vocabulary.actions import ModifyVariableAction, SetVariableAction
+from scenario_compiler.vocabulary.conditions import VariableCondition
+from scenario_compiler.vocabulary.storyboard import Storyboard
+from scenario_compiler.vocabulary.traversal import walk
+from scenario_compiler.vocabulary.variables import Variable, VariableType
+from scenario_compiler.vocabulary.word import Word
+
+_ATTRIBUTES = ("variableRef", "parameterRef", "monitorRef")
+
+
+def read_variables(root: Node) -> dict[str, Variable]:
+    """Return the declared variables and monitors by name; a monitor is true or false."""
+    found: dict[str, Variable] = {}
+    for group in root.children("VariableDeclarations", "MonitorDeclarations"):
+        for node in group.children("VariableDeclaration", "MonitorDeclaration"):
+            name = node.text("name")
+            if name in found:
+                node.report(names.DUPLICATE_NAME, f"a variable '{name}' is declared here already", "name")
+            monitor = node.tag == "MonitorDeclaration"
+            kind = "boolean" if monitor else node.choice("variableType", TYPES, "string")
+            value = bound(kind, node, "value")
+            if not fits(value, kind):
+                node.report(WRONG_TYPE, f"'{value.text}', the value of '{name}', is not of the type {kind}", "value")
+                kind = "string"
+            found.setdefault(name, _variable(name, kind, value).written_at(node.origin))
+    return found
+
+
+def _variable(name: str, kind: str, value: Bound) -> Variable:
+    known: tuple[VariableType, ...] = get_args(VariableType)
+    typed = next((one for one in known if one == kind), "integer" if kind == "int" else "string")
+    return Variable.model_validate({"name": name, "type": typed, "value": value.text})
+
+
+def used_variables(
+    storyboard: Storyboard, declared: Mapping[str, Variable], scope: Scope, sink: Diagnostics
+) -> tuple[Variable, ...]:
+    """Return the variables, and the scenario's parameters that actions change or conditions read; report other names.
+
+    A parameter that is used so decides structure: its value is the one that the run starts with. A name that means
+    nothing stands for a text that is empty until an action changes it.
+    """
+    found = dict(declared)
+    for word in walk(storyboard):
+        name = _named(word)
+        if name is None or name in found:
+            continue
+        parameter = scope.bound.get(name)
+        if parameter is None:
+            hint = did_you_mean(name, [*found, *scope.bound])
+            sink.add(UNKNOWN_VARIABLE, f"there is no variable or parameter '{name}'", _place(word), hint=hint)
+            found[name] = Variable.model_construct(name=name, type="string").written_at(word.origin)
+            continue
+        if parameter.expression is not None:
+            scope.structural.update(parameter.expression.names)
+        found[name] = _variable(name, parameter.type, parameter)
+    return tuple(found.values())
+
+
+def _place(word: Word) -> Place:
+    origin = word.origin
+    if not isinstance(origin, Origin):
+        return origin
+    return next((origin.of(one) for one in _ATTRIBUTES if origin.element.get(one) is not None), origin)
+
+
+def _named(word: Word) -> str | None:
+    return word.variable if isinstance(word, SetVariableAction | ModifyVariableAction | VariableCondition) else None
