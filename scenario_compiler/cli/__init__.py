@@ -13,10 +13,10 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from scenario_compiler.cli import authoring, compare, coverage, engine, explain, export, maps, run, sweep, validate
+from scenario_compiler.cli import authoring, compare, coverage, explain, export, maps, run, sweep, validate
 from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse, reason_of
 
-GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage, engine)
+GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage)
 """Groups of commands, in the order of the help."""
 
 
