@@ -35,6 +35,7 @@ ROWS = (
     ("plan",),
     ("vocabulary",),
     ("roads",),
+    ("forms",),
 )
 HALL = (
     "diagnostic_formats",
@@ -53,7 +54,7 @@ LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for ro
 
 ENGINE_ROWS = (
     ("simulation",),
-    ("program", "forms"),
+    ("program", "entries"),
     ("story",),
     ("moves",),
     ("ego", "traffic"),

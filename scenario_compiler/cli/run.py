@@ -26,7 +26,7 @@ from scenario_compiler.cli.options import (
     told,
 )
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
-from scenario_compiler.engine.forms.compiled import why_interpreted
+from scenario_compiler.forms.machine_code import why_interpreted
 from scenario_compiler.outputs import make_folder
 
 if TYPE_CHECKING:

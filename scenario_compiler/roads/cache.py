@@ -17,9 +17,11 @@ from functools import lru_cache
 from pathlib import Path
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, FilePlace, Severity
+from scenario_compiler.forms.arrays import type_code
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.resources import cache_folder
-from scenario_compiler.roads.tables import FLOAT_COLUMNS, ParsedNetwork, RoadTables
+from scenario_compiler.roads.tables import ParsedNetwork, RoadTables
 
 MAGIC = b"SCROADS1"
 DIGEST_SIZE = 32
@@ -59,7 +61,7 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
 def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> None:
     """Put a network into the cache; a cache that cannot be written is no fault."""
     columns, blocks = [], []
-    for name in RoadTables.__slots__:
+    for name in columns_of(RoadTables):
         column = _as_array(name, getattr(parsed.tables, name))
         columns.append((name, column.typecode, len(column)))
         blocks.append(column.tobytes())
@@ -80,7 +82,7 @@ def _numbers(finding: Diagnostic) -> tuple[int, int, int, str]:
 
 
 def _as_array(name: str, values: list[float] | list[int]) -> array[float] | array[int]:
-    if name in FLOAT_COLUMNS:
+    if type_code(RoadTables, name) == "d":
         return array("d", values)
     try:
         return array("i", [int(v) for v in values])

@@ -62,9 +62,8 @@ def build_index(n: RoadTables) -> None:
                 cells.setdefault(cell_key_of(ix, iy), []).append(chunk)
     for key in sorted(cells):
         n.cell_key.append(key)
-        n.cell_chunk.append(len(n.chunk_of_cell))
         n.chunk_of_cell.extend(cells[key])
-    n.cell_chunk.append(len(n.chunk_of_cell))
+        n.cell_chunk.append(len(n.chunk_of_cell))
 
 
 def _add_road(n: RoadTables, road: int, stretch: float) -> None:

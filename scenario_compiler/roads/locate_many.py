@@ -5,9 +5,12 @@ The same formulas as in `locate`, over all points at once.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
+from scenario_compiler.forms.declaration import column_types
 from scenario_compiler.roads.geometry import (
     GAUSS_INNER,
     GAUSS_NODE,
@@ -40,7 +43,11 @@ class BatchLocator:
 
     def __init__(self, tables: RoadTables) -> None:
         """Copy the columns into arrays."""
-        self.columns = dict(zip(tables.__slots__, tables.arrays(), strict=True))
+        arrays = tables.in_arrays()
+        self.columns: dict[str, Any] = {
+            name: np.frombuffer(getattr(arrays, name), np.float64 if floats else np.int64)
+            for name, floats in column_types(RoadTables).items()
+        }
 
     def candidates(self, xs: Floats, ys: Floats) -> tuple[Ints, Ints, Floats, Floats, Ints]:
         """Return (point, lane row, s, offset, found) of all lanes on chunks that hold a point.

@@ -92,7 +92,6 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
     if not elements:
         sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
         return None
-    _close(parsed.tables)
     build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links, attachments)
     note_steady_lanes(parsed.tables)
     build_index(parsed.tables)
@@ -159,7 +158,6 @@ def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> No
     ):
         getattr(n, f"road_{name}_first").append(first)
         getattr(n, f"road_{name}_last").append(last)
-    n.road_shape.append(len(n.shape_s))
     stations: dict[float, list[etree._Element]] = {}
     for one in element.iterfind("lateralProfile/shape"):
         stations.setdefault(reader.number(one, "s", 0.0), []).append(one)
@@ -168,15 +166,16 @@ def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> No
         n.shape_s.append(s)
         n.shape_first.append(first)
         n.shape_last.append(last)
+    n.road_shape.append(len(n.shape_s))
 
 
 def _read_types(reader: Reader, n: RoadTables, element: etree._Element) -> None:
-    n.road_type.append(len(n.type_s))
     for one in sorted(element.iterfind("type"), key=lambda e: reader.number(e, "s", 0.0)):
         speed = one.find("speed")
         n.type_s.append(reader.number(one, "s", 0.0))
         n.type_code.append(ROAD_TYPE_CODES.get(one.get("type", "unknown"), 0))
         n.type_speed.append(NO_SPEED if speed is None else reader.speed(speed))
+    n.road_type.append(len(n.type_s))
 
 
 def _is_flat(n: RoadTables, road: int) -> bool:
@@ -189,20 +188,4 @@ def _is_flat(n: RoadTables, road: int) -> bool:
     )
     if any(first < last for first, last in ranges) or n.road_shape[road] < len(n.shape_s):
         return False
-    lanes = n.section_lane[n.road_section[road]] if n.road_section[road] < len(n.section_s) else len(n.lane_id)
-    heights = n.lane_height[lanes] if lanes < len(n.lane_id) else len(n.height_s)
-    return heights == len(n.height_s)
-
-
-def _close(n: RoadTables) -> None:
-    """Append the last row of every CSR column."""
-    n.road_piece.append(len(n.piece_s))
-    n.road_cell.append(len(n.cell_piece))
-    n.road_shape.append(len(n.shape_s))
-    n.road_section.append(len(n.section_s))
-    n.road_type.append(len(n.type_s))
-    n.section_lane.append(len(n.lane_id))
-    n.lane_height.append(len(n.height_s))
-    n.lane_speed.append(len(n.speed_s))
-    n.lane_mark.append(len(n.mark_s))
-    n.mark_line.append(len(n.line_length))
+    return n.lane_height[n.section_lane[n.road_section[road]]] == len(n.height_s)

@@ -14,9 +14,9 @@ from scenario_compiler.controllers import Control, ControllerModel, SensorData, 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
-from scenario_compiler.engine.forms.failure import EngineError
 from scenario_compiler.engine.program.build import lowered
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.names import STOP_REASONS, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder

@@ -1,6 +1,6 @@
 """State: everything that changes during a run, as flat columns of a fixed size.
 
-`clear_state` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
+`clear_columns` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import RUN, Of, column, column_types, columns_of, fixed
 from scenario_compiler.engine.columns.program import (
     ACTION,
     CAUSE,
@@ -25,7 +24,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.marker import compiled
+from scenario_compiler.forms.declaration import RUN, Of, column, column_types, columns_of, container, fixed
 from scenario_compiler.randomness import hash_bits, normal, uniform
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
@@ -38,6 +37,7 @@ WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 
+@container("st", written=True)
 @dataclass(slots=True)
 class State:
     """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
@@ -431,17 +431,6 @@ def new_state(program: Program) -> State:
         start = float(declared.start) if column_types(State)[name] else int(declared.start)
         columns[name] = [start] * declared.of.count(program)
     return State(**columns)
-
-
-@compiled
-def clear_state(st: State) -> None:
-    """Put every column to its declared start, but those that are kept."""
-    for name, declared in columns_of(State).items():
-        if not declared.kept:
-            values = getattr(st, name)
-            start = float(declared.start) if column_types(State)[name] else int(declared.start)
-            for k in range(len(values)):
-                values[k] = start
 
 
 REQUESTS_DRAWN = 4

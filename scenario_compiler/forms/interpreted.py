@@ -3,37 +3,31 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import Any
 
-from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.forms.entries import ENTRIES
-from scenario_compiler.engine.forms.failure import of_exception
-from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.forms.failure import of_exception
+from scenario_compiler.forms.language import Marked
 
 
 class Interpreted:
-    """The engine as plain Python: the reference, and what a debugger can step through.
+    """Containers of lists, and the functions that are called with them: the reference, which a debugger steps through.
 
     Attributes:
         name: What the form is called.
-        tables: The roads.
-        program: The program; a sweep writes its numbers.
-        state: The state.
+        containers: The containers, by the arguments that take them.
     """
 
     name = "interpreted"
 
-    def __init__(self, tables: RoadTables, program: Program, state: State) -> None:
-        """Take the containers, whose columns are lists; they are written to."""
-        self.tables, self.program, self.state = tables, program, state
-        self._functions = {function.__name__: self._bound(function) for function in ENTRIES}
+    def __init__(self, entries: Sequence[Marked], **containers: Any) -> None:
+        """Take the functions that may be called, and containers whose columns are lists; they are written to."""
+        self.containers = containers
+        self._functions = {function.__name__: self._bound(function) for function in entries}
 
-    def _bound(self, function: Callable[..., Any]) -> tuple[Callable[..., Any], tuple[object, ...]]:
-        containers = {"n": self.tables, "p": self.program, "st": self.state}
+    def _bound(self, function: Marked) -> tuple[Marked, tuple[object, ...]]:
         names = function.__code__.co_varnames[: function.__code__.co_argcount]
-        return function, tuple(containers[name] for name in names if name in containers)
+        return function, tuple(self.containers[name] for name in names if name in self.containers)
 
     def enter(self, entry: str, *arguments: Any) -> Any:
         """Call an entry; return its result.
@@ -44,7 +38,7 @@ class Interpreted:
                 numbers in one piece.
 
         Raises:
-            EngineError: The engine's arithmetic had no result.
+            EngineError: The entry's arithmetic had no result.
         """
         function, containers = self._functions[entry]
         lists = [one if isinstance(one, int | float) else memoryview(one).tolist() for one in arguments]

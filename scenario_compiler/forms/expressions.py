@@ -10,10 +10,10 @@ import ast
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from scenario_compiler.engine.forms.language import (
+from scenario_compiler.forms.declaration import CONTAINERS, clear_columns
+from scenario_compiler.forms.language import (
     BOOL,
     BUILTINS,
-    CONTAINERS,
     INT,
     INTS,
     MATH,
@@ -319,11 +319,20 @@ class Expressions:
         if callable(meaning) and c_name(meaning) in self.around.signatures:
             name = c_name(meaning)
             return CText(f"{name}({self._arguments(node, name)})", self.around.signatures[name].result)
+        if meaning is clear_columns:
+            return self._clearing(node)
         if node.func.id in MATH and meaning is not None and meaning.__module__ == "math":
             return self._call_of_math(node, node.func.id)
         if node.func.id in BUILTINS and meaning is None:
             return self._call_of_builtin(node, node.func.id)
         raise self.broken(node, f"calls {node.func.id}, which is neither marked nor known to both forms")
+
+    def _clearing(self, node: ast.Call) -> CText:
+        """Return the call that puts a container's columns to their start."""
+        name = ast.unparse(node.args[0]) if node.args else ""
+        if name not in self.variables or name not in CONTAINERS or not CONTAINERS[name].written:
+            raise self.broken(node, f"clears {name or 'nothing'}, which is no container that it may write")
+        return CText(f"{clearing_name(name)}({name})", NOTHING)
 
     def _call_of_table(self, node: ast.Call, func: ast.Subscript) -> CText:
         """Return the call of one of a table's functions, which all take and give the same."""
@@ -401,6 +410,11 @@ def literal(value: float, name: str = "") -> CText:
     text = f"INT64_C({value})" if isinstance(value, int) and abs(value) >= 1 << 31 else repr(value)
     noted = f"{text} /* {name} */" if name else text
     return CText(f"({noted})" if value < 0 else noted, INT if isinstance(value, int) else REAL)
+
+
+def clearing_name(argument: str) -> str:
+    """Return the name in C of the function that puts a container's columns to their start."""
+    return f"clear_{argument}"
 
 
 def as_real(code: CText) -> CText:

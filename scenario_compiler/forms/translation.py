@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from scenario_compiler.engine.columns.declaration import columns_of
-from scenario_compiler.engine.columns.state import State, clear_state
-from scenario_compiler.engine.forms.expressions import OtherFunctions, literal, local_name
-from scenario_compiler.engine.forms.language import (
-    CONTAINERS,
+from scenario_compiler.forms.declaration import CONTAINERS, columns_of
+from scenario_compiler.forms.expressions import OtherFunctions, clearing_name, literal, local_name
+from scenario_compiler.forms.language import (
     INT,
     INTS,
     NOTHING,
@@ -25,7 +23,7 @@ from scenario_compiler.engine.forms.language import (
     container_columns,
     impure,
 )
-from scenario_compiler.engine.forms.statements import Statements, c_type, declared, head
+from scenario_compiler.forms.statements import Statements, c_type, declared, head
 
 HEADER = Path(__file__).with_name("engine.h")
 """Python's arithmetic in C, and failures."""
@@ -51,13 +49,10 @@ def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
             findings += broken.findings
     if findings:
         raise NotTranslatableError(findings)
-    around = OtherFunctions(signatures, frozenset({c_name(clear_state), *impure(sources)}))
+    around = OtherFunctions(signatures, frozenset(impure(sources)))
     tables: dict[str, tuple[object, ...]] = {}
     bodies = []
     for source in sources:
-        if source.function is clear_state:
-            bodies.append(_clearing(source))
-            continue
         statements = Statements(source, around, tables)
         bodies.append(statements.translated())
         findings += statements.findings
@@ -66,7 +61,8 @@ def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
     parts = [
         "/* The engine, translated from its marked functions. */",
         HEADER.read_text(encoding="utf-8"),
-        *(_container(argument) for argument in CONTAINERS),
+        *(_container(argument) for argument in sorted(CONTAINERS)),
+        *(_clearing(argument) for argument in sorted(CONTAINERS) if CONTAINERS[argument].written),
         *_several(signatures.values()),
         *(f"{head(source)};" for source in sources),
         *(_table(name, table, signatures) for name, table in tables.items()),
@@ -87,17 +83,17 @@ def _container(argument: str) -> str:
     columns = container_columns(argument)
     lines = [f"    {c_type(kind)} *{local_name(name)};" for name, kind in columns.items()]
     lines += [f"    int64_t {local_name(name)}_size;" for name in columns]
-    return "\n".join(["typedef struct {", *lines, f"}} {CONTAINERS[argument].__name__};", ""])
+    return "\n".join(["typedef struct {", *lines, f"}} {CONTAINERS[argument].columns.__name__};", ""])
 
 
-def _clearing(source: FunctionSource) -> str:
-    """Return the function that puts the state to its start, made from the columns' declarations."""
-    lines = [f"/* {source.summary} */", head(source), "{"]
-    for name, column in columns_of(State).items():
+def _clearing(argument: str) -> str:
+    """Return the function that puts a container's columns to their start, made from their declarations."""
+    kinds = container_columns(argument)
+    lines = [f"static void {clearing_name(argument)}({declared(argument, argument)})", "{"]
+    for name, column in columns_of(CONTAINERS[argument].columns).items():
         if not column.kept:
-            kind = container_columns("st")[name]
-            start = literal(float(column.start) if kind == REAL else int(column.start)).text
-            at, size = f"st->{local_name(name)}", f"st->{local_name(name)}_size"
+            start = literal(float(column.start) if kinds[name] == REAL else int(column.start)).text
+            at, size = f"{argument}->{local_name(name)}", f"{argument}->{local_name(name)}_size"
             lines.append(f"    for (int64_t k = 0; k < {size}; k++)\n        {at}[k] = {start};")
     return "\n".join([*lines, "}"]) + "\n"
 
