@@ -5,15 +5,14 @@ from __future__ import annotations
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.columns.state import new_state
+from scenario_compiler.engine.columns.state import State, new_state
 from scenario_compiler.engine.columns.trace import SUMMARY_SIZE, trace_width
-from scenario_compiler.forms.arrays import as_arrays
-from scenario_compiler.forms.compiled import Compiled
-from scenario_compiler.forms.machine_code import MachineCode, library
+from scenario_compiler.forms.form import form_of
+from scenario_compiler.forms.machine_code import MachineCode
 from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
@@ -36,16 +35,6 @@ class Outlook:
     lead_speed: float
     junction: float
     way: tuple[tuple[float, float], ...]
-
-
-class Form(Protocol):
-    """A form of the engine: the containers, and the entries that are called with them."""
-
-    name: str
-
-    def enter(self, entry: str, *arguments: Any) -> Any:
-        """Call an entry with the containers and further arguments; EngineError where it breaks off."""
-        ...
 
 
 class Simulation:
@@ -73,17 +62,16 @@ class Simulation:
             interpreted: Whether the interpreted form is asked for.
             machine_code: The library to use in place of the package's own.
         """
-        made = None if interpreted else machine_code or library()
-        self.program, self.state = program, new_state(program)
-        self.form: Form
-        if made is not None:
-            self.program, self.state = as_arrays(self.program), as_arrays(self.state)
-            self.form = Compiled(made, n=tables.in_arrays(), p=self.program, st=self.state)
-        else:
-            from scenario_compiler.engine.entries import ENTRIES
-            from scenario_compiler.forms.interpreted import Interpreted
-
-            self.form = Interpreted(ENTRIES, n=tables, p=self.program, st=self.state)
+        self.form = form_of(
+            "scenario_compiler.engine.entries",
+            interpreted=interpreted,
+            machine_code=machine_code,
+            n=tables,
+            p=program,
+            st=new_state(program),
+        )
+        self.program: Program = self.form.containers["p"]
+        self.state: State = self.form.containers["st"]
         self._width = trace_width(program)
         self._trace: Any = None
 

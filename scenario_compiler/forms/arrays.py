@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import ctypes
 from array import array
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from scenario_compiler.forms.declaration import Container, column_types
 
 
 def as_arrays(container: Container) -> Container:
-    """Return a container of the same type whose columns are copies, as arrays of float64 and int64."""
+    """Return a container of the same type whose columns are arrays of float64 and int64: copies, or those it keeps."""
+    return container.in_arrays() if isinstance(container, BothForms) else _copied(container)
+
+
+def _copied(container: Container) -> Container:
     made = object.__new__(type(container))
     for name in column_types(type(container)):
         setattr(made, name, array(type_code(type(container), name), getattr(container, name)))
@@ -28,52 +30,33 @@ Both = TypeVar("Both", bound="BothForms")
 
 
 class BothForms:
-    """A container that keeps its columns in both forms, as lists and as arrays; each is made when it is first needed.
+    """A container of lists that keeps the container of arrays with the same columns.
 
-    The columns must not change once the arrays have been asked for.
+    It must not change once the arrays have been asked for.
     """
 
     __slots__ = ("_arrays",)
     _arrays: Any
 
+    def __post_init__(self) -> None:
+        """Begin without arrays."""
+        self._arrays = None
+
     @classmethod
     def of_arrays(cls: type[Both], arrays: Both) -> Both:
-        """Return a container of lists, each of which is made of the array when it is first asked for."""
+        """Return the container of lists with the columns of one of arrays."""
         made = object.__new__(cls)
         made._arrays = arrays
+        for name in column_types(cls):
+            setattr(made, name, getattr(arrays, name).tolist())
         return made
 
     def in_arrays(self: Both) -> Both:
-        """Return the container whose columns are arrays."""
-        arrays: Both | None = self._arrays
-        if arrays is None:
-            arrays = self._arrays = as_arrays(self)
+        """Return the container of arrays with the same columns; it is made when it is first asked for."""
+        if self._arrays is None:
+            self._arrays = _copied(self)
+        arrays: Both = self._arrays
         return arrays
-
-    def with_columns(self: Both, columns: Mapping[str, Sequence[float]]) -> Both:
-        """Return a container with some columns replaced, which shares the others in both forms."""
-        arrays = object.__new__(type(self))
-        made = self.of_arrays(arrays)
-        for name in column_types(type(self)):
-            if name in columns:
-                setattr(arrays, name, array(type_code(type(self), name), columns[name]))
-                continue
-            setattr(arrays, name, getattr(self.in_arrays(), name))
-            with suppress(AttributeError):
-                setattr(made, name, object.__getattribute__(self, name))
-        return made
-
-    if not TYPE_CHECKING:  # a type checker knows the columns by their declarations
-
-        def __getattr__(self, name: str) -> Any:
-            """Return a column that has not been asked for as a list before."""
-            if name == "_arrays":
-                return None
-            if name not in type(self).__slots__ or self._arrays is None:
-                raise AttributeError(name)
-            values = getattr(self._arrays, name).tolist()
-            setattr(self, name, values)
-            return values
 
 
 def address_table(container: Any) -> array[int]:

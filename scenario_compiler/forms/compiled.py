@@ -11,6 +11,10 @@ from scenario_compiler.forms.failure import KINDS, EngineError
 from scenario_compiler.forms.machine_code import SCALARS, MachineCode
 
 
+Failure = ctypes.c_int64 * 3
+"""What an entry that fails leaves: kind, line and the address of the file's name, as in engine.h."""
+
+
 class Compiled:
     """Containers of arrays, and the machine code that is called with them.
 
@@ -47,10 +51,13 @@ class Compiled:
             EngineError: The entry's arithmetic had no result.
         """
         function, addresses, kind = self._functions.get(entry) or self._bound(entry)
-        failure = (ctypes.c_int64 * 3)()
+        failure = Failure()
         given: list[Any] = [ctypes.addressof(failure), *addresses]
         for argument in arguments:
-            given += (argument,) if isinstance(argument, int | float) else address_and_size(argument)
+            if isinstance(argument, int | float):
+                given.append(argument)
+            else:
+                given += address_and_size(argument)
         result = None if kind is None else kind()
         if result is not None:
             given.append(ctypes.addressof(result))
