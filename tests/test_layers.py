@@ -56,7 +56,7 @@ ENGINE_ROWS = (
     ("program", "forms"),
     ("story",),
     ("moves",),
-    ("ego", "traffic"),
+    ("ego", "traffic", "measures"),
     ("motion",),
     ("columns",),
 )

@@ -50,7 +50,9 @@ def test_a_changed_source_makes_a_library_stale() -> None:
     size, time, digest = note.sources["engine/story/step.py"]
     assert note.is_fresh
     assert Note(note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size, time + 1, digest)}).is_fresh
-    assert not Note(note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size + 1, time, digest)}).is_fresh
+    assert not Note(
+        note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size + 1, time, digest)}
+    ).is_fresh
     assert not Note(note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size, 1, "0")}).is_fresh
     assert not Note(note.made_by, note.entries, {**note.sources, "engine/gone.py": (1, 1, "0")}).is_fresh
     assert Note(note.made_by, note.entries, {}).is_fresh
