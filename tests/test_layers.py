@@ -57,7 +57,7 @@ ENGINE_ROWS = (
     ("program", "entries"),
     ("story",),
     ("moves",),
-    ("ego", "traffic"),
+    ("ego", "traffic", "measures"),
     ("motion",),
     ("columns",),
 )

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, new_state
-from scenario_compiler.engine.columns.trace import SUMMARY_SIZE, trace_width
+from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals
+from scenario_compiler.engine.columns.trace import trace_width
+from scenario_compiler.forms.declaration import at_start
 from scenario_compiler.forms.form import form_of
 from scenario_compiler.forms.machine_code import MachineCode
 from scenario_compiler.roads.tables import RoadTables
@@ -69,6 +71,7 @@ class Simulation:
             n=tables,
             p=program,
             st=new_state(program),
+            m=at_start(Totals, program),
         )
         self.program: Program = self.form.containers["p"]
         self.state: State = self.form.containers["st"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from array import array
+from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import Any, TypeVar
 
 from scenario_compiler.forms.declaration import Container, column_types
@@ -21,6 +23,14 @@ def _copied(container: Container) -> Container:
     return made
 
 
+def with_columns(arrays: Container, columns: Mapping[str, Sequence[float]]) -> Container:
+    """Return a container of arrays in which some columns are replaced; it shares the others."""
+    made = copy(arrays)
+    for name, values in columns.items():
+        setattr(made, name, array(type_code(type(arrays), name), values))
+    return made
+
+
 def type_code(container: type[Any], column: str) -> str:
     """Return the type of a column's numbers as `array` spells it: "d" for float64, "q" for int64."""
     return "d" if column_types(container)[column] else "q"
@@ -30,7 +40,7 @@ Both = TypeVar("Both", bound="BothForms")
 
 
 class BothForms:
-    """A container of lists that keeps the container of arrays with the same columns.
+    """A container that is kept in both forms: one of lists keeps the one of arrays with the same columns.
 
     It must not change once the arrays have been asked for.
     """
@@ -52,7 +62,9 @@ class BothForms:
         return made
 
     def in_arrays(self: Both) -> Both:
-        """Return the container of arrays with the same columns; it is made when it is first asked for."""
+        """Return the container of arrays with the same columns: itself, or the one made when it is first asked for."""
+        if isinstance(getattr(self, type(self).__slots__[0]), array):
+            return self
         if self._arrays is None:
             self._arrays = _copied(self)
         arrays: Both = self._arrays

@@ -10,7 +10,6 @@ from scenario_compiler.forms.arrays import address_and_size, address_table
 from scenario_compiler.forms.failure import KINDS, EngineError
 from scenario_compiler.forms.machine_code import SCALARS, MachineCode
 
-
 Failure = ctypes.c_int64 * 3
 """What an entry that fails leaves: kind, line and the address of the file's name, as in engine.h."""
 

@@ -2,7 +2,7 @@
 
 A container is a dataclass with slots whose fields are columns, lists of float or of int:
 
-    @container("st", written=True)
+    @container("st", 2, written=True)
     @dataclass(slots=True)
     class State:
         speed: list[float] = column(ENTITY)
@@ -28,10 +28,12 @@ class ContainerDeclaration:
 
     Attributes:
         columns: The class of the container.
+        place: Where it stands among the arguments that are containers.
         written: Whether marked functions may write all its columns; else those alone that are declared as written.
     """
 
     columns: type[Any]
+    place: int
     written: bool
 
     def may_write(self, column: str) -> bool:
@@ -43,14 +45,19 @@ CONTAINERS: dict[str, ContainerDeclaration] = {}
 """The containers that are declared in what has been imported, by the name of the argument that takes them."""
 
 
-def container(argument: str, *, written: bool = False) -> Callable[[type[Container]], type[Container]]:
-    """Declare a class as the container that marked functions take as `argument`."""
+def container(argument: str, place: int, *, written: bool = False) -> Callable[[type[Container]], type[Container]]:
+    """Declare a class as the container that marked functions take as `argument`; see `ContainerDeclaration`."""
 
     def declare(columns: type[Container]) -> type[Container]:
-        CONTAINERS[argument] = ContainerDeclaration(columns, written)
+        CONTAINERS[argument] = ContainerDeclaration(columns, place, written)
         return columns
 
     return declare
+
+
+def containers_in_order() -> list[str]:
+    """Return the arguments of the declared containers in the order in which functions take them."""
+    return sorted(CONTAINERS, key=lambda argument: CONTAINERS[argument].place)
 
 
 @dataclass(frozen=True)
@@ -169,18 +176,36 @@ def column_types(container: type[Any]) -> Mapping[str, bool]:
     return {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
 
 
-def clear_columns(container: Any) -> None:
+def start_of(container: type[Any], name: str) -> float | int:
+    """Return what each element of a column is at t = 0, of the column's type."""
+    start = columns_of(container)[name].start
+    return float(start) if column_types(container)[name] else int(start)
+
+
+def at_start(container: type[Container], program: object) -> Container:
+    """Return a container of the right sizes for a program, every column at its declared start."""
+    sizes = {name: declared.of.count(program) for name, declared in columns_of(container).items()}
+    return container(**{name: [start_of(container, name)] * size for name, size in sizes.items()})
+
+
+def put_to_start(container: Any) -> None:
     """Put every column of a container to its declared start, but those that are kept.
 
-    Marked functions may call it with a container whose columns they may write.
+    Marked functions may call it with a container of which they may write all columns.
     """
-    types = column_types(type(container))
     for name, declared in columns_of(type(container)).items():
         if not declared.kept:
             values = getattr(container, name)
-            start = float(declared.start) if types[name] else int(declared.start)
-            for k in range(len(values)):
-                values[k] = start
+            values[:] = [start_of(type(container), name)] * len(values)
+
+
+def write_first(container: Any, names: tuple[str, ...], out: list[float], base: int) -> None:
+    """Write the first elements of some columns of a container into `out`, from `base` on.
+
+    Marked functions may call it with names that stand in a tuple of their module.
+    """
+    for place, name in enumerate(names):
+        out[base + place] = float(getattr(container, name)[0])
 
 
 def check_columns(program: Any) -> None:

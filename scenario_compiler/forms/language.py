@@ -19,7 +19,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from scenario_compiler.forms.declaration import CONTAINERS, clear_columns, column_types
+from scenario_compiler.forms.declaration import CONTAINERS, column_types, containers_in_order, put_to_start, write_first
 from scenario_compiler.marker import REGISTRY
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -123,9 +123,9 @@ class FunctionSource:
         if arguments.defaults or arguments.kwonlyargs or arguments.vararg or arguments.kwarg or arguments.posonlyargs:
             raise NotTranslatableError([self.finding(self.tree, "has optional, named or collected arguments")])
         kinds = {one.arg: self._kind(one.annotation, one.arg) for one in arguments.args}
-        order = sorted(name for name in kinds if name in CONTAINERS)
+        order = [name for name in containers_in_order() if name in kinds]
         if order != list(kinds)[: len(order)]:
-            message = f"does not take {', '.join(order)} first and in this order"
+            message = f"does not take {' and '.join(order)} first and in this order"
             raise NotTranslatableError([self.finding(self.tree, message)])
         return Signature(kinds, self._kind(self.tree.returns, ""))
 
@@ -238,7 +238,7 @@ def entries() -> list[Marked]:
 def impure(sources: Iterable[FunctionSource]) -> set[str]:
     """Return the names of the functions that write a column or an array, themselves or through what they call."""
     calls: dict[str, set[str]] = {}
-    writing = {c_name(clear_columns)}
+    writing = {c_name(put_to_start), c_name(write_first)}
     for source in sources:
         calls[source.name] = set(_called(source))
         if any(_is_store(node) for node in ast.walk(source.tree)):

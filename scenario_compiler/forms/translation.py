@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from scenario_compiler.forms.declaration import CONTAINERS, columns_of
+from scenario_compiler.forms.declaration import CONTAINERS, columns_of, containers_in_order, start_of
 from scenario_compiler.forms.expressions import OtherFunctions, clearing_name, literal, local_name
 from scenario_compiler.forms.language import (
     INT,
@@ -61,8 +61,8 @@ def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
     parts = [
         "/* The engine, translated from its marked functions. */",
         HEADER.read_text(encoding="utf-8"),
-        *(_container(argument) for argument in sorted(CONTAINERS)),
-        *(_clearing(argument) for argument in sorted(CONTAINERS) if CONTAINERS[argument].written),
+        *(_container(argument) for argument in containers_in_order()),
+        *(_clearing(argument) for argument in containers_in_order() if CONTAINERS[argument].written),
         *_several(signatures.values()),
         *(f"{head(source)};" for source in sources),
         *(_table(name, table, signatures) for name, table in tables.items()),
@@ -88,13 +88,13 @@ def _container(argument: str) -> str:
 
 def _clearing(argument: str) -> str:
     """Return the function that puts a container's columns to their start, made from their declarations."""
-    kinds = container_columns(argument)
+    columns = CONTAINERS[argument].columns
     lines = [f"static void {clearing_name(argument)}({declared(argument, argument)})", "{"]
-    for name, column in columns_of(CONTAINERS[argument].columns).items():
+    for name, column in columns_of(columns).items():
         if not column.kept:
-            start = literal(float(column.start) if kinds[name] == REAL else int(column.start)).text
-            at, size = f"{argument}->{local_name(name)}", f"{argument}->{local_name(name)}_size"
-            lines.append(f"    for (int64_t k = 0; k < {size}; k++)\n        {at}[k] = {start};")
+            at = f"{argument}->{local_name(name)}"
+            lines.append(f"    for (int64_t k = 0; k < {at}_size; k++)")
+            lines.append(f"        {at}[k] = {literal(start_of(columns, name)).text};")
     return "\n".join([*lines, "}"]) + "\n"
 
 

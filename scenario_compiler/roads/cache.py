@@ -16,6 +16,7 @@ from array import array
 from functools import lru_cache
 from pathlib import Path
 
+from scenario_compiler import forms
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, FilePlace, Severity
 from scenario_compiler.forms.arrays import type_code
 from scenario_compiler.forms.declaration import columns_of
@@ -23,7 +24,7 @@ from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads.tables import ParsedNetwork, RoadTables
 
-MAGIC = b"SCROADS1"
+MAGIC = b"SCROADS3"
 DIGEST_SIZE = 32
 
 
@@ -33,7 +34,7 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
     The findings made when the file was read are reported again, at `path`.
     """
     try:
-        raw = _cache_file(sha256).read_bytes()
+        raw = memoryview(_cache_file(sha256).read_bytes())
     except (OSError, RuntimeError):
         return None
     start = len(MAGIC) + DIGEST_SIZE
@@ -41,53 +42,41 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
         return None
     (size,) = struct.unpack_from("<Q", raw, start)
     start += 8
-    head = json.loads(raw[start : start + size])
+    head = json.loads(bytes(raw[start : start + size]))
     start += size
-    parsed = ParsedNetwork(RoadTables(), head["roads"], head["junctions"])
-    for name, kind, count in head["columns"]:
-        column = array(kind)
+    arrays = object.__new__(RoadTables)
+    for name, count in head["columns"]:
+        column = array(type_code(RoadTables, name))
         end = start + count * column.itemsize
         column.frombytes(raw[start:end])
-        setattr(parsed.tables, name, column.tolist())
+        setattr(arrays, name, column)
         start = end
     if head["findings"]:
         from scenario_compiler.roads import parse  # noqa: F401  # makes the codes of its findings known
     for code, severity, message, hint, line, at, length, source in head["findings"]:
         place = FilePlace(path, line, at, length, source)
         sink.found.append(Diagnostic(CODES[code], message, place, hint, Severity(severity)))
-    return parsed
+    return ParsedNetwork(arrays, head["roads"], head["junctions"])
 
 
 def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> None:
     """Put a network into the cache; a cache that cannot be written is no fault."""
-    columns, blocks = [], []
-    for name in columns_of(RoadTables):
-        column = _as_array(name, getattr(parsed.tables, name))
-        columns.append((name, column.typecode, len(column)))
-        blocks.append(column.tobytes())
+    columns = {name: getattr(parsed.arrays, name) for name in columns_of(RoadTables)}
+    sizes = [(name, len(column)) for name, column in columns.items()]
     rows = [(d.code.id, d.severity.value, d.message, d.hint, *_numbers(d)) for d in findings]
     head = json.dumps(
-        {"roads": parsed.road_ids, "junctions": parsed.junction_ids, "columns": columns, "findings": rows}
+        {"roads": parsed.road_ids, "junctions": parsed.junction_ids, "columns": sizes, "findings": rows}
     ).encode()
-    payload = struct.pack("<Q", len(head)) + head + b"".join(blocks)
+    payload = b"".join((struct.pack("<Q", len(head)), head, *columns.values()))
     with contextlib.suppress(OSError, RuntimeError):
         path = _cache_file(sha256)
         make_folder(path.parent)
-        write_whole(path, MAGIC + hashlib.sha256(payload).digest() + payload)
+        write_whole(path, b"".join((MAGIC, hashlib.sha256(payload).digest(), payload)))
 
 
 def _numbers(finding: Diagnostic) -> tuple[int, int, int, str]:
     place = finding.place
     return place.line, place.column, place.length, place.source_line
-
-
-def _as_array(name: str, values: list[float] | list[int]) -> array[float] | array[int]:
-    if type_code(RoadTables, name) == "d":
-        return array("d", values)
-    try:
-        return array("i", [int(v) for v in values])
-    except OverflowError:
-        return array("q", [int(v) for v in values])
 
 
 def _cache_file(sha256: str) -> Path:
@@ -96,8 +85,9 @@ def _cache_file(sha256: str) -> Path:
 
 @lru_cache(maxsize=1)
 def _reader_version() -> str:
-    """Return a digest of what turns a road file into tables: this package's sources and the machine's number format."""
-    digest = hashlib.sha256(f"{sys.byteorder} {array('i').itemsize}".encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    """Return a digest of what turns a road file into tables: the sources that do, and the machine's number format."""
+    digest = hashlib.sha256(sys.byteorder.encode())
+    folders = (Path(__file__).parent, Path(forms.__file__).parent)
+    for path in sorted(path for folder in folders for path in folder.glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

@@ -59,7 +59,7 @@ class Network:
         self.path = path
         self.sha256 = sha256
         self.name = Path(path).stem
-        self.tables: RoadTables = parsed.tables
+        self._arrays = parsed.arrays
         self.road_ids = parsed.road_ids
         self.junction_ids = parsed.junction_ids
         self._model: RoadModel | None = None
@@ -67,8 +67,13 @@ class Network:
         self._index = {name: i for i, name in enumerate(parsed.road_ids)}
 
     @cached_property
+    def tables(self) -> RoadTables:
+        """The columns of the network as lists; `tables.in_arrays()` has them as arrays."""
+        return RoadTables.of_arrays(self._arrays)
+
+    @cached_property
     def _locator(self) -> Locator:
-        return Locator(self.tables)
+        return Locator(self._arrays)
 
     def road_index(self, road: str) -> int:
         """Return the index of a road in the tables; KeyError when there is none of that id."""
@@ -162,13 +167,12 @@ class Network:
         import numpy as np
 
         start, row, s, offset = self._locator.many(np.asarray(xs, np.float64), np.asarray(ys, np.float64))
-        arrays = self.tables.in_arrays()
-        columns = (arrays.section_road, arrays.lane_section, arrays.lane_id)
+        columns = (self._arrays.section_road, self._arrays.lane_section, self._arrays.lane_id)
         road, section, lane = (np.asarray(one, np.int64) for one in columns)
         return Located(start, road[section[row]], lane[row], s, offset)
 
     def _position(self, row: int, s: float, offset: float) -> LanePosition:
-        n = self.tables.in_arrays()
+        n = self._arrays
         return LanePosition(self.road_ids[n.section_road[n.lane_section[row]]], n.lane_id[row], s, offset)
 
     def lane_width(self, road: str, lane: int, s: float) -> float:
@@ -332,8 +336,8 @@ class Network:
             KeyError: When a stretch names a road or a colour that does not exist.
             ValueError: When a quality is outside 0 to 1.
         """
-        tables = with_mark_quality(self.tables, self._index, overrides)
-        return Network(self.path, self.sha256, ParsedNetwork(tables, self.road_ids, self.junction_ids))
+        arrays = with_mark_quality(self.tables, self._index, overrides)
+        return Network(self.path, self.sha256, ParsedNetwork(arrays, self.road_ids, self.junction_ids))
 
 
 @overload

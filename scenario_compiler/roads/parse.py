@@ -70,13 +70,13 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
         sink.add(NOT_OPENDRIVE, f"the root element is <{root.tag}>, not <OpenDRIVE>", document.origin(root))
         return None
     reader = Reader(document, sink)
-    parsed = ParsedNetwork()
-    for junction in root.iterfind("junction"):
-        parsed.junction_ids.append(junction.get("id") or "")
-    junctions = {name: i for i, name in reversed(list(enumerate(parsed.junction_ids)))}
+    tables = RoadTables()
+    road_ids: list[str] = []
+    junction_ids = [junction.get("id") or "" for junction in root.iterfind("junction")]
+    junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
     elements: list[etree._Element] = []
     seen: set[str] = set()
-    lanes = LaneReader(reader, parsed.tables)
+    lanes = LaneReader(reader, tables)
     attachments = read_attachments(reader, root)
     cuts = cuts_of(attachments)
     for element in root.iterfind("road"):
@@ -85,18 +85,18 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
             reader.report(UNUSABLE_ROAD, "a road without id is left out", element)
         elif road_id in seen:
             reader.report(DUPLICATE_ROAD, f"a second road has the id '{road_id}'; it is left out", element, "id")
-        elif _read_road(reader, parsed.tables, lanes, element, junctions, cuts.get(road_id, ())):
+        elif _read_road(reader, tables, lanes, element, junctions, cuts.get(road_id, ())):
             seen.add(road_id)
-            parsed.road_ids.append(road_id)
+            road_ids.append(road_id)
             elements.append(element)
     if not elements:
         sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
         return None
-    build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links, attachments)
-    note_steady_lanes(parsed.tables)
-    build_index(parsed.tables)
+    build_links(reader, tables, root, elements, road_ids, junctions, lanes.links, attachments)
+    note_steady_lanes(tables)
+    build_index(tables)
     report_repeats(reader, root)
-    return parsed
+    return ParsedNetwork(tables.in_arrays(), road_ids, junction_ids)
 
 
 def drop_namespace(root: etree._Element) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from scenario_compiler.forms.arrays import with_columns
 from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads.marks import MARK_COLOUR_CODES
 from scenario_compiler.roads.positions import MarkStretch
@@ -21,7 +22,7 @@ Piece = tuple[int, float, float, float, float, int]
 
 
 def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[MarkStretch]) -> RoadTables:
-    """Return tables whose marks carry the overrides, the later ones over the earlier; all else is shared.
+    """Return tables, as arrays, whose marks carry the overrides, the later ones over the earlier; all else is shared.
 
     Raises:
         KeyError: When a stretch names a road or a colour that does not exist.
@@ -46,7 +47,7 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
         for piece in pieces:
             _append(n, m, piece)
         m.lane_mark.append(len(m.mark_s))
-    return n.with_columns({name: getattr(m, name) for name in REPLACED})
+    return with_columns(n.in_arrays(), {name: getattr(m, name) for name in REPLACED})
 
 
 def _override(piece: Piece, stretch: MarkStretch) -> list[Piece]:

@@ -7,7 +7,7 @@ pool of cubics are given by `*_first` and `*_last` (exclusive), because lanes ma
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from scenario_compiler.forms.arrays import BothForms
 from scenario_compiler.forms.declaration import (
@@ -63,7 +63,7 @@ CODE = whole(0, 100)
 CONTACT = codes(AT_END + 1, least=-1)
 
 
-@container("n")
+@container("n", 0)
 @dataclass(slots=True)
 class RoadTables(BothForms):
     """The columns of a network."""
@@ -262,8 +262,14 @@ class RoadTables(BothForms):
 
 @dataclass
 class ParsedNetwork:
-    """The tables of a network and the names that its indices stand for."""
+    """What a road file is read to.
 
-    tables: RoadTables = field(default_factory=RoadTables)
-    road_ids: list[str] = field(default_factory=list)
-    junction_ids: list[str] = field(default_factory=list)
+    Attributes:
+        arrays: The tables, their columns as arrays.
+        road_ids: Ids of the roads, by their indices in the tables.
+        junction_ids: Ids of the junctions.
+    """
+
+    arrays: RoadTables
+    road_ids: list[str]
+    junction_ids: list[str]

@@ -66,7 +66,7 @@ SLOT = Allowed(Of("place of a number", lambda p: len(p.const) + 1))
 COUNT = whole(0)
 
 
-@container("p")
+@container("p", 1)
 @dataclass(slots=True)
 class Program:
     """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""

@@ -1,12 +1,11 @@
 """State: everything that changes during a run, as flat columns of a fixed size.
 
-`clear_columns` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
+`put_to_start` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import (
@@ -24,7 +23,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.forms.declaration import RUN, Of, column, column_types, columns_of, container, fixed
+from scenario_compiler.forms.declaration import RUN, Of, at_start, column, container, fixed
 from scenario_compiler.randomness import hash_bits, normal, uniform
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
@@ -37,7 +36,7 @@ WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 
-@container("st", written=True)
+@container("st", 2, written=True)
 @dataclass(slots=True)
 class State:
     """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
@@ -426,11 +425,7 @@ class State:
 
 def new_state(program: Program) -> State:
     """Return a state of the right sizes for a program, at its declared start."""
-    columns: dict[str, Any] = {}
-    for name, declared in columns_of(State).items():
-        start = float(declared.start) if column_types(State)[name] else int(declared.start)
-        columns[name] = [start] * declared.of.count(program)
-    return State(**columns)
+    return at_start(State, program)
 
 
 REQUESTS_DRAWN = 4

@@ -15,7 +15,7 @@ from scenario_compiler.engine.motion.places import reset_positions
 from scenario_compiler.engine.moves.signals import reset_signals
 from scenario_compiler.engine.moves.variables import reset_variables
 from scenario_compiler.engine.traffic.driving import prepare_traffic
-from scenario_compiler.forms.declaration import clear_columns
+from scenario_compiler.forms.declaration import put_to_start
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -35,7 +35,7 @@ def reset_entities(p: Program, st: State) -> None:
 @compiled
 def reset_columns(n: RoadTables, p: Program, st: State) -> None:
     """Put every column to t = 0, before the init actions."""
-    clear_columns(st)
+    put_to_start(st)
     reset_camera(p, st)
     reset_weather(p, st)
     reset_variables(p, st)
