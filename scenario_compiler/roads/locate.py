@@ -51,11 +51,21 @@ def in_plane(x: float, y: float) -> int:
 
 
 @compiled
+def cell_number(coordinate: float) -> int:
+    """Return the number of the row of cells that holds a coordinate, the outermost one's beyond the plane."""
+    if not coordinate > -PLANE_LIMIT:
+        coordinate = -PLANE_LIMIT
+    if coordinate > PLANE_LIMIT:
+        coordinate = PLANE_LIMIT
+    return floor(coordinate / CELL)
+
+
+@compiled
 def cell_at(n: RoadTables, x: float, y: float) -> int:
     """Return the row of the cell that holds a point, -1 where no road is near it."""
     if in_plane(x, y) == 0:
         return -1
-    key = cell_key_of(floor(x / CELL), floor(y / CELL))
+    key = cell_key_of(cell_number(x), cell_number(y))
     low = 0
     high = len(n.cell_key) - 1
     while low < high:

@@ -16,13 +16,12 @@ from lxml import etree
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.document import Document
 from scenario_compiler.roads.attachments import cuts_of, read_attachments
+from scenario_compiler.roads.derived import with_derived_columns
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
-from scenario_compiler.roads.locate_build import build_index
 from scenario_compiler.roads.model import report_repeats
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
-from scenario_compiler.roads.steady import note_steady_lanes
 from scenario_compiler.roads.tables import NO_SPEED, ParsedNetwork, RoadTables
 from scenario_compiler.roads.topology import build_links
 
@@ -93,10 +92,8 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
         sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
         return None
     build_links(reader, tables, root, elements, road_ids, junctions, lanes.links, attachments)
-    note_steady_lanes(tables)
-    build_index(tables)
     report_repeats(reader, root)
-    return ParsedNetwork(tables.in_arrays(), road_ids, junction_ids)
+    return ParsedNetwork(with_derived_columns(tables), road_ids, junction_ids)
 
 
 def drop_namespace(root: etree._Element) -> None:

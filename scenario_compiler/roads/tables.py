@@ -180,11 +180,11 @@ class RoadTables(BothForms):
     lane_width_first: list[int] = column(LANE, 0, PLACE)
     """Range of cubics over s: width, m."""
     lane_width_last: list[int] = column(LANE, 0, PLACE)
-    lane_steady: list[int] = column(LANE, 0, FLAG)
+    lane_steady: list[int] = column(LANE, 0, FLAG, written=True)
     """1 where t of the lane's centre is the same all along its section."""
-    lane_middle: list[float] = column(LANE)
+    lane_middle: list[float] = column(LANE, written=True)
     """That t, m; 0 elsewhere."""
-    lane_wide: list[float] = column(LANE)
+    lane_wide: list[float] = column(LANE, written=True)
     """Width of such a lane, which is the same all along too, m; 0 elsewhere."""
     lane_height: list[int] = row_starts(LANE, HEIGHT)
     lane_speed: list[int] = row_starts(LANE, SPEED)
@@ -235,28 +235,28 @@ class RoadTables(BothForms):
     """1 for a single explicit line, 0 for one that repeats."""
 
     # The index over the plane: short parts of reference lines, each in one piece and section, and the cells they touch.
-    chunk_road: list[int] = column(CHUNK, 0, index(ROAD))
-    chunk_section: list[int] = column(CHUNK, 0, index(SECTION))
-    chunk_piece: list[int] = column(CHUNK, 0, index(PIECE))
-    chunk_s: list[float] = column(CHUNK)
-    chunk_end: list[float] = column(CHUNK)
-    chunk_before: list[float] = column(CHUNK)
+    chunk_road: list[int] = column(CHUNK, 0, index(ROAD), written=True)
+    chunk_section: list[int] = column(CHUNK, 0, index(SECTION), written=True)
+    chunk_piece: list[int] = column(CHUNK, 0, index(PIECE), written=True)
+    chunk_s: list[float] = column(CHUNK, written=True)
+    chunk_end: list[float] = column(CHUNK, written=True)
+    chunk_before: list[float] = column(CHUNK, written=True)
     """How far beyond each end a point still belongs to the chunk (over a kink of the reference line), m."""
-    chunk_after: list[float] = column(CHUNK)
-    chunk_right: list[float] = column(CHUNK)
+    chunk_after: list[float] = column(CHUNK, written=True)
+    chunk_right: list[float] = column(CHUNK, written=True)
     """Bounds of t of the lanes, m."""
-    chunk_left: list[float] = column(CHUNK)
-    chunk_x0: list[float] = column(CHUNK)
+    chunk_left: list[float] = column(CHUNK, written=True)
+    chunk_x0: list[float] = column(CHUNK, written=True)
     """Bounds of the surface in the plane."""
-    chunk_x1: list[float] = column(CHUNK)
-    chunk_y0: list[float] = column(CHUNK)
-    chunk_y1: list[float] = column(CHUNK)
-    cell_key: list[int] = column(CELL, 0, whole(0, 1 << 62))
+    chunk_x1: list[float] = column(CHUNK, written=True)
+    chunk_y0: list[float] = column(CHUNK, written=True)
+    chunk_y1: list[float] = column(CHUNK, written=True)
+    cell_key: list[int] = column(CELL, 0, whole(0, 1 << 62), written=True)
     """Sorted keys of the occupied cells of the plane."""
-    cell_chunk: list[int] = row_starts(CELL, CELL_CHUNK)
-    chunk_of_cell: list[int] = column(CELL_CHUNK, 0, index(CHUNK))
+    cell_chunk: list[int] = row_starts(CELL, CELL_CHUNK, written=True)
+    chunk_of_cell: list[int] = column(CELL_CHUNK, 0, index(CHUNK), written=True)
     """The chunks that touch the cell."""
-    wide_chunk: list[int] = column(WIDE, 0, index(CHUNK))
+    wide_chunk: list[int] = column(WIDE, 0, index(CHUNK), written=True)
     """Chunks too wide for the cells; they are always looked at."""
 
 
