@@ -16,7 +16,7 @@ from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, Reading
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import Catalogs
-from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
+from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement, TemplateElement
 from scenario_compiler.source.events import MOST_WAYS, storyboard_of, ways
 from scenario_compiler.source.parameters import (
     STRUCTURAL_KINDS,
@@ -96,14 +96,37 @@ def expand_scenario(
 
 def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
     """Report every fault of a template on its own, used once without arguments."""
-    declared = template_parameters(part, sink)
-    values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
-    reading = part.reading(sink, _environment(declared, values, set(values)))
     expander = surroundings.expander(trial=True)
-    scope = Scope(part.name, Scope())
-    expander.add_template(part, reading, scope)
+    reading = _at_defaults(part, template_parameters(part, sink), sink)
+    expander.add_template(part, reading, Scope(part.name, Scope()))
     actors = [actor for actor, _ in expander.contents.actors]
     catalog_vehicles(actors, surroundings.catalogs, sink)
+
+
+def _at_defaults(part: Part, declared: Declared, sink: Diagnostics) -> Reading:
+    """Return how a part is read at the defaults of its parameters; what depends on one without stays open."""
+    values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
+    return part.reading(sink, _environment(declared, values, set(values)))
+
+
+def named_in(part: Part, surroundings: Around) -> tuple[Scope, Expander]:
+    """Return the names that a scenario or a template makes known, and its items, at its parameters' defaults.
+
+    Faults are not reported: this is for who asks what names mean in a file that is being written.
+    """
+    quiet = Diagnostics()
+    element, word = part.element, ScenarioElement if part.element.tag == ScenarioElement.tag() else TemplateElement
+    reading = _at_defaults(part, read_parameters(element, part.reading(quiet, Environment())), quiet)
+    scope, expander = Scope(), surroundings.expander(trial=True)
+    for rule, found in place_children(element, word, reading):
+        for ego in found if rule.field == "ego" else ():
+            full = scope.declare(ego.get("id", "ego"))
+            whens = [read_word(one, When, reading) for one in ego.iterchildren(When.tag())]
+            named = [scope.name_event(one, quiet) for one in whens if one is not None]
+            expander.contents.happenings += [(full, when, scope) for when in named]
+        if rule.field == "items":
+            expander.add_items(rule, found, reading, scope)
+    return scope, expander
 
 
 def _environment(declared: Declared, values: Mapping[str, Value], settled: set[str]) -> Environment:

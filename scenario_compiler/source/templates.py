@@ -12,7 +12,7 @@ from typing import Any, cast
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
-from scenario_compiler.document import read_document
+from scenario_compiler.document import Origin, read_document
 from scenario_compiler.expressions import Value
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, Reading
@@ -52,6 +52,7 @@ class Scope:
         uses: Names of the uses that stand here.
         events: Name of an event as this scope knows it, to its name in the whole scenario.
         numbered: Last number of a part without an id, by what its name begins with.
+        origin: The use or the loop that made the scope; None for the scenario.
     """
 
     name: str = ""
@@ -61,6 +62,7 @@ class Scope:
     uses: set[str] = field(default_factory=set)
     events: dict[str, str] = field(default_factory=dict)
     numbered: dict[str, int] = field(default_factory=dict)
+    origin: Origin | None = None
 
     def declare(self, local: str) -> str:
         """Make an id known here and, behind the names of the uses, in the scopes around; return it in full."""
@@ -129,7 +131,7 @@ class Scope:
                     changes[rule.field] = self.resolve(named) or self._unknown(named, one, name, sink)
                 elif rule.spelling.names == "event":
                     named = getattr(one, rule.field)
-                    changes[rule.field] = self._event(named) or self._unknown_event(named, one, name, sink)
+                    changes[rule.field] = self.resolve_event(named) or self._unknown_event(named, one, name, sink)
             return one.model_copy(update=changes) if changes else one
 
         return replaced(cast(AnyWord, in_full(word)), in_full)
@@ -162,7 +164,7 @@ class Scope:
             scope.events[name] = full
         return when.model_copy(update={"name": full}).written_at(when.origin)
 
-    def _event(self, name: str) -> str | None:
+    def resolve_event(self, name: str) -> str | None:
         """Return the name in the whole scenario that the name of an event means here."""
         scope: Scope | None = self
         while scope is not None:
@@ -225,6 +227,7 @@ class Expander:
         contents: Where everything goes.
         declared: Parameters of the templates that have been used, by where these stand.
         unread: Ids of actors that are written but cannot be read: references to them are no faults.
+        scopes: The scopes that uses and loops have made, in document order.
     """
 
     own: Mapping[str, Part]
@@ -234,6 +237,7 @@ class Expander:
     contents: Contents = field(default_factory=Contents)
     declared: dict[str, Declared] = field(default_factory=dict)
     unread: set[str] = field(default_factory=set)
+    scopes: list[Scope] = field(default_factory=list)
 
     @property
     def most(self) -> int:
@@ -371,7 +375,8 @@ class Expander:
         variable = fields.get("variable", "index")
         for number, value in enumerate(values, start=1):
             inside = replace(reading, environment=reading.environment.with_value(variable, value))
-            self.add_items(rule, elements, inside, Scope(f"{name}.{number}", scope), chain)
+            inner = self._inside(f"{name}.{number}", scope, reading.origin(element))
+            self.add_items(rule, elements, inside, inner, chain)
 
     def _lose(self, element: etree._Element, scope: Scope) -> None:
         """Remember what an item that cannot be read would have brought."""
@@ -408,12 +413,18 @@ class Expander:
             reading.sink.add(names.TEMPLATE_CYCLE, f"{uses}: it never ends", use.origin)
             return
         name = scope.name_use(use, reading.sink)
-        inner = Scope(name, scope)
+        inner = self._inside(name, scope, use.origin)
         if identity not in self.declared:
             self.declared[identity] = template_parameters(template, reading.sink)
         environment = bind_use(self.declared[identity], use.arguments, reading, use)
         inside = template.reading(reading.sink, environment, use.origin)
         self.add_template(template, inside, inner, (*chain, identity))
+
+    def _inside(self, name: str, scope: Scope, origin: Place) -> Scope:
+        """Return the scope of a use or of a round of a loop, and remember it."""
+        inner = Scope(name, scope, origin=origin if isinstance(origin, Origin) else None)
+        self.scopes.append(inner)
+        return inner
 
     def add_template(self, template: Part, reading: Reading, scope: Scope, chain: tuple[str, ...] = ()) -> None:
         """Read and add the items of a template."""

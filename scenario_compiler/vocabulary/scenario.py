@@ -41,7 +41,7 @@ class Parameter(Word):
 
     word: Literal["parameter"] = "parameter"
 
-    name: str = attribute("Name that `$name` and `--set name=value` use.", pattern=IDENTIFIER)
+    name: str = attribute("Name that `$name` and `--set name=value` use.", defines="parameter", pattern=IDENTIFIER)
     type: ParameterKind = attribute("What it measures; numbers are in the unit that XML uses for it.")
     default: str | None = attribute("Value when none is given; without one, each use must give it.", default=None)
     min: Number | None = attribute("Least value.", default=None)
@@ -73,7 +73,7 @@ class Scenario(Word):
 
     word: Literal["scenario"] = "scenario"
 
-    name: str = attribute("Name of the scenario.")
+    name: str = attribute("Name of the scenario.", defines="scenario")
     summary: str = attribute("One sentence: what happens.", default="")
     source: str = attribute("Where the situation comes from.", default="")
     map: str = attribute("Name or path of the OpenDRIVE map.", names="map")

@@ -1,0 +1,237 @@
+"""What can be named at a place, by what its attribute names: ids, templates, models, maps, roads, weathers and so on.
+
+Completion offers these and hover explains them, so that both say the same of a thing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from scenario_compiler.controllers import CONTROLLERS
+from scenario_compiler.diagnostics import Diagnostics, FilePlace, Severity, all_codes
+from scenario_compiler.editor.analysis import Analysis
+from scenario_compiler.editor.draft import Tag
+from scenario_compiler.expressions import format_value
+from scenario_compiler.plan.maps import open_map
+from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
+from scenario_compiler.roads import Network
+from scenario_compiler.roads.spawn_points import read_spawn_points
+from scenario_compiler.source.conflict import Part, ScenarioElement
+from scenario_compiler.source.parameters import limits
+from scenario_compiler.source.templates import template_parameters
+from scenario_compiler.vocabulary.entities import Vehicle
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.reference import limits_text
+from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.takeover import DriverModel
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_numbers, weather_preset
+from scenario_compiler.vocabulary.word import QUANTITIES
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Something that can be named: its name, what it is in a few words, and more in Markdown."""
+
+    name: str
+    detail: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class Around:
+    """Where something is named: a text, the element, and the folders that maps are looked for in first."""
+
+    analysis: Analysis
+    tag: Tag
+    maps: Sequence[Path] = ()
+    quiet: Diagnostics = field(default_factory=Diagnostics)
+
+    @property
+    def map_name(self) -> str:
+        """The map of the scenario around; empty in a template, which has none of its own."""
+        part = self.analysis.part_of(self.tag)
+        if part is None or part.name != ScenarioElement.tag():
+            return ""
+        return self.analysis.draft.text_of(part, "map")
+
+    def network(self) -> Network | None:
+        """Return the map of the scenario around; None where it names none that is there."""
+        if not self.map_name or "$" in self.map_name:
+            return None
+        return open_map(self.map_name, Path(self.analysis.path).parent, FilePlace(""), self.quiet, self.maps)
+
+
+def known(kind: str, around: Around) -> list[Known]:
+    """Return what an attribute that names a `kind` can name at a place, each name once, in a useful order."""
+    found = KNOWN[kind](around) if kind in KNOWN else ()
+    return list({one.name: one for one in reversed(list(found))}.values())[::-1]
+
+
+def _entities(around: Around) -> Iterator[Known]:
+    scope, part = around.analysis.scope_at(around.tag), around.analysis.part_of(around.tag)
+    names = None if part is None else around.analysis.names_of(part)
+    for name, full in () if scope is None else scope.ids.items():
+        found = None if names is None else names.declared.get(("entity", full))
+        yield Known(name, "ego vehicle" if found is None else getattr(found[0], "model", ""))
+    yield from _written(around, "entity")
+    if part is not None and part.name != ScenarioElement.tag():
+        yield Known("ego", "ego vehicle")
+
+
+def _events(around: Around) -> Iterator[Known]:
+    scope = around.analysis.scope_at(around.tag)
+    while scope is not None:
+        yield from (Known(name, "event") for name in scope.events)
+        scope = scope.parent
+    yield from _written(around, "event")
+
+
+def _written(around: Around, kind: str) -> Iterator[Known]:
+    """Yield names of a kind that elements of the scenario or template give."""
+    part = around.analysis.part_of(around.tag)
+    for name, _, tag in () if part is None else around.analysis.declared_in(part, kind):
+        if name and "$" not in name:
+            yield Known(name, f"<{tag.name}>")
+
+
+def _templates(around: Around) -> Iterator[Known]:
+    for name, part in around.analysis.templates.items():
+        if name:
+            yield Known(name, part.element.get("summary", ""), template_text(part))
+
+
+def template_text(part: Part) -> str:
+    """Return what a template does and what its parameters are, as Markdown."""
+    element = part.element
+    lines = [f"**{part.name}**: {element.get('summary', '')}", ""]
+    lines += [f"- {parameter_text(one)}" for one in template_parameters(part, Diagnostics()).known.values()]
+    if element.get("source"):
+        lines += ["", str(element.get("source"))]
+    return "\n".join(lines)
+
+
+def parameter_text(parameter: Parameter) -> str:
+    """Return what a parameter is, with its kind, unit, limits and default, as a line of Markdown."""
+    what = ", ".join(part for part in (parameter.type, _unit(parameter), limits_text(limits(parameter))) if part)
+    default = "must be given" if parameter.default is None else f"`{parameter.default}` when left out"
+    return f"`{parameter.name}` ({what}; {default}) {parameter.summary}".strip()
+
+
+def _unit(parameter: Parameter) -> str:
+    quantity = QUANTITIES.get(parameter.type)
+    return f"in {quantity.unit}" if quantity is not None and quantity.unit not in ("", "1") else ""
+
+
+def _parameters(around: Around) -> Iterator[Known]:
+    """Yield the parameters that an expression can use, those of loops first."""
+    part = around.analysis.part_of(around.tag)
+    declared = {} if part is None else parameters_of(around.analysis, part)
+    for name in around.analysis.parameters_at(around.tag):
+        parameter = declared.get(name)
+        detail = "set by the loop" if parameter is None else parameter.type
+        if name:
+            yield Known(name, detail, "" if parameter is None else parameter_text(parameter))
+
+
+def parameters_of(analysis: Analysis, part: Tag) -> Mapping[str, Parameter]:
+    """Return the parameters that a scenario or template declares, as far as they can be read."""
+    element = analysis.elements.get(part.start)
+    if element is None or analysis.document is None:
+        return {}
+    return template_parameters(Part(analysis.document, element), Diagnostics()).known
+
+
+def _vehicles(around: Around) -> Iterator[Known]:
+    for name, vehicle in around.analysis.catalogs.vehicles.items():
+        yield Known(name, vehicle.category, _vehicle_text(vehicle))
+
+
+def _vehicle_text(vehicle: Vehicle) -> str:
+    size = " × ".join(f"{format_value(one)}" for one in (vehicle.length, vehicle.width, vehicle.height))
+    lines = [f"**{vehicle.name}** ({vehicle.category}) {vehicle.summary}", "", f"{size} m (length × width × height)"]
+    return "\n".join([*lines, "", vehicle.source] if vehicle.source else lines)
+
+
+def _drivers(around: Around) -> Iterator[Known]:
+    for name, driver in around.analysis.catalogs.drivers.items():
+        yield Known(name, driver.summary, _driver_text(driver))
+
+
+def _driver_text(driver: DriverModel) -> str:
+    return "\n\n".join(part for part in (f"**{driver.name}**: {driver.summary}", driver.source) if part)
+
+
+def _weathers(around: Around) -> Iterator[Known]:
+    del around
+    for index, name in enumerate(WEATHER_PRESETS):
+        preset = weather_preset(name)
+        numbers = () if preset is None else weather_numbers(preset)
+        named = zip(grammar_of(Weather).attributes.values(), ("", *numbers), strict=False)
+        lines = [f"- {rule.name}: {format_value(number)}" for rule, number in named if isinstance(number, float)]
+        yield Known(name, f"preset {index}", "\n".join([f"**{name}**, CARLA's preset {index}", "", *lines]))
+
+
+def _maps(around: Around) -> Iterator[Known]:
+    folder = Path(around.analysis.path).parent
+    beside = sorted(path.name for path in folder.glob("*.xodr")) if folder.is_dir() else []
+    for name in [*beside, *known_maps(around.maps)]:
+        try:
+            yield Known(name, str(find_map(name, beside=folder, folders=around.maps)))
+        except MapNotFoundError:
+            continue
+
+
+def _roads(around: Around) -> Iterator[Known]:
+    network = around.network()
+    for road in () if network is None else network.road_ids:
+        found = None if network is None else network.road(road)
+        yield Known(road, "" if found is None else f"{found.length:.1f} m long", "")
+
+
+def _signals(around: Around) -> Iterator[Known]:
+    network = around.network()
+    for signal in () if network is None else network.model().signals:
+        yield Known(signal.id, signal.name or signal.type)
+
+
+def _spawn_points(around: Around) -> Iterator[Known]:
+    yield from _written(around, "spawn_point")
+    network = around.network()
+    for name, point in {} if network is None else read_spawn_points(network.path, around.quiet).items():
+        where = f"road {point.road}, lane {point.lane}, s = {format_value(point.s)} m"
+        yield Known(name, where, f"**{name}** ({where}) {point.summary}")
+
+
+def _controllers(around: Around) -> Iterator[Known]:
+    del around
+    yield from (Known(name, "controller") for name in CONTROLLERS)
+
+
+def _codes(around: Around) -> Iterator[Known]:
+    del around
+    for code in sorted(all_codes().values(), key=lambda one: one.id):
+        if code.severity is not Severity.ERROR:
+            yield Known(code.id, code.name, code.explanation)
+
+
+KNOWN: Mapping[str, Callable[[Around], Iterable[Known]]] = {
+    "code": _codes,
+    "controller": _controllers,
+    "driver": _drivers,
+    "entity": _entities,
+    "event": _events,
+    "map": _maps,
+    "parameter": _parameters,
+    "road": _roads,
+    "signal": _signals,
+    "signal_controller": lambda around: _written(around, "signal_controller"),
+    "spawn_point": _spawn_points,
+    "template": _templates,
+    "traffic": lambda around: _written(around, "traffic"),
+    "variable": lambda around: _written(around, "variable"),
+    "vehicle": _vehicles,
+    "weather": _weathers,
+}
+"""What attributes name, to what there is of it."""
