@@ -36,14 +36,14 @@ from scenario_compiler.source.conflict import (
 )
 from scenario_compiler.source.expansion import Around, around, named_in
 from scenario_compiler.source.templates import Expander, Scope, library_templates
-from scenario_compiler.vocabulary.grammar import AttributeRule
+from scenario_compiler.vocabulary.grammar import AttributeRule, grammar_of
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import Word
 
 PARTS = (ScenarioElement.tag(), TemplateElement.tag())
 """The elements that ids, events and parameters belong to."""
 
-LOOPS = {Repeat.tag(): "as", For.tag(): "each"}
+LOOPS = {word.tag(): grammar_of(word).attribute_of("variable") for word in (Repeat, For)}
 """The loops' tags, and the attribute of each that names its parameter."""
 
 IN_A_FILE = frozenset({"scenario", "template", "vehicle", "driver"})
@@ -196,21 +196,23 @@ class Analysis:
                 return names.scopes[element]
         return names.scope
 
-    def parameters_at(self, tag: Tag) -> Mapping[str, Attribute]:
+    def parameters_at(self, tag: Tag) -> Mapping[str, Attribute | None]:
         """Return the parameters that an element's values can use, each with the attribute that names it.
 
         The innermost declaration of a name counts: those of the loops around, then those of the scenario or template.
+        A loop's that is not named has its usual name, and no attribute.
         """
-        found: dict[str, Attribute] = {}
+        found: dict[str, Attribute | None] = {}
         for one in tag.ancestors():
-            variable = one.attribute(LOOPS[one.name]) if one.name in LOOPS and one is not tag else None
-            if variable is not None:
-                found.setdefault(self.draft.meant(variable), variable)
+            if one.name in LOOPS and one is not tag:
+                variable = one.attribute(LOOPS[one.name].name)
+                name = LOOPS[one.name].default if variable is None else self.draft.meant(variable)
+                found.setdefault(name or "", variable)
             if one.name in PARTS:
                 for child in one.children:
-                    name = child.attribute("name") if child.name == Parameter.tag() else None
-                    if name is not None:
-                        found.setdefault(self.draft.meant(name), name)
+                    declared = child.attribute("name") if child.name == Parameter.tag() else None
+                    if declared is not None:
+                        found.setdefault(self.draft.meant(declared), declared)
                 break
         return found
 
@@ -263,7 +265,7 @@ class Analysis:
                 yield Mention(attribute.start, attribute.start + len(attribute.name), symbol)
 
     def _parameters_in(
-        self, attribute: Attribute, parameters: Mapping[str, Attribute], *, whole: bool
+        self, attribute: Attribute, parameters: Mapping[str, Attribute | None], *, whole: bool
     ) -> Iterator[Mention]:
         """Yield the parameters that a value names; with `whole` the value is an expression without brackets."""
         for name, start in parameters_named(self.draft.value(attribute), whole=whole):

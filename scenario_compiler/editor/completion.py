@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 from typing import Literal
 from xml.sax.saxutils import escape
@@ -13,7 +14,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.editor.analysis import Analysis
 from scenario_compiler.editor.cursor import Cursor, cursor_at
 from scenario_compiler.editor.draft import Tag
-from scenario_compiler.editor.known import Around, Known, known, parameter_text
+from scenario_compiler.editor.known import Around, Known, known, parameter_kind, parameter_text
 from scenario_compiler.editor.words import ROOTS, Meaning, described, meaning_of
 from scenario_compiler.expressions import FUNCTIONS, format_value
 from scenario_compiler.source.conflict import Part, Use
@@ -102,30 +103,32 @@ def _open_rules(meaning: Meaning, cursor: Cursor) -> Iterator[ChildRule]:
 
 
 def _element_offer(name: str, word: type[Word] | None, text: str, before: str, cursor: Cursor) -> Offer:
-    insert = f"{before}{_start_tag(name, word)}" if not cursor.rest else f"{before}{name}"
+    insert = f"{before}{_written(name, word, count(1))}" if not cursor.rest else f"{before}{name}"
     return Offer(name, "element", cursor.start, cursor.end, insert, text.split("\n\n")[0], text)
 
 
-def _start_tag(name: str, word: type[Word] | None) -> str:
-    """Return an element with places for its required attributes, and for its children where it must have some."""
+def _written(name: str, word: type[Word] | None, numbers: Iterator[int]) -> str:
+    """Return an element behind its bracket, with places for its required attributes and for its children.
+
+    The children that it must have are written where there is no choice.
+    """
     if word is None:
-        return f"{name}>$0</{name}>"
+        return f"{name}>${next(numbers)}</{name}>"
     grammar = grammar_of(word)
     required = [rule for rule in grammar.attributes.values() if rule.required]
-    written = "".join(f' {rule.name}="{_given(rule, number)}"' for number, rule in enumerate(required, start=1))
-    inside = "".join(_required_child(rule) for rule in grammar.children if rule.required)
+    given = [rule.choices[0] if len(rule.choices) == 1 else f"${next(numbers)}" for rule in required]
+    attributes = "".join(f' {rule.name}="{value}"' for rule, value in zip(required, given, strict=True))
     if not grammar.children:
-        return f"{name}{written}/>"
-    return f"{name}{written}>{inside or '$0'}</{name}>"
+        return f"{name}{attributes}/>"
+    children = "".join(_required_child(rule, numbers) for rule in grammar.children if rule.required)
+    return f"{name}{attributes}>{children or f'${next(numbers)}'}</{name}>"
 
 
-def _given(rule: AttributeRule, number: int) -> str:
-    """Return the only value that an attribute may have, else a place for one."""
-    return rule.choices[0] if len(rule.choices) == 1 else f"${number}"
-
-
-def _required_child(rule: ChildRule) -> str:
-    return f"<{rule.wrapper}>$0</{rule.wrapper}>" if rule.wrapper else "$0"
+def _required_child(rule: ChildRule, numbers: Iterator[int]) -> str:
+    """Return a child that an element must have: the only one that it can be, else a place for one."""
+    only = next(iter(rule.words.items())) if len(rule.words) == 1 else None
+    inner = f"${next(numbers)}" if only is None else f"<{_written(*only, numbers)}"
+    return f"<{rule.wrapper}>{inner}</{rule.wrapper}>" if rule.wrapper else inner
 
 
 def _attributes(analysis: Analysis, cursor: Cursor, meaning: Meaning) -> Iterator[Offer]:
@@ -140,7 +143,9 @@ def _attributes(analysis: Analysis, cursor: Cursor, meaning: Meaning) -> Iterato
     template = analysis.template_of(cursor.tag)
     for parameter in [] if template is None else arguments_of(template).known.values():
         if parameter.name not in taken:
-            detail = parameter.type if parameter.default is not None else f"{parameter.type}, required"
+            detail = (
+                parameter_kind(parameter) if parameter.default is not None else f"{parameter_kind(parameter)}, required"
+            )
             text = parameter_text(parameter)
             yield Offer(parameter.name, "attribute", cursor.start, cursor.end, f"{parameter.name}{end}", detail, text)
 
@@ -194,14 +199,14 @@ def _literals(rule: AttributeRule | None, parameter: Parameter | None) -> Iterat
     if rule is not None:
         default = default_text(rule).removeprefix("Default: ").removesuffix(".")
         choices = ("true", "false") if rule.kind == "boolean" else rule.choices
-        yield from (Known(one, "left out, the same" if one == default else "", rule.description) for one in choices)
+        yield from (Known(one, "default" if one == default else "", rule.description) for one in choices)
         if not choices and rule.kind in ("number", "fixed_number", "integer") and default:
-            yield Known(default, "left out, the same", attribute_text(rule))
+            yield Known(default, "default", attribute_text(rule))
     elif parameter is not None:
         choices = ("true", "false") if parameter.type == "boolean" else ()
         yield from (Known(one, parameter.type, parameter_text(parameter)) for one in choices)
         if not choices and parameter.default:
-            yield Known(parameter.default, "left out, the same", parameter_text(parameter))
+            yield Known(parameter.default, "default", parameter_text(parameter))
         for limit, number in (("least", parameter.min), ("greatest", parameter.max)):
             if isinstance(number, float):
                 yield Known(format_value(number), f"{limit} value", parameter_text(parameter))
@@ -248,7 +253,6 @@ def _in_expression(cursor: Cursor, around: Around, written: str, *, braced: bool
     start = cursor.offset - (0 if name is None else len(name.group()))
     for one in known("parameter", around):
         yield Offer(f"${one.name}", "name", start, cursor.offset, f"\\${one.name}", one.detail, one.text)
-    for function, (count, _) in FUNCTIONS.items() if braced else ():
-        places = ", ".join(f"${number}" for number in range(1, max(count, 2) + (count < 0)))
-        places = "$1" if count == 1 else places
+    for function, (arguments, _) in FUNCTIONS.items() if braced else ():
+        places = ", ".join(f"${number}" for number in range(1, (2 if arguments < 0 else arguments) + 1))
         yield Offer(function, "function", start, cursor.offset, f"{function}({places})", "function")

@@ -73,7 +73,8 @@ def _explained_value(
         return Explained(attribute.value_start, attribute.value_end, text) if text else None
     start, end = _word_at(value, offset - attribute.value_start) if rule.spelling.separated else (0, len(value))
     named = value[start:end].strip()
-    found = next((one for one in known(rule.spelling.names, around) if one.name == named), None)
+    kind = rule.spelling.names or rule.spelling.defines
+    found = next((one for one in known(kind, around) if one.name == named), None)
     start, end = attribute.value_start + start, attribute.value_start + end
     if found is None or not (found.text or found.detail):
         return Explained(start, end, attribute_text(rule))

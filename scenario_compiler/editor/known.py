@@ -11,7 +11,7 @@ from pathlib import Path
 
 from scenario_compiler.controllers import CONTROLLERS
 from scenario_compiler.diagnostics import Diagnostics, FilePlace, Severity, all_codes
-from scenario_compiler.editor.analysis import Analysis
+from scenario_compiler.editor.analysis import LOOPS, Analysis
 from scenario_compiler.editor.draft import Tag
 from scenario_compiler.expressions import format_value
 from scenario_compiler.plan.maps import open_map
@@ -89,10 +89,11 @@ def _events(around: Around) -> Iterator[Known]:
 
 
 def _written(around: Around, kind: str) -> Iterator[Known]:
-    """Yield names of a kind that elements of the scenario or template give."""
+    """Yield names of a kind that elements of the scenario or template give, but for those in other loops."""
     part = around.analysis.part_of(around.tag)
+    loops = {one.start for one in around.tag.ancestors() if one.name in LOOPS}
     for name, _, tag in () if part is None else around.analysis.declared_in(part, kind):
-        if name and "$" not in name:
+        if name and "$" not in name and loops.issuperset(one.start for one in tag.ancestors() if one.name in LOOPS):
             yield Known(name, f"<{tag.name}>")
 
 
@@ -114,14 +115,15 @@ def template_text(part: Part) -> str:
 
 def parameter_text(parameter: Parameter) -> str:
     """Return what a parameter is, with its kind, unit, limits and default, as a line of Markdown."""
-    what = ", ".join(part for part in (parameter.type, _unit(parameter), limits_text(limits(parameter))) if part)
     default = "must be given" if parameter.default is None else f"`{parameter.default}` when left out"
-    return f"`{parameter.name}` ({what}; {default}) {parameter.summary}".strip()
+    return f"`{parameter.name}` ({parameter_kind(parameter)}; {default}) {parameter.summary}".strip()
 
 
-def _unit(parameter: Parameter) -> str:
+def parameter_kind(parameter: Parameter) -> str:
+    """Return what a parameter holds: its kind, unit and limits."""
     quantity = QUANTITIES.get(parameter.type)
-    return f"in {quantity.unit}" if quantity is not None and quantity.unit not in ("", "1") else ""
+    unit = f" in {quantity.unit}" if quantity is not None and quantity.unit not in ("", "1") else ""
+    return ", ".join(part for part in (f"{parameter.type}{unit}", limits_text(limits(parameter))) if part)
 
 
 def _parameters(around: Around) -> Iterator[Known]:
@@ -130,9 +132,9 @@ def _parameters(around: Around) -> Iterator[Known]:
     declared = {} if part is None else parameters_of(around.analysis, part)
     for name in around.analysis.parameters_at(around.tag):
         parameter = declared.get(name)
-        detail = "set by the loop" if parameter is None else parameter.type
+        text = f"`{name}` is set by the loop around" if parameter is None else parameter_text(parameter)
         if name:
-            yield Known(name, detail, "" if parameter is None else parameter_text(parameter))
+            yield Known(name, "set by the loop" if parameter is None else parameter_kind(parameter), text)
 
 
 def parameters_of(analysis: Analysis, part: Tag) -> Mapping[str, Parameter]:

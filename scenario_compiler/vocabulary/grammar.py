@@ -90,6 +90,10 @@ class Grammar:
     children: tuple[ChildRule, ...]
     others: str = ""
 
+    def attribute_of(self, field: str) -> AttributeRule:
+        """Return the attribute that holds a field of the word."""
+        return next(rule for rule in self.attributes.values() if rule.field == field)
+
 
 @cache
 def grammar_of(word: type[Word]) -> Grammar:
