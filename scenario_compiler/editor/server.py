@@ -374,7 +374,7 @@ def _add_pictures(server: ScenarioServer) -> None:
             first = str(fault).partition("\n")[0]
             server.window_show_message(lsp.ShowMessageParams(lsp.MessageType.Error, f"no preview of '{name}': {first}"))
             return None
-        await server.window_show_document_async(lsp.ShowDocumentParams(server.uri(str(picture))))
+        await server.window_show_document_async(lsp.ShowDocumentParams(server.uri(str(picture)), external=True))
         return str(picture)
 
 
