@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from scenario_compiler.editor.draft import Tag
+from scenario_compiler.editor.draft import Draft, Tag
+from scenario_compiler.languages import OPENSCENARIO
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of
@@ -13,6 +15,24 @@ from scenario_compiler.vocabulary.word import Word
 
 ROOTS: Mapping[str, type[Word]] = {word.tag(): word for word in (LibraryElement, CatalogElement)}
 """The first elements of the files that are edited word by word; of others the findings alone are shown."""
+
+
+AISA = "config"
+"""First element of the AISA toolkit's files, and of many that are none of them."""
+
+
+def is_scenario_file(draft: Draft) -> bool:
+    """Return whether an XML file is in one of the languages of scenarios, by its first element.
+
+    An editor has XML files of all kinds open: of others, and of files without an element, nothing is to be said.
+    """
+    root = draft.root
+    if root is None:
+        return False
+    if root.name == AISA:
+        return any(one.name == LibraryElement.tag() for one in root.children)
+    name = root.name.rpartition(":")[2]
+    return bool(difflib.get_close_matches(name, (*ROOTS, *OPENSCENARIO), n=1, cutoff=0.8))
 
 
 @dataclass(frozen=True, slots=True)

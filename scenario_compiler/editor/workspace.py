@@ -11,7 +11,7 @@ from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import CompileError, Diagnostics
 from scenario_compiler.editor.analysis import Analysis, Symbol, read_analysis
 from scenario_compiler.editor.findings import Finding, carried_over, findings, while_written
-from scenario_compiler.editor.words import ROOTS
+from scenario_compiler.editor.words import ROOTS, is_scenario_file
 from scenario_compiler.files import unsaved
 from scenario_compiler.source.templates import library_templates
 
@@ -70,6 +70,8 @@ class Workspace:
         own = os.path.realpath(path)
         analysis = self.texts.get(own)
         if analysis is None:
+            return []
+        if Path(path).suffix not in (".xosc", ".xodr") and not is_scenario_file(analysis.draft):
             return []
         text = analysis.draft.text
         old, before = self.found.get(own, ("", []))

@@ -11,6 +11,7 @@ import pytest
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 
+from scenario_compiler.editor.workspace import Workspace
 from scenario_compiler.resources import library_folder
 from tests.editor.client import Client, served
 
@@ -220,6 +221,24 @@ def test_other_languages_get_findings_alone(tmp_path: Path, repository: Path) ->
         assert list(offered.items) == []
 
     session(tmp_path, talk)
+
+
+@pytest.mark.parametrize(
+    ("text", "codes"),
+    [
+        ("<project><modelVersion>4</modelVersion></project>", []),
+        ("<project><modelVersion></project>", []),
+        ("<config><name>ours</name></config>", []),
+        ("", []),
+        ('<scenarois version="1"/>', ["SC116"]),
+        ('<config><scenarios><scenario name="x"/></scenarios></config>', ["SC214", "SC240"]),
+        ("<OpenSCENARIO/>", ["SC108"]),
+    ],
+)
+def test_of_xml_that_is_no_scenario_nothing_is_said(tmp_path: Path, text: str, codes: list[str]) -> None:
+    workspace = Workspace()
+    workspace.hold(str(tmp_path / "any.xml"), text)
+    assert sorted({one.code for one in workspace.check(str(tmp_path / "any.xml"))}) == codes
 
 
 def test_every_file_of_the_library_is_without_findings(tmp_path: Path) -> None:
