@@ -86,7 +86,7 @@ def _random(draft: Draft, word: RandomPosition, kind: str) -> PositionRow:
 
 
 def _any_of(draft: Draft, word: AnyOfPosition, kind: str) -> PositionRow:
-    return PositionRow(op.POSITION_RANDOM, (0.0, 0.0, 0.0), spans=_spans(draft, word, kind))
+    return PositionRow(op.POSITION_RANDOM, (word.clear, 0.0, 0.0), spans=_spans(draft, word, kind))
 
 
 def _free(draft: Draft, word: FreePosition, kind: str) -> PositionRow:
