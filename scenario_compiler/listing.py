@@ -12,10 +12,11 @@ from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.markup.environment import Environment
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.openscenario.held import OpenScenario
+from scenario_compiler.resources import template_folders
 from scenario_compiler.source.aisa import KNOWN
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.conflict import Library, Part
-from scenario_compiler.source.templates import template_parameters
+from scenario_compiler.source.templates import template_parameters, templates_by_name, templates_in
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.variation import Vary
 
@@ -71,6 +72,15 @@ def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
                 yield Listed("conflict", f"{path}#{name}", name, summary, "AISA toolkit", town, "")
         elif isinstance(source, OpenScenario):
             yield from (_openscenario(path, name, source) for name in source.scenarios)
+
+
+def list_templates(sink: Diagnostics) -> Iterator[Listed]:
+    """Yield the templates that a `<use>` can name without an include, by name; report what is wrong in their files."""
+    for folder in template_folders():
+        sink.found.extend(templates_in(folder).faults)
+    for name, part in sorted(templates_by_name().items()):
+        if name:
+            yield _listed("template", name, name, part)
 
 
 def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:

@@ -27,6 +27,7 @@ from scenario_compiler.cli import (
     validate,
 )
 from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse, reason_of
+from scenario_compiler.resources import templates_from
 
 GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage, editor, engine)
 """Groups of commands, in the order of the help."""
@@ -38,7 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     parser = make_parser()
     options = parser.parse_args(arguments)
     try:
-        code = options.command(options)
+        with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
+            code = options.command(options)
         sys.stdout.flush()
     except WrongUse as fault:
         print(f"scenario-compiler: {fault}", file=sys.stderr)

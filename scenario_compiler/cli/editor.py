@@ -6,7 +6,7 @@ import argparse
 import os
 import sys
 
-from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, keep_loaded
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, add_templates, keep_loaded
 
 
 def add(commands: Commands) -> None:
@@ -18,6 +18,7 @@ def add(commands: Commands) -> None:
     )
     server.add_argument("--stdio", action="store_true", help="what is done anyhow: some editors say it")
     add_maps(server)
+    add_templates(server)
     server.set_defaults(command=lsp_command)
 
 

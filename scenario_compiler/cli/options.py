@@ -85,6 +85,13 @@ def add_maps(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_templates(parser: argparse.ArgumentParser) -> None:
+    """Add the folders of templates."""
+    parser.add_argument(
+        "--templates", action="append", type=Path, default=[], metavar="DIR", help="look for templates here first"
+    )
+
+
 def add_diagnostics(parser: argparse.ArgumentParser) -> None:
     """Add how diagnostics are shown and weighed."""
     parser.add_argument(

@@ -16,6 +16,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_templates,
     compiled,
     inputs_of,
     keep_inputs,
@@ -56,6 +57,7 @@ def _add_compile(commands: Commands) -> None:
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json")
     add_scenario(parser)
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=compile_command)
 
@@ -73,6 +75,7 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=run_command)
 

@@ -17,6 +17,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_templates,
     new_sink,
     positive,
     reason_of,
@@ -59,6 +60,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--time-limit", type=positive, metavar="S", help="greatest time that a variant may take")
     add_scenario(parser)
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=sweep_command)
 

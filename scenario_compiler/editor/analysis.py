@@ -21,7 +21,7 @@ from scenario_compiler.editor.draft import Attribute, Draft, DraftDocument, Tag
 from scenario_compiler.editor.words import Meaning, meanings
 from scenario_compiler.expressions import names_in
 from scenario_compiler.markup.environment import Environment, Reading
-from scenario_compiler.resources import library_folder
+from scenario_compiler.resources import library_folder, template_folders
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
 from scenario_compiler.source.conflict import (
     For,
@@ -35,7 +35,7 @@ from scenario_compiler.source.conflict import (
     read_library,
 )
 from scenario_compiler.source.expansion import Around, around, named_in
-from scenario_compiler.source.templates import Expander, Scope, library_templates
+from scenario_compiler.source.templates import Expander, Scope, templates_by_name, templates_in
 from scenario_compiler.vocabulary.grammar import AttributeRule, grammar_of
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import Word
@@ -145,19 +145,20 @@ class Analysis:
     @cached_property
     def around(self) -> Around:
         """The templates and catalogs that can be named here."""
-        folder = library_folder()
-        return around(self.library, folder, load_catalogs(folder / "catalogs", self.quiet))
+        return around(self.library, load_catalogs(library_folder() / "catalogs", self.quiet))
 
     @property
     def catalogs(self) -> Catalogs:
-        """The vehicles and drivers that can be named here."""
-        return self.around.catalogs
+        """The vehicles and drivers that can be named here, those beside templates among them."""
+        catalogs = Catalogs()
+        for folder in template_folders():
+            catalogs = catalogs.extended(templates_in(folder).catalogs)
+        return catalogs.extended(self.around.catalogs)
 
     @cached_property
     def templates(self) -> Mapping[str, Part]:
         """The templates that can be named here, by name."""
-        shipped, _ = library_templates(self.around.library_templates)
-        return {**shipped, **self.around.templates}
+        return {**templates_by_name(), **self.around.templates}
 
     @cached_property
     def meanings(self) -> Mapping[int, Meaning]:

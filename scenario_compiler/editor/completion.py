@@ -14,11 +14,11 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.editor.analysis import Analysis
 from scenario_compiler.editor.cursor import Cursor, cursor_at
 from scenario_compiler.editor.draft import Tag
-from scenario_compiler.editor.known import Around, Known, known, parameter_kind, parameter_text
+from scenario_compiler.editor.known import Around, Known, known, parameter_text
 from scenario_compiler.editor.words import ROOTS, Meaning, described, meaning_of
 from scenario_compiler.expressions import FUNCTIONS, format_value
 from scenario_compiler.source.conflict import Part, Use
-from scenario_compiler.source.parameters import Declared
+from scenario_compiler.source.parameters import Declared, parameter_kind
 from scenario_compiler.source.templates import template_parameters
 from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of
 from scenario_compiler.vocabulary.reference import holds

@@ -19,15 +19,13 @@ from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.spawn_points import read_spawn_points
 from scenario_compiler.source.conflict import Part, ScenarioElement
-from scenario_compiler.source.parameters import limits
+from scenario_compiler.source.parameters import parameter_kind
 from scenario_compiler.source.templates import template_parameters
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
-from scenario_compiler.vocabulary.reference import limits_text
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.takeover import DriverModel
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_numbers, weather_preset
-from scenario_compiler.vocabulary.word import QUANTITIES
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,13 +115,6 @@ def parameter_text(parameter: Parameter) -> str:
     """Return what a parameter is, with its kind, unit, limits and default, as a line of Markdown."""
     default = "must be given" if parameter.default is None else f"`{parameter.default}` when left out"
     return f"`{parameter.name}` ({parameter_kind(parameter)}; {default}) {parameter.summary}".strip()
-
-
-def parameter_kind(parameter: Parameter) -> str:
-    """Return what a parameter holds: its kind, unit and limits."""
-    quantity = QUANTITIES.get(parameter.type)
-    unit = f" in {quantity.unit}" if quantity is not None and quantity.unit not in ("", "1") else ""
-    return ", ".join(part for part in (f"{parameter.type}{unit}", limits_text(limits(parameter))) if part)
 
 
 def _parameters(around: Around) -> Iterator[Known]:

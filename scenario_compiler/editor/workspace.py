@@ -13,7 +13,7 @@ from scenario_compiler.editor.analysis import Analysis, Symbol, read_analysis
 from scenario_compiler.editor.findings import Finding, carried_over, findings, while_written
 from scenario_compiler.editor.words import ROOTS, is_scenario_file
 from scenario_compiler.files import unsaved
-from scenario_compiler.source.templates import library_templates
+from scenario_compiler.source.templates import templates_in
 
 MOST_FILES = 5000
 """Most files of a workspace that are looked through for a name."""
@@ -49,7 +49,7 @@ class Workspace:
 
     def saved(self) -> None:
         """Read what is kept of files again when it is next needed: one of them was saved."""
-        library_templates.cache_clear()
+        templates_in.cache_clear()
         for path, analysis in list(self.texts.items()):
             self.texts[path] = Analysis(analysis.path, analysis.draft.text)
 

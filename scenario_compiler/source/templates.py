@@ -17,6 +17,8 @@ from scenario_compiler.expressions import Value
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, Reading
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
+from scenario_compiler.resources import template_folders
+from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
 from scenario_compiler.source.conflict import (
     MOST_ROUNDS,
     Else,
@@ -221,23 +223,23 @@ class Expander:
 
     Attributes:
         own: Templates of the file and its includes.
-        library: Folder of the library's templates.
         complete: `own` has all that the file and its includes hold.
         trial: A template is used on its own: the items that come after enough of them are left out, which is no fault.
         contents: Where everything goes.
         declared: Parameters of the templates that have been used, by where these stand.
         unread: Ids of actors that are written but cannot be read: references to them are no faults.
         scopes: The scopes that uses and loops have made, in document order.
+        catalogs: Vehicles and drivers that stand beside the templates that are used.
     """
 
     own: Mapping[str, Part]
-    library: Path
     complete: bool = True
     trial: bool = False
     contents: Contents = field(default_factory=Contents)
     declared: dict[str, Declared] = field(default_factory=dict)
     unread: set[str] = field(default_factory=set)
     scopes: list[Scope] = field(default_factory=list)
+    catalogs: list[Catalogs] = field(default_factory=list)
 
     @property
     def most(self) -> int:
@@ -435,19 +437,19 @@ class Expander:
         self.add_items(rule, found, reading, scope, chain)
 
     def find(self, use: Use, sink: Diagnostics) -> Part | None:
-        """Return the template of a use: the file's own, an included one, or the library's."""
+        """Return the template of a use: the file's own, an included one, or one of the folders'."""
         if use.template in self.own:
             return self.own[use.template]
-        library, faults = library_templates(self.library)
-        sink.found.extend(faults)
-        if use.template not in library and self.complete:
-            sink.add(
-                names.UNKNOWN_TEMPLATE,
-                f"there is no template '{use.template}'",
-                use.place_of("template"),
-                hint=did_you_mean(use.template, {*self.own, *library}),
-            )
-        return library.get(use.template)
+        for shelf in map(templates_in, template_folders()):
+            sink.found.extend(shelf.faults)
+            if use.template in shelf.templates:
+                self.catalogs.append(shelf.catalogs)
+                return shelf.templates[use.template]
+        if self.complete:
+            known = {*self.own, *templates_by_name()}
+            message = f"there is no template '{use.template}'"
+            sink.add(names.UNKNOWN_TEMPLATE, message, use.place_of("template"), hint=did_you_mean(use.template, known))
+        return None
 
 
 def _round_values(fields: Mapping[str, Any]) -> Sequence[Value]:
@@ -478,13 +480,40 @@ def template_parameters(part: Part, sink: Diagnostics) -> Declared:
     return parameters
 
 
+def templates_by_name() -> dict[str, Part]:
+    """Return the templates of all folders, as a name is looked for: the first folder that has it decides."""
+    shelves = [templates_in(folder).templates for folder in template_folders()]
+    return {name: part for templates in reversed(shelves) for name, part in templates.items()}
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """What a folder of templates holds.
+
+    Attributes:
+        templates: Templates by name.
+        catalogs: Vehicles and drivers that stand beside them.
+        faults: What is wrong with the files.
+    """
+
+    templates: Mapping[str, Part]
+    catalogs: Catalogs
+    faults: tuple[Diagnostic, ...]
+
+
 @cache
-def library_templates(folder: Path) -> tuple[Mapping[str, Part], tuple[Diagnostic, ...]]:
-    """Return the templates of a folder's files, read once a process, and what is wrong with the files."""
+def templates_in(folder: Path) -> Shelf:
+    """Return what a folder of templates, and the folders in it, hold; read once a process."""
     sink = Diagnostics()
     templates: dict[str, Part] = {}
-    for path in sorted(folder.glob("*.xml")):
+    catalogs = Catalogs()
+    for path in sorted(folder.rglob("*.xml")):
         document = read_document(path, sink)
-        if document is not None and document.root.tag == LibraryElement.tag():
-            templates.update(read_library(document, sink).templates)
-    return templates, tuple(sink.found)
+        root = "" if document is None else document.root.tag
+        if document is not None and root == LibraryElement.tag():
+            library = read_library(document, sink)
+            templates.update(library.templates)
+            catalogs = catalogs.extended(library.catalogs)
+        elif document is not None and root == CatalogElement.tag():
+            catalogs = catalogs.extended(read_catalog(Reading(document, sink, Environment())))
+    return Shelf(templates, catalogs, tuple(sink.found))

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from scenario_compiler.expressions import Expression
+from scenario_compiler.expressions import Expression, format_value
 from scenario_compiler.vocabulary.word import (
     AttributeSpelling,
     ChildSpelling,
@@ -160,3 +160,13 @@ def _members(annotation: object) -> list[Any]:
     if origin is Annotated:
         return _members(get_args(annotation)[0])
     return [] if annotation is type(None) else [annotation]
+
+
+def limits_text(spelling: AttributeSpelling) -> str:
+    """Return the limits of a number in words, in the unit that XML uses; empty for none."""
+    parts = []
+    if spelling.minimum is not None:
+        parts.append(f"{'above' if spelling.exclusive else 'from'} {format_value(float(spelling.minimum))}")
+    if spelling.maximum is not None:
+        parts.append(f"to {format_value(float(spelling.maximum))}")
+    return " ".join(parts)

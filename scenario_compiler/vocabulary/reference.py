@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 
-from scenario_compiler.expressions import FUNCTIONS, format_value
-from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of
+from scenario_compiler.expressions import FUNCTIONS
+from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of, limits_text
 from scenario_compiler.vocabulary.schema import default_text, words_below
-from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling, Word
+from scenario_compiler.vocabulary.word import QUANTITIES, Word
 
 _HEAD = """# The language, word by word
 
@@ -92,16 +92,6 @@ def holds(rule: AttributeRule) -> str:
         named = spelling.names.replace("_", " ")
         limits.append(f"names {'an' if named[0] in 'aeiou' else 'a'} {named}")
     return ", ".join([what, *limits])
-
-
-def limits_text(spelling: AttributeSpelling) -> str:
-    """Return the limits of a number in words, in the unit that XML uses; empty for none."""
-    parts = []
-    if spelling.minimum is not None:
-        parts.append(f"{'above' if spelling.exclusive else 'from'} {format_value(float(spelling.minimum))}")
-    if spelling.maximum is not None:
-        parts.append(f"to {format_value(float(spelling.maximum))}")
-    return " ".join(parts)
 
 
 def _child(rule: ChildRule) -> str:
