@@ -25,6 +25,7 @@ from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.takeover import DriverModel
+from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_numbers, weather_preset
 
 
@@ -197,6 +198,18 @@ def _spawn_points(around: Around) -> Iterator[Known]:
         yield Known(name, where, f"**{name}** ({where}) {point.summary}")
 
 
+def _schemes(around: Around) -> Iterator[Known]:
+    del around
+    for name, taxonomy in TAXONOMIES.items():
+        yield Known(name, taxonomy.title, f"**{taxonomy.title}**\n\n{taxonomy.source}")
+
+
+def _situations(around: Around) -> Iterator[Known]:
+    taxonomy = TAXONOMIES.get(around.analysis.draft.text_of(around.tag, "scheme"))
+    for name, meaning in {} if taxonomy is None else taxonomy.situations.items():
+        yield Known(name, meaning)
+
+
 def _controllers(around: Around) -> Iterator[Known]:
     del around
     yield from (Known(name, "controller") for name in CONTROLLERS)
@@ -218,7 +231,9 @@ KNOWN: Mapping[str, Callable[[Around], Iterable[Known]]] = {
     "map": _maps,
     "parameter": _parameters,
     "road": _roads,
+    "scheme": _schemes,
     "signal": _signals,
+    "situation": _situations,
     "signal_controller": lambda around: _written(around, "signal_controller"),
     "spawn_point": _spawn_points,
     "template": _templates,

@@ -149,7 +149,7 @@ def lower(
         storyboard=draft.storyboard,
         takeover=draft.takeover,
         criteria=scenario.criteria,
-        classification=scenario.classification,
+        classifications=scenario.classifications,
         derived={name: one.pose for name, one in draft.standings.items()},
         origins=draft.origins,
     )

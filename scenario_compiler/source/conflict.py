@@ -187,7 +187,7 @@ class ScenarioElement(Word):
     control_every: int = same_as(Scenario, "control_every")
     parameters: tuple[Parameter, ...] = same_as(Scenario, "parameters")
     vary: Vary | None = same_as(Scenario, "vary")
-    classification: Classification | None = same_as(Scenario, "classification")
+    classifications: tuple[Classification, ...] = same_as(Scenario, "classifications")
     weather_numbers: Weather | None = child(
         "The weather by its numbers; it goes before the attribute `weather`.", default=None
     )

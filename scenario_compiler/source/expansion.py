@@ -185,7 +185,7 @@ class _Attempt:
             **fields,
             weather=weather,
             vary=self.words.get("vary"),
-            classification=self.words.get("classification"),
+            classifications=self.words.get("classifications", ()),
             ego=ego.model_copy(update={"whens": ()}),
             actors=tuple(actors),
             spawn_points=self.words.get("spawn_points"),
