@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / NAME
 ROWS = (
     ("__main__",),
     ("cli",),
-    ("batch", "study", "carla_server", "editor"),
+    ("batch", "study", "carla_server", "editor", "survey"),
     ("report", "validation", "listing"),
     ("runtime", "compiler", "coverage"),
     ("languages",),

@@ -21,6 +21,7 @@ from scenario_compiler.cli import (
     engine,
     explain,
     export,
+    library,
     maps,
     run,
     sweep,
@@ -29,7 +30,7 @@ from scenario_compiler.cli import (
 from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse, reason_of
 from scenario_compiler.resources import templates_from
 
-GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage, editor, engine)
+GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor, engine)
 """Groups of commands, in the order of the help."""
 
 
