@@ -52,7 +52,8 @@ def test_a_way_through_a_junction_crosses_an_intersection(tmp_path: Path) -> Non
       <destination><lane road="2" lane="-1" s="120"/></destination>"""
     path = tmp_path / "through.xml"
     path.write_text(
-        f'<scenarios version="1"><scenario name="s" map="town_grid"><ego speed="9">{places}</ego></scenario></scenarios>',
+        '<scenarios version="1"><scenario name="s" map="town_grid">'
+        f'<ego speed="9">{places}</ego></scenario></scenarios>',
         encoding="utf-8",
     )
     done = compile_target(path, {}, Diagnostics(), overrides=Overrides(perception="ideal"))
