@@ -99,11 +99,13 @@ CODE_HOMES = (
     "cli.run",
     "roads.check",
     "roads.xsd",
+    "runtime.failures",
     "source.aisa",
     "openscenario.export.files",
     "openscenario.validation",
     "openscenario.xsd",
     "validation",
+    "worlds.model",
 )
 """Modules that bring in all others that declare codes. They are loaded only for who asks about a code by its name."""
 

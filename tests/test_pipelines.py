@@ -1,4 +1,4 @@
-"""docs/pipelines.md, the action and the pre-commit hook are true: what they run is run here, on good and faulty files."""
+"""docs/pipelines.md, the action and the pre-commit hook are true: what they run is run, on good and faulty files."""
 
 from __future__ import annotations
 
@@ -146,9 +146,8 @@ def test_the_action_gates_the_pass_rate(folder: Path) -> None:
     assert (Path(outputs["folder"]) / "report.html").is_file()
     shutil.rmtree(outputs["folder"])
     file = folder / "conflicts" / "obstacle_ahead.xml"
-    hopeless = file.read_text(encoding="utf-8").replace('preset="urgent"', 'preset="absent"')
-    hopeless = hopeless.replace('budget="7"', 'budget="0.5" minimum_risk_after="30"')
-    file.write_text(hopeless, encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("<no_collision/>", '<minimum_time_to_collision at_least="60"/>'), encoding="utf-8")
     done, _ = step("Sweep", folder, given)
     assert done.returncode == 3, done.stdout + done.stderr
     assert "less than the share of 0.9" in done.stderr

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from scenario_compiler.engine.opcodes import FAR
-from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD
-from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.engine.trace import SUMMARY, TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import broken_at, limit_of
@@ -117,7 +116,7 @@ def from_recording(plan: Plan, recording: Recording) -> tuple[Traces, Ends]:
     crash = next((event for event in recording.events if event.kind == "collision"), None)
     return single, Ends(
         stop_reason=[recording.stop_reason],
-        error=[_fault(recording.error, recording.stop_reason)],
+        error=[_why_broken(recording)],
         cause=[request.cause if request else ""],
         collision_with=[crash.entity if crash else None],
     )
@@ -262,6 +261,12 @@ def _ends(plan: Plan, summaries: Floats, traces: Traces) -> Ends:
         cause=["" if math.isnan(t) else CAUSES[int(code)] for t, code in zip(request, cause, strict=True)],
         collision_with=[plan.entities[one].id if one >= 0 else None for one in hit],
     )
+
+
+def _why_broken(recording: Recording) -> str:
+    """Return why a run could not go on; empty where it could."""
+    told = [event.message for event in recording.events if event.kind == "broken_off"]
+    return told[0] if told else _fault(recording.error, recording.stop_reason)
 
 
 def _fault(code: int, stop: str) -> str:

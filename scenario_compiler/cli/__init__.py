@@ -18,7 +18,6 @@ from scenario_compiler.cli import (
     compare,
     coverage,
     editor,
-    engine,
     explain,
     export,
     library,
@@ -30,7 +29,7 @@ from scenario_compiler.cli import (
 from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse, reason_of
 from scenario_compiler.resources import templates_from
 
-GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor, engine)
+GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
 """Groups of commands, in the order of the help."""
 
 

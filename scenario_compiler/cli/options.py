@@ -162,6 +162,11 @@ def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
     return any(d.severity is Severity.ERROR for d in weighed)
 
 
+def has_errors(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
+    """Return whether one of the diagnostics is an error, by what the command line says of their codes."""
+    return any(d.severity is Severity.ERROR for d in judged(found, options))
+
+
 def told(options: argparse.Namespace) -> TextIO:
     """Return where what is for people to read goes: stderr where stdout holds diagnostics for a program."""
     return sys.stdout if options.format == "text" else sys.stderr

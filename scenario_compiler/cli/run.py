@@ -18,6 +18,7 @@ from scenario_compiler.cli.options import (
     add_scenario,
     add_templates,
     compiled,
+    has_errors,
     inputs_of,
     keep_inputs,
     new_sink,
@@ -25,7 +26,8 @@ from scenario_compiler.cli.options import (
     suggestion,
     told,
 )
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
+from scenario_compiler.engine.forms.compiled import why_interpreted
 from scenario_compiler.outputs import make_folder
 
 if TYPE_CHECKING:
@@ -72,6 +74,7 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--world", default="kinematic", metavar="NAME")
     parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
     parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
+    parser.add_argument("--interpreted", action="store_true", help="run the interpreted engine, for a debugger")
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
     add_maps(parser)
@@ -136,8 +139,11 @@ def run_command(options: argparse.Namespace) -> int:
     sink = new_sink(options)
     keep_inputs([options.target], options.trajectory)
     planned = _planned(options, sink)
-    if show(sink, options) or planned is None:
-        return AT_FAULT
+    for_people = options.format == "text"
+    if planned is None or for_people or has_errors(sink, options):
+        at_fault = show(sink, options)
+        if planned is None or at_fault:
+            return AT_FAULT
     plan, network = planned
     keep_inputs(inputs_of(plan), options.trajectory)
     if options.output is not None:
@@ -146,11 +152,10 @@ def run_command(options: argparse.Namespace) -> int:
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
-    world = open_world(options.world, plan, network)
-    try:
-        recording = run_with_progress(plan, world, options.seed, options.variant)
-    finally:
-        world.close()
+    if not options.interpreted and (reason := why_interpreted()):
+        print(f"scenario-compiler: the engine runs interpreted: {reason}", file=sys.stderr)
+    with open_world(options.world, plan, network) as world:
+        recording = run_with_progress(plan, world, options)
     finished = Run(plan, network, recording, judge(plan, recording))
     if options.trajectory is not None:
         from scenario_compiler.recording.trajectory import write_trajectory
@@ -165,21 +170,35 @@ def run_command(options: argparse.Namespace) -> int:
 
         draw_route(plan, network, options.output / "route.png")
     print_run(finished, options.output, told(options))
+    broken_off = failures_of(recording, options)
+    if show([*([] if for_people else sink), *broken_off], options):
+        return AT_FAULT
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
 
 
-def run_with_progress(plan: Plan, world: World, seed: int, variant: int) -> Recording:
+def failures_of(recording: Recording, options: argparse.Namespace) -> Diagnostics:
+    """Return why a run could not go on, for each thing that ended it."""
+    sink = new_sink(options)
+    for event in recording.events:
+        code = code_named(event.cause) if event.kind == "broken_off" else None
+        if code is not None:
+            sink.add(code, event.message, FilePlace(str(options.target)))
+    return sink
+
+
+def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> Recording:
     """Run a plan, with a progress bar where stderr is a terminal."""
     from scenario_compiler.runtime import run
 
+    asked = {"seed": options.seed, "variant": options.variant, "interpreted": options.interpreted}
     if not sys.stderr.isatty():
-        return run(plan, world, seed=seed, variant=variant)
+        return run(plan, world, **asked)
     from rich.console import Console
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(plan.name, total=plan.duration)
-        return run(plan, world, seed=seed, variant=variant, progress=lambda t: bar.update(task, completed=t))
+        return run(plan, world, **asked, progress=lambda t: bar.update(task, completed=t))
 
 
 def _is_filled(folder: Path) -> bool:

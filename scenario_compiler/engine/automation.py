@@ -66,9 +66,9 @@ def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     if p.perception[0] == PERCEPTION_IDEAL or st.merging[0] == 1:
         command_angle(p, st, i, pursuit_angle(n, p, st, i, AUTOMATION_ACCELERATION))
     elif st.takeover_state[0] == TAKEOVER_MINIMUM_RISK:
-        st.command_steer[0] = st.trusted_steer[0]
+        st.command_steer[i] = st.trusted_steer[0]
     else:
-        st.command_steer[0] = st.auto_steer[0]
+        st.command_steer[i] = st.auto_steer[0]
 
 
 @compiled
@@ -83,8 +83,8 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
             wanted = min(wanted, idm_acceleration(p, i, st.v[i], st.target_speed[0], rest, 0.0))
         command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
     else:
-        st.command_throttle[0] = st.auto_throttle[0]
-        st.command_brake[0] = st.auto_brake[0]
+        st.command_throttle[i] = st.auto_throttle[0]
+        st.command_brake[i] = st.auto_brake[0]
 
 
 @compiled
@@ -124,9 +124,9 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     step_takeover(p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == TAKEOVER_STANDSTILL:
-        st.command_steer[0] = 0.0
-        st.command_throttle[0] = 0.0
-        st.command_brake[0] = 1.0
+        st.command_steer[i] = 0.0
+        st.command_throttle[i] = 0.0
+        st.command_brake[i] = 1.0
     elif driven_by_hand(st) == 1:
         drive_by_hand(n, p, st, i, blocker)
     elif state == TAKEOVER_MINIMUM_RISK:

@@ -86,17 +86,17 @@ def override_controller(p: Program, st: State, k: int) -> None:
 def hold_inputs(p: Program, st: State, ego: int) -> None:
     """Put what is held in the place of the ego's commands; the automation gives no gas against a held brake."""
     if st.held_on[HELD_BRAKE] == 1:
-        st.command_brake[0] = clip(st.held_value[HELD_BRAKE], 0.0, 1.0)
-        st.command_throttle[0] = 0.0
+        st.command_brake[ego] = clip(st.held_value[HELD_BRAKE], 0.0, 1.0)
+        st.command_throttle[ego] = 0.0
     if st.held_on[HELD_PARKING_BRAKE] == 1:
-        st.command_brake[0] = max(st.command_brake[0], clip(st.held_value[HELD_PARKING_BRAKE], 0.0, 1.0))
-        st.command_throttle[0] = 0.0
+        st.command_brake[ego] = max(st.command_brake[ego], clip(st.held_value[HELD_PARKING_BRAKE], 0.0, 1.0))
+        st.command_throttle[ego] = 0.0
     if st.held_on[HELD_THROTTLE] == 1:
-        st.command_throttle[0] = clip(st.held_value[HELD_THROTTLE], 0.0, 1.0)
+        st.command_throttle[ego] = clip(st.held_value[HELD_THROTTLE], 0.0, 1.0)
     if st.held_on[HELD_CLUTCH] == 1:
-        st.command_throttle[0] = st.command_throttle[0] * (1.0 - clip(st.held_value[HELD_CLUTCH], 0.0, 1.0))
+        st.command_throttle[ego] = st.command_throttle[ego] * (1.0 - clip(st.held_value[HELD_CLUTCH], 0.0, 1.0))
     if st.held_on[HELD_GEAR] == 1 and st.held_value[HELD_GEAR] <= 0.0:
-        st.command_throttle[0] = 0.0
+        st.command_throttle[ego] = 0.0
     if st.held_on[HELD_WHEEL] == 1:
         most = max(p.const[p.entity_const[ego] + E_MAX_STEER], 0.01)
-        st.command_steer[0] = clip(st.held_value[HELD_WHEEL] / STEERING_RATIO / most, -1.0, 1.0)
+        st.command_steer[ego] = clip(st.held_value[HELD_WHEEL] / STEERING_RATIO / most, -1.0, 1.0)

@@ -114,7 +114,7 @@ def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Steer for the path with the driver's sway and no faster than the hands turn."""
     wanted = pursuit_angle(n, p, st, i, STEER_ACCELERATION) + steering_sway(st)
     limit = p.const[p.entity_const[i] + E_MAX_STEER]
-    before = st.command_steer[0] * limit
+    before = st.command_steer[i] * limit
     swing = HAND_RATE * awareness(st) * p.const[K_STEP] * p.control_every[0]
     command_angle(p, st, i, before + clip(wanted - before, -swing, swing))
 

@@ -139,7 +139,8 @@ def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int
     ahead = st.v[i] * dt / safe_sqrt(1.0 + slope * slope)
     st.turn[i] = atan(slope)
     progress = min(progress + abs(ahead), span)
-    left = st.action_from[k] + st.action_change[k] * shape_value(st, p.action_shape[k], progress / span)
+    share = shape_value(st, p.action_shape[k], progress / span)
+    left = st.action_from[k] + st.action_change[k] * share
     done = shift_to(n, st, k, i, progress, left)
     glide(n, p, st, i, ahead)
     return done
@@ -165,7 +166,8 @@ def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt
     ahead = safe_sqrt(path * path - side * side)
     st.turn[i] = sign * atan2(side, ahead) if side > 0.0 else 0.0
     progress = min(progress + dt, span)
-    left = st.action_from[k] + change * shape_value(st, p.action_shape[k], progress / span)
+    share = shape_value(st, p.action_shape[k], progress / span)
+    left = st.action_from[k] + change * share
     done = shift_to(n, st, k, i, progress, left)
     glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
     return done

@@ -97,7 +97,7 @@ def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> 
 def command_angle(p: Program, st: State, i: int, angle: float) -> None:
     """Ask for an angle of the front wheels."""
     limit = p.const[p.entity_const[i] + E_MAX_STEER]
-    st.command_steer[0] = clip(angle / limit, -1.0, 1.0) if limit > 0.0 else 0.0
+    st.command_steer[i] = clip(angle / limit, -1.0, 1.0) if limit > 0.0 else 0.0
 
 
 @compiled
@@ -112,14 +112,14 @@ def come_to_rest(v: float, wanted: float) -> float:
 def command_acceleration(p: Program, st: State, i: int, acceleration: float) -> None:
     """Ask for an acceleration by throttle or brake."""
     base = p.entity_const[i]
-    st.command_throttle[0] = 0.0
-    st.command_brake[0] = 0.0
+    st.command_throttle[i] = 0.0
+    st.command_brake[i] = 0.0
     st.pedal[0] = acceleration
     if acceleration >= 0.0:
         most = p.const[base + E_MAX_ACCELERATION]
         if most > 0.0:
-            st.command_throttle[0] = min(acceleration / most, 1.0)
+            st.command_throttle[i] = min(acceleration / most, 1.0)
     else:
         most = p.const[base + E_MAX_DECELERATION]
         if most > 0.0:
-            st.command_brake[0] = min(-acceleration / most, 1.0)
+            st.command_brake[i] = min(-acceleration / most, 1.0)

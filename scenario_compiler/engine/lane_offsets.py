@@ -134,7 +134,8 @@ def step_limited_offset(n: RoadTables, p: Program, st: State, k: int, dt: float)
     share = progress / long
     rate = st.action_change[k] * shape_slope(p.action_shape[k], share) / long
     st.turn[i] = atan(rate / st.v[i]) if abs(st.v[i]) > TOLERANCE else 0.0
-    left = st.action_from[k] + st.action_change[k] * shape_value(st, p.action_shape[k], share)
+    done = shape_value(st, p.action_shape[k], share)
+    left = st.action_from[k] + st.action_change[k] * done
     st.kept_off[i] = st.facing[i] * left
     st.action_progress[k] = progress + dt
     place_scripted(n, p, st, i)

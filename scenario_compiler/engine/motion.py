@@ -200,12 +200,12 @@ def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
 def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     """Move the ego by its commands; braking stops it exactly and never drives it backwards."""
     base = p.entity_const[i]
-    st.throttle[i] = clip(st.command_throttle[0], 0.0, 1.0)
-    st.brake[i] = clip(st.command_brake[0], 0.0, 1.0)
+    st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
+    st.brake[i] = clip(st.command_brake[i], 0.0, 1.0)
     gain = st.throttle[i] * grip(st, p.const[base + E_MAX_ACCELERATION])
     loss = st.brake[i] * grip(st, p.const[base + E_MAX_DECELERATION])
     speed = clip(st.v[i] + (gain - loss) * dt, 0.0, p.const[base + E_MAX_SPEED])
-    wanted = clip(st.command_steer[0], -1.0, 1.0) * p.const[base + E_MAX_STEER]
+    wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + E_MAX_STEER]
     st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -STEER_RATE * dt, STEER_RATE * dt)
     swing = speed * tan(st.steer[i]) / max(p.const[base + E_WHEELBASE], 0.1) * dt
     middle = st.h[i] + 0.5 * swing

@@ -394,5 +394,13 @@ PLACE_ATTEMPTS = 200
 WAY_SIZE = 16
 """Roads that a look ahead crosses at most."""
 
+ROUTE_REACH = 40
+"""How far ahead the way is told to the ego's controller, m: what a camera sees of the ground, and some more."""
+
+OUTLOOK_HEAD = 3
+"""Numbers of an outlook before its points: gap to the leader, its speed, and the distance to the next junction."""
+
+OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
+
 DRAWS_PER_RUN = 9
 """Takeover time and lapse of up to four requests, and the seed of the counter hash."""

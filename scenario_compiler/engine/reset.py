@@ -52,6 +52,9 @@ def reset_entities(p: Program, st: State) -> None:
         st.steer[i] = 0.0
         st.throttle[i] = 0.0
         st.brake[i] = 0.0
+        st.command_throttle[i] = 0.0
+        st.command_steer[i] = 0.0
+        st.command_brake[i] = 0.0
         st.odometer[i] = 0.0
         st.ended[i] = 0
         st.moved[i] = 0
@@ -155,9 +158,6 @@ def reset_takeover(p: Program, st: State) -> None:
     st.through_lane[0] = 0
     st.through_side[0] = 0
     st.gap_free[0] = 1
-    st.command_throttle[0] = 0.0
-    st.command_steer[0] = 0.0
-    st.command_brake[0] = 0.0
     st.pedal[0] = 0.0
 
 

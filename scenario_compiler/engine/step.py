@@ -3,8 +3,8 @@
 `reset` gives the row of t = 0, with the frame of length 0 that ends the init. `step` then does, for the time t_k: the
 stop trigger, the triggers of the storyboard, the actions; at control steps what the ego senses, the takeover machine
 and who drives; it moves time and all entities on by one step and takes stock. So a condition that is true at t_k
-shows in the row of t_k + dt. A world that moves the ego itself calls `begin_step`, lets its own physics move it,
-writes the pose and calls `finish_step`.
+shows in the row of t_k + dt. A world that moves the ego itself does so between `move_step`, after which all others are
+where they will be, and `end_step`, which takes stock of it too.
 """
 
 from __future__ import annotations
@@ -52,12 +52,6 @@ ARRIVED = 5.0
 
 STANDING_TIME = 3.0
 """Time at a standstill, after the minimum-risk manoeuvre, a driver's stop or a collision, that ends a run, s."""
-
-TRACE_FIELDS = 14
-"""Numbers of an entity in a trace: x y z h v a steer road lane s off throttle brake present."""
-
-TRACE_HEAD = 8
-"""Numbers of the run before them: t, takeover state, cause, two confidences, health, two distances."""
 
 
 @compiled
@@ -167,8 +161,8 @@ def at_destination(n: RoadTables, p: Program, st: State) -> int:
 
 
 @compiled
-def finish_step(n: RoadTables, p: Program, st: State) -> None:
-    """Move time and all entities on and take stock; set `stop` where this row is the last."""
+def move_step(n: RoadTables, p: Program, st: State) -> None:
+    """Move time and all entities on that the engine moves."""
     dt = p.const[K_STEP]
     st.clock[0] += dt
     move_entities(n, p, st, dt)
@@ -176,7 +170,12 @@ def finish_step(n: RoadTables, p: Program, st: State) -> None:
         move_traffic(n, p, st, dt)
     if st.trains[0] > 0:
         draw_trailers(n, p, st)
-    finish_frame(n, p, st, dt)
+
+
+@compiled
+def end_step(n: RoadTables, p: Program, st: State) -> None:
+    """Take stock of where all are now; set `stop` where this row is the last."""
+    finish_frame(n, p, st, p.const[K_STEP])
     if st.flag[0] != FAULT_NONE:
         return
     if drives_ego(p) == 1:
@@ -195,5 +194,6 @@ def step(n: RoadTables, p: Program, st: State) -> int:
     """
     if begin_step(n, p, st) == 0:
         return 0
-    finish_step(n, p, st)
+    move_step(n, p, st)
+    end_step(n, p, st)
     return 1

@@ -8,18 +8,11 @@ from __future__ import annotations
 
 from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, EVENT_COLLISION, LOG_SIZE, STOP_NONE
 from scenario_compiler.engine.state import State
-from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD, reset, step
+from scenario_compiler.engine.step import reset, step
 from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.trace import SUMMARY_SIZE, TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
-
-SUMMARY = (
-    *("rows", "stop", "flag", "time_warning", "time_request", "time_escalation", "time_response"),
-    *("time_minimum_risk", "time_standstill", "ego_collision_time", "ego_collision_with"),
-)
-"""What `summarise` writes for a variant, in this order."""
-
-SUMMARY_SIZE = 11
 
 
 @compiled

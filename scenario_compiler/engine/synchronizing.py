@@ -115,8 +115,10 @@ def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) ->
     if dt <= 0.0:
         return 0
     base = p.action_const[k]
-    way = way_to(n, p, st, i, p.action_position[k]) - p.const[base + A_TOLERANCE]
-    masters = way_to(n, p, st, master, p.point_position[p.action_point[k]]) - p.const[base + A_MASTER_TOLERANCE]
+    way = way_to(n, p, st, i, p.action_position[k])
+    way = way - p.const[base + A_TOLERANCE]
+    masters = way_to(n, p, st, master, p.point_position[p.action_point[k]])
+    masters = masters - p.const[base + A_MASTER_TOLERANCE]
     speed = abs(st.v[master])
     there = way <= TOLERANCE or masters <= TOLERANCE
     passed = way > st.action_a[k] + TOLERANCE or masters > st.action_b[k] + TOLERANCE

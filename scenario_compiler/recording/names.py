@@ -16,13 +16,19 @@ EventKind = Literal[
     "activation", "warning", "warning_over", "request", "escalation", "response", "hand_back", "minimum_risk",
     "standstill", "collision", "contact", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure",
     "failure_end", "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "light",
-    "command", "signal", "stop",
+    "command", "signal", "world_collision", "lane_invasion", "broken_off", "stop",
 ]  # fmt: skip
 """Kinds of events. Activation, request (transition demand), response (override), minimum-risk manoeuvre and
 collision are occurrences that UN R157, 8.2.1, has a data storage system record; the others are ours."""
 
-StopReason = Literal["", "duration", "trigger", "destination", "standstill", "collision", "error", "user"]
+StopReason = Literal[
+    "", "duration", "trigger", "destination", "standstill", "collision", "error", "world_lost",
+    "controller_failed", "user",
+]  # fmt: skip
 """Why a run ended; empty while it goes on, `user` when a person or a program ended it."""
+
+BROKEN_OFF: frozenset[StopReason] = frozenset({"error", "world_lost", "controller_failed"})
+"""Reasons of runs that could not go on."""
 
 TAKEOVER_STATES: dict[int, StateName] = {
     opcodes.TAKEOVER_AUTOMATED: "automated",

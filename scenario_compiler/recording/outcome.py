@@ -16,7 +16,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
 from scenario_compiler.recording.decimals import to_the_nanosecond
 from scenario_compiler.recording.measures import MEASURES, Measure, measures_of
-from scenario_compiler.recording.names import BY_HAND, STATE_AFTER, StateName, StopReason
+from scenario_compiler.recording.names import BROKEN_OFF, BY_HAND, STATE_AFTER, StateName, StopReason
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import MEANINGS, Resolution, resolutions
 from scenario_compiler.recording.traces import Traces, traces_of
@@ -83,7 +83,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
     criteria = tuple(judge_criterion(criterion, recording, traces) for criterion in plan.criteria)
     header = recording.header
     passed = all(one.passed for one in criteria)
-    broken = recording.stop_reason == "error" or recording.error != 0
+    broken = recording.stop_reason in BROKEN_OFF or recording.error != 0
     request = next((event for event in recording.events if event.kind == "request"), None)
     crash = next((event for event in recording.events if event.kind == "collision"), None)
     return Outcome(

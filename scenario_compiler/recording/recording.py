@@ -130,6 +130,8 @@ class Recording:
     off: Annotated[
         Floats, Column("entity", "m", "Distance left of the lane's centre in the road's s direction.", trajectory=True)
     ]
+    pitch: Annotated[Floats, Column("entity", "rad", "Pitch, positive with the nose down.")]
+    roll: Annotated[Floats, Column("entity", "rad", "Roll, positive with the left side up.")]
     throttle: Annotated[Floats, Column("entity", "1", "Throttle, 0 to 1.")]
     steer: Annotated[Floats, Column("entity", "rad", "Angle of the front wheels, positive to the left.")]
     brake: Annotated[Floats, Column("entity", "1", "Brake, 0 to 1.")]

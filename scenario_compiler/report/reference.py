@@ -41,6 +41,9 @@ EVENTS: Mapping[EventKind, str] = {
     "light": "A light of `entity`: `cause` which, `message` what it does.",
     "command": "A command, or an animation: `cause` which, `message` what it says.",
     "signal": "A traffic signal or its controller: `cause` which, `message` its state or phase.",
+    "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`.",
+    "lane_invasion": "The world's own sensor reports that the ego vehicle crosses a mark; `message` is its type.",
+    "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` says why.",
     "stop": "The run ends; `message` is the reason.",
 }
 """What each kind of event tells."""
@@ -52,6 +55,8 @@ STOPS: Mapping[StopReason, str] = {
     "standstill": "It has stood for a while after a minimum-risk manoeuvre, or a driver's stop.",
     "collision": "It has stood for a while after a collision.",
     "error": "The engine broke off; `error` in outcome.json says why.",
+    "world_lost": "The world could not go on, such as a server that ended; the event `broken_off` says why.",
+    "controller_failed": "The controller failed; the event `broken_off` says where.",
     "user": "A person or a program ended it.",
     "": "Unknown: a trajectory of another program.",
 }

@@ -5,13 +5,14 @@ from __future__ import annotations
 import importlib
 import math
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from importlib.metadata import version
 
 from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
 from scenario_compiler.engine.camera_health import BLUR_AT_ONE
-from scenario_compiler.engine.following import leader_gap
+from scenario_compiler.engine.forms.failure import EngineError
 from scenario_compiler.engine.opcodes import (
     ELEMENT_EVENT,
     FAILURE_BLACKOUT,
@@ -19,29 +20,39 @@ from scenario_compiler.engine.opcodes import (
     FAILURE_DIRT,
     FAR,
     SEEN_IN_PICTURES,
-    STOP_NONE,
 )
-from scenario_compiler.engine.presence import there_for
-from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.sensor import look_ahead
-from scenario_compiler.engine.slots import K_FIELD_OF_VIEW, K_SENSOR_RANGE
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.program.build import lowered
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.engine.state import State, make_draws
+from scenario_compiler.engine.tables import Program
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.names import BY_HAND, CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS
+from scenario_compiler.recording.names import BY_HAND, CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.action_events import OF_ACTIONS, action_text, actions_of
+from scenario_compiler.runtime.failures import CONTROLLER_FAILED, ENGINE_BROKE_OFF, ControllerError
 from scenario_compiler.runtime.messages import messages
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
-from scenario_compiler.runtime.route_ahead import route_ahead
 from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.weather import weather_of
-from scenario_compiler.worlds import WORLDS, CameraFaults, Snapshot, World
+from scenario_compiler.worlds import (
+    WORLDS,
+    CameraFaults,
+    EgoCommand,
+    EgoState,
+    EntityState,
+    Snapshot,
+    World,
+    WorldError,
+    WorldOptions,
+)
 
-ENTITY_COLUMNS = ("present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "throttle", "steer", "brake")
+ENTITY_COLUMNS = (
+    *("present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off"),
+    *("pitch", "roll", "throttle", "steer", "brake"),
+)
 RUN_COLUMNS = {
     "takeover_state": "takeover_state",
     "cause": "cause",
@@ -54,13 +65,32 @@ RUN_COLUMNS = {
 }
 """Recorded column to the engine's."""
 
+BRAKE_LIGHTS = 1.3
+"""Deceleration from which the brake lights of a vehicle that is not driven by commands are on, m/s2: that from which UN
+R13-H (5.2.22.4) has them on when a vehicle brakes without its driver's pedal.
+"""
+
 LANE_COLUMNS = tuple(f"{side}_{name}" for side in ("left", "right") for name in ("y0", "slope", "curvature"))
 
 
-def open_world(name: str, plan: Plan, network: Network) -> World:
-    """Open a world by its name in WORLDS; KeyError when there is none of that name."""
+def open_world(name: str, plan: Plan, network: Network, **options: object) -> World:
+    """Open a world; use it in a `with` statement, so that it gives back what it holds.
+
+    Args:
+        name: Its name in WORLDS.
+        plan: The plan that it is for.
+        network: The plan's map.
+        **options: Options of the world, as its `Options` model declares them.
+
+    Raises:
+        KeyError: There is no world of that name.
+        pydantic.ValidationError: An option is wrong.
+        WorldError: The world cannot be opened.
+    """
     module, _, attribute = WORLDS[name].partition(":")
-    world: World = getattr(importlib.import_module(module), attribute)(plan, network)
+    found = getattr(importlib.import_module(module), attribute)
+    given: WorldOptions = found.Options.model_validate(options)
+    world: World = found(plan, network, given)
     return world
 
 
@@ -70,18 +100,23 @@ def run(
     seed: int = 1,
     *,
     variant: int = 0,
+    interpreted: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> Recording:
     """Execute a plan in a world.
+
+    A run that cannot go on, because the world is lost, the controller fails or the engine has no result, ends there:
+    the recording says so by its stop reason and its last event, and holds everything until then.
 
     Args:
         plan: The plan.
         world: A world opened for the plan; it can be used for several runs.
         seed: Seed of all that is drawn.
         variant: Index of the variant, which the draws depend on too.
+        interpreted: Whether the engine runs interpreted although its machine code is there.
         progress: Called with the time, s, after every step.
     """
-    execution = _Execution(plan, world, seed, variant)
+    execution = _Execution(plan, world, seed, variant, interpreted=interpreted)
     while execution.going:
         execution.advance()
         if progress is not None:
@@ -120,78 +155,146 @@ def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
 class _Execution:
     """One run under way."""
 
-    def __init__(self, plan: Plan, world: World, seed: int, variant: int) -> None:
+    def __init__(self, plan: Plan, world: World, seed: int, variant: int, *, interpreted: bool) -> None:
         self.plan = plan
         self.world = world
-        self.tables = world.network.tables
-        self.program = build_program(plan, world.network)
-        self.state = new_state(self.program)
+        self.lowered = lowered(plan, world.network, posed=world.moves_ego)
+        self.program = self.lowered.program
+        self.simulation = Simulation(world.network.tables, self.program, interpreted=interpreted)
+        self.state = self.simulation.state
         self.weather_changes = self.program.weather_count[0] > 1
         self.told = [word for word in walk(plan.storyboard) if isinstance(word, MessageAction)]
         self.named = named_events(plan, self.program)
         self.actions = list(actions_of(plan))
-        self.state.draw[:] = make_draws(seed, variant)
         self.controller: ControllerModel | None = None
-        if plan.controller is not None and plan.perception == "camera":
-            self.controller = create_controller(plan.controller)
-            self.controller.reset(seed)
         self.control: Control | None = None
         self.seen: SensorData | None = None
         self.lanes = {name: [math.nan] for name in LANE_COLUMNS}
         self.logged = 0
         self.pictured: set[str] = set()
-        reset(self.tables, self.program, self.state)
-        world.reset(self.snapshot(), seed)
+        self.broken: StopReason = ""
+        self.simulation.reset(make_draws(seed, variant))
         self.builder = RecordingBuilder(self._header(seed, variant), world.network.road_ids, self._columns())
+        with self._noticing_failures():
+            if plan.controller is not None and plan.perception == "camera":
+                with self._of_controller():
+                    self.controller = create_controller(plan.controller)
+                    self.controller.reset(seed)
+            world.reset(self.snapshot(), seed)
         self.builder.append(self.state.clock[0])
         self._note_events()
 
     @property
     def going(self) -> bool:
         """Whether the run goes on."""
-        return self.state.stop[0] == STOP_NONE
+        return not self.broken and not self.simulation.over
 
     def advance(self) -> None:
         """Let the controller act where a control step is due, then step the engine and the world."""
-        if self.state.frame[0] % self.plan.control_every == 0 and self.controller is not None:
-            self._let_control(self.controller)
-        before = self.state.clock[0]
-        step(self.tables, self.program, self.state)
-        if self.state.clock[0] > before:
-            self.world.step(self.snapshot())
-            self.builder.append(self.state.clock[0])
-        self._note_events()
+        with self._noticing_failures():
+            if self.state.frame[0] % self.plan.control_every == 0 and self.controller is not None:
+                self._let_control(self.controller)
+            if self.simulation.begin():
+                self.simulation.move()
+                self._step_world()
+                self.simulation.end()
+                self.builder.append(self.state.clock[0])
+            self._note_events()
+
+    def _step_world(self) -> None:
+        st = self.state
+        command = EgoCommand(0.0, 0.0, 0.0)
+        ego = self.program.ego[0]
+        if ego >= 0:
+            command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego])
+        moved = self.world.step(self.snapshot(), command)
+        if moved is not None:
+            self._pose_ego(ego, moved)
+        for event in self.world.events():
+            self.builder.event(event.t, event.kind, entity=event.entity, message=event.message)
+
+    def _pose_ego(self, ego: int, moved: EgoState) -> None:
+        st, pose = self.state, moved.pose
+        st.x[ego], st.y[ego], st.z[ego] = pose.x, pose.y, pose.z
+        st.h[ego], st.pitch[ego], st.roll[ego] = pose.heading, pose.pitch, pose.roll
+        st.v[ego], st.steer[ego] = moved.speed, moved.steering
+        st.throttle[ego], st.brake[ego] = moved.throttle, moved.brake
+
+    @contextmanager
+    def _noticing_failures(self) -> Iterator[None]:
+        """End the run where the world, the controller or the engine fails, and note it as its last event."""
+        try:
+            yield
+        except WorldError as error:
+            self._break_off("world_lost", error.code.id, str(error))
+        except ControllerError as error:
+            self._break_off("controller_failed", CONTROLLER_FAILED.id, str(error))
+        except EngineError as error:
+            self._break_off("error", ENGINE_BROKE_OFF.id, str(error))
+
+    def _break_off(self, reason: StopReason, code: str, message: str) -> None:
+        self.broken = reason
+        self.builder.event(self.state.clock[0], "broken_off", cause=code, message=message)
+
+    @contextmanager
+    def _of_controller(self) -> Iterator[None]:
+        """Make whatever a controller raises a failure of the controller."""
+        try:
+            yield
+        except (Exception, SystemExit) as error:
+            raise ControllerError.of(self.plan.controller, self.controller, error) from error
 
     def snapshot(self) -> Snapshot:
         """Return the entities' states now."""
         st = self.state
-        poses = map(Pose, st.x, st.y, st.z, st.h, st.pitch, st.roll)
-        weather = weather_of(st.weather) if self.weather_changes else None
-        present = tuple(there_for(st, i, SEEN_IN_PICTURES) == 1 for i in range(len(st.present)))
-        moving = tuple(poses), tuple(st.v)
-        return Snapshot(st.clock[0], st.frame[0], present, *moving, st.sigma[0], faults_of(st), weather)
+        entities = tuple(
+            EntityState(
+                there=st.present[i] == 1,
+                shown=st.present[i] == 1 and st.visible[i] & SEEN_IN_PICTURES != 0,
+                pose=Pose(st.x[i], st.y[i], st.z[i], st.h[i], st.pitch[i], st.roll[i]),
+                speed=st.v[i],
+                steering=st.steer[i],
+                throttle=st.throttle[i],
+                brake=st.brake[i],
+                braking=st.brake[i] > 0.0 or st.a[i] < -BRAKE_LIGHTS,
+            )
+            for i in range(len(st.present))
+        )
+        return Snapshot(
+            st.clock[0],
+            st.frame[0],
+            entities,
+            st.sigma[0],
+            faults_of(st),
+            weather_of(st.weather) if self.weather_changes else None,
+            self._signals(),
+            st.hazard_lights[0] == 1,
+        )
+
+    def _signals(self) -> tuple[tuple[str, str], ...]:
+        """Return the state of each traffic signal that the scenario names."""
+        texts = self.lowered.texts
+        states = zip(self.lowered.signals, self.state.signal_state, strict=True)
+        return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
     def finish(self) -> Recording:
         """Return the recording."""
-        reason = STOP_REASONS[self.state.stop[0]]
+        reason = self.broken or STOP_REASONS[self.state.stop[0]]
         self.builder.event(self.state.clock[0], "stop", message=reason)
         return self.builder.finish(reason, self.state.flag[0])
 
     def _let_control(self, controller: ControllerModel) -> None:
         st, ego = self.state, self.plan.ego.vehicle
-        const = self.program.const
-        look_ahead(self.tables, self.program, st, 0, const[K_SENSOR_RANGE], const[K_FIELD_OF_VIEW])
-        gap, lead = leader_gap(self.program, st, 0, 0.0, 1, -FAR)
+        outlook = self.simulation.look_out()
         seen = self.seen
         if seen is None or st.frame[0] % self.program.image_every[0] == 0:
             seen = self.world.observe(self.snapshot())
-        route, junction = route_ahead(self.tables, self.program, st)
-        self.seen = replace(
+        self.seen = seen = replace(
             seen,
-            lead_gap=None if gap >= FAR else gap,
-            lead_speed=0.0 if gap >= FAR else lead,
-            route=route,
-            junction=junction,
+            lead_gap=None if outlook.gap >= FAR else outlook.gap,
+            lead_speed=0.0 if outlook.gap >= FAR else outlook.lead_speed,
+            route=outlook.way,
+            junction=None if outlook.junction >= FAR else outlook.junction,
         )
         vehicle = VehicleState(
             x=st.x[0],
@@ -205,11 +308,14 @@ class _Execution:
             desired_speed=st.target_speed[0],
             period=self.plan.step * self.plan.control_every,
         )
-        self.control = control = controller.control(self.seen, st.v[0], vehicle)
+        with self._of_controller():
+            control = controller.control(seen, st.v[0], vehicle)
+            asks = int(controller.initiate_takeover())
+        self.control = control
         st.auto_throttle[0], st.auto_steer[0], st.auto_brake[0] = control.throttle, control.steer, control.brake
         st.conf_left[0], st.conf_right[0] = control.confidence_left, control.confidence_right
         st.health[0] = control.sensor_health
-        st.auto_request[0] = int(controller.initiate_takeover())
+        st.auto_request[0] = asks
         for column in LANE_COLUMNS:
             side, _, name = column.partition("_")
             boundary = getattr(control.lanes, side, None)
@@ -276,6 +382,7 @@ class _Execution:
                 "python": platform.python_version(),
                 "numpy": version("numpy"),
                 "opencv": version("opencv-python-headless"),
+                **self.world.versions,
             },
         )
 

@@ -96,7 +96,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
     assert (result.form, result.failed) == ("camera", 3)
     assert rows["error"] == [
         "",
-        "ValueError: too fast for me",
+        "controller 'misbehaving:Misbehaving', misbehaving.py:20: ValueError: too fast for me",
         "it took longer than 5 s",
         "the process ended with code 9",
         "",
@@ -105,7 +105,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
 
 
 def test_a_full_disk_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec(samples=64)
+    spec = _spec(samples=64, interpreted=True)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     done = subprocess.run(
         [sys.executable, "-c", FULL_DISK, str(conflict), str(tmp_path / "full")],
@@ -128,7 +128,7 @@ from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal")
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
 
 def fill(progress):
     if progress.done == 32:
@@ -159,14 +159,24 @@ def small_disk(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("60k", "/s/results.parquet")])
+@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("200k", "/s/results.parquet")])
 def test_a_full_tmpfs_keeps_what_was_finished(
     size: str, fails: str, conflict: Path, tmp_path: Path, small_disk: Path
 ) -> None:
-    spec = _spec()
+    spec = _spec(samples=2000)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     sweep = [sys.executable, "-m", "scenario_compiler", "sweep", str(conflict), *("--vary", spec.vary[0])]
-    sweep += ["--samples", "64", "--perception", "ideal", "--workers", "1", "--no-report", "-o", str(small_disk / "s")]
+    sweep += [
+        "--samples",
+        "2000",
+        "--perception",
+        "ideal",
+        "--workers",
+        "1",
+        "--no-report",
+        "-o",
+        str(small_disk / "s"),
+    ]
     disk = shlex.quote(str(small_disk))
     script = [
         f"mount -t tmpfs -o size={size} tmpfs {disk}",
@@ -185,7 +195,7 @@ def test_a_full_tmpfs_keeps_what_was_finished(
 
 @pytest.mark.slow
 def test_kill_9_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec(samples=640, form="interpreted")
+    spec = _spec(samples=640, interpreted=True)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     folder = tmp_path / "killed"
     script = KILLED.format(target=str(conflict), folder=str(folder))
@@ -205,7 +215,7 @@ from pathlib import Path
 from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", form="interpreted")
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", interpreted=True)
 run_sweep("{target}", spec, Path("{folder}"), workers=1, report=False)
 """
 
@@ -213,5 +223,5 @@ run_sweep("{target}", spec, Path("{folder}"), workers=1, report=False)
 @pytest.mark.slow
 def test_a_sweep_needs_little_memory(conflict: Path, tmp_path: Path) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    run_sweep(conflict, _spec(samples=10_000, form="compiled"), tmp_path / "sweep", workers=1, report=False)
+    run_sweep(conflict, _spec(samples=10_000), tmp_path / "sweep", workers=1, report=False)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 500_000

@@ -7,7 +7,6 @@ from math import atan2, cos, hypot, pi, sin
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
-from scenario_compiler.engine.build import Compiled, Interpreted
 from scenario_compiler.engine.opcodes import FAULT_OFF_ROAD_START
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.state import State, make_draws, new_state
@@ -51,6 +50,7 @@ from scenario_compiler.vocabulary.storyboard import (
     TriggerCondition,
 )
 from scenario_compiler.vocabulary.weather import Weather
+from tests.engine.both import run_both
 from tests.engine.make import highway, lane, network_of, road
 from tests.roads.test_lane_end import SECTIONS
 
@@ -312,10 +312,5 @@ def test_both_forms_leave_the_same_bytes_at_a_lanes_end() -> None:
     late = at_time(0.5, 0, TeleportAction(position=RelativeRoadPosition(entity="left", ds=5.0, dt=-9.0, turn=1.0)))
     plan, _ = planned(network, starts, board(late, actor="free"), speed=20.0)
     program = build_program(plan, network)
-    traces = []
-    for form in (Interpreted, Compiled):
-        _, trace = form(network.tables, program, new_state(program)).sweep(
-            [list(program.const)], [make_draws(1, 0)], 60, 61
-        )
-        traces.append([float(value).hex() for value in trace[0]])
-    assert traces[0] == traces[1]
+    both = run_both(network.tables, program, [list(program.const)], [make_draws(1, 0)], 60)
+    assert both.interpreted == both.compiled

@@ -9,15 +9,15 @@ import pytest
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
-from scenario_compiler.engine.build import Interpreted
 from scenario_compiler.engine.program import build_program, rows
 from scenario_compiler.engine.program.actions import ACTIONS, add_action
 from scenario_compiler.engine.program.conditions import CONDITIONS as CONDITION_ROWS
 from scenario_compiler.engine.program.draft import Draft as ProgramDraft
 from scenario_compiler.engine.program.positions import POSITIONS, add_position
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.sweep import SUMMARY, SUMMARY_SIZE
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.engine.state import make_draws
 from scenario_compiler.engine.tables import validate
+from scenario_compiler.engine.trace import SUMMARY, SUMMARY_SIZE
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.plan.model import Entity, MapReference, Plan
 from scenario_compiler.roads import Network
@@ -178,11 +178,11 @@ def test_a_sweep_over_a_plan_runs_every_row() -> None:
     plan = plan_on(network)
     samples = rows(plan, network, [{"v": v} for v in (5.0, 7.0, 9.0)])
     p = build_program(plan, network)
-    engine = Interpreted(network.tables, p, new_state(p))
+    engine = Simulation(network.tables, p, interpreted=True)
     draws = [make_draws(1, k) for k in range(3)]
     summaries, traces = engine.sweep(samples, draws, 400)
     assert [len(row) for row in summaries] == [SUMMARY_SIZE] * 3 == [len(SUMMARY)] * 3
-    assert traces == [[], [], []]
+    assert traces.shape == (3, 0)
     assert all(row[SUMMARY.index("flag")] == op.FAULT_NONE for row in summaries)
     _, traces = engine.sweep(samples, draws, 400, 401)
     assert len({tuple(trace) for trace in traces}) == 3

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
 from functools import cache
 from itertools import pairwise
@@ -13,15 +12,15 @@ import pytest
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.build import Compiled, Interpreted
 from scenario_compiler.engine.collision import overlap
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
+from scenario_compiler.engine.state import make_draws, new_state
 from scenario_compiler.engine.step import reset, step
 from scenario_compiler.engine.swarms import extent_at
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.word import number_value
+from tests.engine.both import run_both
 
 HERE = Path(__file__).parent
 MIDDLE = 1
@@ -159,10 +158,6 @@ def test_both_forms_leave_the_same_bytes(name: str) -> None:
     broken[program.action_const[k] + 1] = float("nan")
     rows, draws = [list(program.const), list(program.const), broken], [make_draws(7, k) for k in range(3)]
     limit = 801
-    states: tuple[State, State] = (new_state(program), new_state(program))
-    summaries, traces = Interpreted(network.tables, program, states[0]).sweep(rows, draws, limit - 1, limit)
-    fast_summaries, fast_traces = Compiled(network.tables, program, states[1]).sweep(rows, draws, limit - 1, limit)
-    mine = [array("d", [*a, *b]).tobytes() for a, b in zip(summaries, traces, strict=True)]
-    theirs = [a.tobytes() + b.tobytes() for a, b in zip(fast_summaries, fast_traces, strict=True)]
-    assert mine == theirs
-    assert mine[0] != mine[1]
+    both = run_both(network.tables, program, rows, draws, limit - 1)
+    assert both.interpreted == both.compiled
+    assert both.interpreted[0] != both.interpreted[1]

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
-from array import array
 from functools import cache
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from scenario_compiler.engine import opcodes as op
 from scenario_compiler.engine import slots
-from scenario_compiler.engine.build import Compiled, Interpreted, trace_width
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.engine.state import make_draws
+from scenario_compiler.engine.trace import SUMMARY, trace_width
 from scenario_compiler.randomness import uniform
+from tests.engine.both import run_both
 from tests.engine.make import Draft, bend, highway, lane, network_of, ramp, road
 
 PROGRAMS = 40
@@ -321,22 +320,18 @@ def variants_of(draft: Draft, number: int) -> list[list[float]]:
 
 
 @cache
-def both_forms(number: int) -> tuple[list[bytes], list[bytes], list[list[float]], set[int], set[int]]:
+def both_forms(number: int) -> tuple[list[bytes], list[bytes], NDArray[np.float64], set[int], set[int]]:
     """Return the traces of both forms as bytes, the summaries, and the takeover states and events that were reached."""
     draft = random_draft(number)
     program, tables = draft.done(), draft.network.tables
     rows, draws = variants_of(draft, number), [make_draws(number, k) for k in range(VARIANTS)]
-    interpreted = Interpreted(tables, program, new_state(program))
-    summaries, traces = interpreted.sweep(rows, draws, STEPS, STEPS + 1)
-    compiled = Compiled(tables, program, new_state(program))
-    fast_summaries, fast_traces = compiled.sweep(rows, draws, STEPS, STEPS + 1)
-    mine = [array("d", [*a, *b]).tobytes() for a, b in zip(summaries, traces, strict=True)]
-    theirs = [a.tobytes() + b.tobytes() for a, b in zip(fast_summaries, fast_traces, strict=True)]
+    both = run_both(tables, program, rows, draws, STEPS)
     width = trace_width(program)
-    states = {int(state) for trace in traces for state in trace[1::width]}
-    kinds = set(interpreted.state.log_kind)
-    interpreted.sweep(rows[:1], draws[:1], STEPS)
-    return mine, theirs, summaries, states, kinds | set(interpreted.state.log_kind)
+    states = {int(state) for trace in both.traces for state in trace[1::width]}
+    usual = Simulation(tables, program, interpreted=True)
+    usual.sweep(rows[:1], draws[:1], STEPS)
+    kinds = {*both.state.log_kind, *usual.state.log_kind}
+    return both.interpreted, both.compiled, both.summaries, states, kinds
 
 
 @pytest.mark.parametrize("number", range(PROGRAMS))
@@ -368,16 +363,7 @@ def test_a_sweep_does_not_depend_on_the_order_of_its_variants() -> None:
     draft = random_draft(0)
     program, tables = draft.done(), draft.network.tables
     rows, draws = variants_of(draft, 0), [make_draws(0, k) for k in range(VARIANTS)]
-    compiled = Compiled(tables, program, new_state(program))
+    compiled = Simulation(tables, program)
     forward, _ = compiled.sweep(rows, draws, STEPS)
     backward, _ = compiled.sweep(rows[::-1], draws[::-1], STEPS)
     assert forward.tobytes() == backward[::-1].tobytes()
-
-
-@pytest.mark.slow
-def test_no_index_leaves_its_column() -> None:
-    arguments = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "same_bytes", __file__]
-    result = subprocess.run(
-        arguments, env={**os.environ, "NUMBA_BOUNDSCHECK": "1"}, capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 0, result.stdout[-4000:]

@@ -8,10 +8,10 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.engine.opcodes import FAR, ROUTE_REACH
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import new_state
-from scenario_compiler.engine.step import reset
-from scenario_compiler.runtime.route_ahead import ROUTE_REACH, route_ahead
+from scenario_compiler.engine.simulation import Outlook, Simulation
+from scenario_compiler.engine.state import make_draws
 from tests.roads.make import lane, network, road, section
 
 FILE = """<scenarios version="1"><scenario name="fork" map="made.xodr" duration="1"><ego speed="5">
@@ -42,7 +42,7 @@ def connection(number: str, to: str) -> str:
     )
 
 
-def handed(folder: Path, s: float, destination: str = "") -> tuple[tuple[tuple[float, float], ...], float | None]:
+def handed(folder: Path, s: float, destination: str = "") -> Outlook:
     """Return what is handed at the start on road 1, whose junction goes straight on (2) and to the left (3)."""
     junction = '<{} elementType="junction" elementId="J"/>'
     network(
@@ -59,32 +59,31 @@ def handed(folder: Path, s: float, destination: str = "") -> tuple[tuple[tuple[f
     sink = Diagnostics()
     found = compile_target(path, {}, sink, overrides=Overrides())
     assert found is not None, [as_text(one) for one in sink]
-    program = build_program(found.plan, found.network)
-    state = new_state(program)
-    reset(found.network.tables, program, state)
-    return route_ahead(found.network.tables, program, state)
+    simulation = Simulation(found.network.tables, build_program(found.plan, found.network))
+    simulation.reset(make_draws(1))
+    return simulation.look_out()
 
 
 TO_THE_LEFT = '<destination><lane road="3" lane="-1" s="40"/></destination>'
 
 
 def test_the_way_follows_the_route_through_the_junction(tmp_path: Path) -> None:
-    points, junction = handed(tmp_path, 80.0, TO_THE_LEFT)
-    assert len(points) == ROUTE_REACH + 1
-    assert junction == pytest.approx(20.0, abs=1.0)
-    assert points[0] == pytest.approx((0.0, -0.5))
-    assert points[15] == pytest.approx((15.0, -0.5))
-    assert points[-1] == pytest.approx((31.75, 15.54), abs=0.01)
+    ahead = handed(tmp_path, 80.0, TO_THE_LEFT)
+    assert len(ahead.way) == ROUTE_REACH + 1
+    assert ahead.junction == pytest.approx(20.0, abs=1.0)
+    assert ahead.way[0] == pytest.approx((0.0, -0.5))
+    assert ahead.way[15] == pytest.approx((15.0, -0.5))
+    assert ahead.way[-1] == pytest.approx((31.75, 15.54), abs=0.01)
 
 
 def test_without_a_route_the_way_goes_straight_on_to_the_end_of_the_lanes(tmp_path: Path) -> None:
-    points, junction = handed(tmp_path, 95.0)
-    assert junction == pytest.approx(5.0, abs=1.0)
-    assert all(y == pytest.approx(-0.5) for _, y in points)
-    assert points[-1][0] == pytest.approx(35.0, abs=1.0)
+    ahead = handed(tmp_path, 95.0)
+    assert ahead.junction == pytest.approx(5.0, abs=1.0)
+    assert all(y == pytest.approx(-0.5) for _, y in ahead.way)
+    assert ahead.way[-1][0] == pytest.approx(35.0, abs=1.0)
 
 
 def test_far_from_it_no_junction_is_in_reach(tmp_path: Path) -> None:
-    points, junction = handed(tmp_path, 10.0, TO_THE_LEFT)
-    assert junction is None
-    assert points[-1] == pytest.approx((float(ROUTE_REACH), -0.5))
+    ahead = handed(tmp_path, 10.0, TO_THE_LEFT)
+    assert ahead.junction == FAR
+    assert ahead.way[-1] == pytest.approx((float(ROUTE_REACH), -0.5))
