@@ -178,6 +178,7 @@ _TOKEN = re.compile(
 )
 
 
+_VISIBLE = re.compile(r"\S")
 _NAME_IN_TEXT = re.compile(r"\$([A-Za-z0-9_.]+)")
 
 
@@ -191,7 +192,7 @@ def names_in(text: str) -> list[tuple[str, int]]:
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None:
-            at += 1
+            at = next(_VISIBLE.finditer(text, at)).end()
             continue
         name, before = match.group("name"), match.start("name")
         at = max(match.end(), at + 1)

@@ -17,7 +17,7 @@ from scenario_compiler.source.aisa import KNOWN
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.conflict import Library, Part
 from scenario_compiler.source.templates import template_parameters, templates_by_name, templates_in
-from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.scenario import Classification, Parameter
 from scenario_compiler.vocabulary.variation import Vary
 
 SUFFIXES = (".xml", ".xosc")
@@ -114,8 +114,8 @@ def _varied(vary: Vary, sets: Mapping[str, Sequence[Mapping[str, str]]]) -> Iter
 
 def _listed(kind: Literal["conflict", "template"], target: str, name: str, part: Part) -> Listed:
     element = part.element
-    place = element.find("classification")
-    gold = place.get("number", "") if place is not None and place.get("scheme") == "gold2018" else ""
+    placed = (one for one in element.iterchildren(Classification.tag()) if one.get("scheme") == "gold2018")
+    gold = next((str(one.get("number", "")) for one in placed), "")
     known = template_parameters(part, Diagnostics()).known
     written = element.find(Vary.tag())
     vary = None if written is None else read_word(written, Vary, part.reading(Diagnostics(), Environment()))

@@ -124,6 +124,7 @@ class Analysis:
         self.draft = Draft(text)
         self.quiet = Diagnostics()
         self._parts: dict[int, PartNames | None] = {}
+        self._given: dict[tuple[int, str], dict[str, Attribute]] = {}
 
     @cached_property
     def document(self) -> DraftDocument | None:
@@ -311,10 +312,13 @@ class Analysis:
 
     def _written(self, tag: Tag, kind: str, name: str) -> Symbol | None:
         part = self.part_of(tag)
-        for written, attribute, _ in () if part is None else self.declared_in(part, kind):
-            if written == name:
-                return self.symbol(kind, attribute)
-        return None
+        if part is None:
+            return None
+        if (part.start, kind) not in self._given:
+            declared = [(written, attribute) for written, attribute, _ in self.declared_in(part, kind)]
+            self._given[part.start, kind] = dict(reversed(declared))
+        attribute = self._given[part.start, kind].get(name)
+        return None if attribute is None else self.symbol(kind, attribute)
 
     def _scoped(self, tag: Tag, kind: str, name: str, start: int) -> Iterator[Mention]:
         """Yield what the parts of a name mean, such as the use and the actor of `queue.2.van`, the outermost last."""

@@ -97,14 +97,26 @@ class Tag:
 
 
 class Draft:
-    """A text and the tree of its tags; `whole` stands for the text and holds the first element."""
+    """A text and the tree of its tags, which is made when it is first asked for."""
 
     def __init__(self, text: str) -> None:
-        """Find the tags of a text."""
+        """Take a text."""
         self.text = text
-        self.whole = Tag("", -1, 0, True)
-        self.passed_over: list[tuple[int, int]] = []
-        self._read()
+
+    @cached_property
+    def _tree(self) -> tuple[Tag, list[tuple[int, int]]]:
+        reader = _Reader(self.text)
+        return reader.whole, reader.passed_over
+
+    @property
+    def whole(self) -> Tag:
+        """What stands for the whole text: it holds the first element."""
+        return self._tree[0]
+
+    @property
+    def passed_over(self) -> list[tuple[int, int]]:
+        """Where comments and the like begin and end."""
+        return self._tree[1]
 
     @property
     def root(self) -> Tag | None:
@@ -185,6 +197,16 @@ class Draft:
             if one.has_value and _XML_NAME.fullmatch(one.name) and one.name != "xmlns":
                 written.setdefault(one.name, self.meant(one))
         return written
+
+
+class _Reader:
+    """Reads a text's tags from its begin to its end."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.whole = Tag("", -1, 0, True)
+        self.passed_over: list[tuple[int, int]] = []
+        self._read()
 
     def _read(self) -> None:
         text, current, at = self.text, self.whole, 0
