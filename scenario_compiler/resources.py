@@ -65,14 +65,20 @@ def template_folders() -> Iterator[Path]:
 
 @cache
 def _package_folders() -> tuple[Path, ...]:
-    """Return the folders of templates of installed packages, without importing any of them."""
+    """Return the folders of templates of installed packages, without importing any of them.
+
+    A package that is not there, or whose entry is none, brings none: what it lacks is not the user's to mend.
+    """
     from importlib.metadata import entry_points
     from importlib.util import find_spec
 
     found = []
     for entry in sorted(entry_points(group=TEMPLATE_PACKAGES), key=lambda one: (one.name, one.value)):
-        top, *inner = entry.module.split(".")
-        spec = find_spec(top)
+        top, *inner = entry.value.split(".")
+        try:
+            spec = find_spec(top) if all(part.isidentifier() for part in (top, *inner)) else None
+        except (ImportError, ValueError):
+            spec = None
         places = [] if spec is None else list(spec.submodule_search_locations or ())
         found += [folder for folder in (Path(place, *inner) for place in places) if folder.is_dir()]
     return tuple(found)

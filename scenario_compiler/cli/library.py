@@ -17,6 +17,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_templates,
+    is_filled,
     new_sink,
     show,
     told,
@@ -58,7 +59,7 @@ def library_command(options: argparse.Namespace) -> int:
 
     if not options.folder.exists():
         raise WrongUse(f"there is no file or folder '{options.folder}'")
-    if options.output is not None and not options.force and _is_filled(options.output):
+    if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     sink = new_sink(options)
     with _shown_progress() as progress:
@@ -93,10 +94,6 @@ def _print(found: Survey, file: TextIO) -> None:
         print(f"never fail: {', '.join(found.never_fail) or 'none'}", file=file)
     for sentence in found.missing:
         print(sentence, file=file)
-
-
-def _is_filled(folder: Path) -> bool:
-    return folder.is_dir() and any(folder.iterdir())
 
 
 def _count(text: str) -> int:

@@ -20,6 +20,7 @@ from scenario_compiler.cli.options import (
     compiled,
     has_errors,
     inputs_of,
+    is_filled,
     keep_inputs,
     new_sink,
     show,
@@ -132,7 +133,7 @@ def run_command(options: argparse.Namespace) -> int:
 
     if options.world not in WORLDS:
         raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
-    if options.output is not None and not options.force and _is_filled(options.output):
+    if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     if options.show is not None and options.output is None:
         raise WrongUse("--show draws into the folder of the run: give one with -o")
@@ -199,10 +200,6 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(plan.name, total=plan.duration)
         return run(plan, world, **asked, progress=lambda t: bar.update(task, completed=t))
-
-
-def _is_filled(folder: Path) -> bool:
-    return folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics, Place
-from scenario_compiler.document import Origin
+from scenario_compiler.document import Document, Origin
 from scenario_compiler.editor.draft import Attribute, Draft, DraftDocument, Tag
 from scenario_compiler.editor.words import Meaning, meanings
 from scenario_compiler.expressions import names_in
@@ -136,7 +136,7 @@ class Analysis:
         """What the file holds and includes."""
         document = self.document
         if document is None:
-            return Library(Draft("<scenarios/>").document(self.path))  # type: ignore[arg-type]  # it has an element
+            return Library(Document(self.path, "", etree.Element(LibraryElement.tag())))
         if document.root.tag == LibraryElement.tag():
             return read_library(document, self.quiet)
         if document.root.tag == CatalogElement.tag():

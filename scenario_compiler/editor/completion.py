@@ -1,4 +1,4 @@
-"""What can be written at a place: elements, attributes and values, by the declarations of the words around it."""
+"""What can be written at a place: elements, attributes and values, by the declarations of the words spot it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.editor.analysis import Analysis
 from scenario_compiler.editor.cursor import Cursor, cursor_at
 from scenario_compiler.editor.draft import Tag
-from scenario_compiler.editor.known import Around, Known, known, parameter_text
+from scenario_compiler.editor.known import Known, Spot, known, parameter_text
 from scenario_compiler.editor.words import ROOTS, Meaning, described, meaning_of
 from scenario_compiler.expressions import FUNCTIONS, format_value
 from scenario_compiler.source.conflict import Part, Use
@@ -165,11 +165,11 @@ def arguments_of(template: Part) -> Declared:
 def _values(analysis: Analysis, cursor: Cursor, meaning: Meaning, maps: Sequence[Path]) -> Iterator[Offer]:
     """Yield what an attribute can hold: its choices, the names that it can name, and parameters behind a `$`."""
     rule = meaning.attributes.get(cursor.attribute)
-    around = Around(analysis, cursor.tag, maps)
+    spot = Spot(analysis, cursor.tag, maps)
     written = analysis.draft.text[cursor.value_start : cursor.offset]
     expression = re.search(r"[$]\{[^{}]*\Z|[$][A-Za-z0-9_.]*\Z", written)
     if expression is not None or (rule is not None and rule.spelling.expression):
-        yield from _in_expression(cursor, around, written, braced=expression is None or "{" in expression.group())
+        yield from _in_expression(cursor, spot, written, braced=expression is None or "{" in expression.group())
         return
     parameter = _argument(analysis, cursor) if rule is None else None
     if rule is not None and rule.spelling.separated:
@@ -183,10 +183,10 @@ def _values(analysis: Analysis, cursor: Cursor, meaning: Meaning, maps: Sequence
         if parameter is None
         else _kind_of(analysis, cursor.tag, parameter)
     )
-    for one in known(kind, around):
+    for one in known(kind, spot):
         yield _value_offer(one, cursor)
     if (rule is None) != (parameter is None) and not (rule is not None and rule.spelling.defines):
-        for one in known("parameter", around):
+        for one in known("parameter", spot):
             yield _value_offer(replace(one, name=f"${one.name}"), cursor, "name")
 
 
@@ -247,11 +247,11 @@ def _token(analysis: Analysis, cursor: Cursor) -> Cursor:
     return replace(cursor, start=start, end=end)
 
 
-def _in_expression(cursor: Cursor, around: Around, written: str, *, braced: bool) -> Iterator[Offer]:
+def _in_expression(cursor: Cursor, spot: Spot, written: str, *, braced: bool) -> Iterator[Offer]:
     """Yield the parameters that an expression can use and, inside brackets, the functions."""
     name = re.search(r"[$]?[A-Za-z0-9_.]*\Z", written)
     start = cursor.offset - (0 if name is None else len(name.group()))
-    for one in known("parameter", around):
+    for one in known("parameter", spot):
         yield Offer(f"${one.name}", "name", start, cursor.offset, f"\\${one.name}", one.detail, one.text)
     for function, (arguments, _) in FUNCTIONS.items() if braced else ():
         places = ", ".join(f"${number}" for number in range(1, (2 if arguments < 0 else arguments) + 1))

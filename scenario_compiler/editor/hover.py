@@ -9,7 +9,7 @@ from pathlib import Path
 from scenario_compiler.editor.analysis import Analysis, parameters_named
 from scenario_compiler.editor.completion import arguments_of, attribute_text
 from scenario_compiler.editor.draft import Attribute, Tag
-from scenario_compiler.editor.known import Around, known, parameter_text
+from scenario_compiler.editor.known import Spot, known, parameter_text
 from scenario_compiler.editor.words import Meaning, meaning_of
 from scenario_compiler.vocabulary.grammar import AttributeRule
 
@@ -62,10 +62,10 @@ def _explained_value(
     """Return the parameter that an offset in a value names, else the thing that the value names, else the attribute."""
     rule, value = meaning.attributes.get(attribute.name), analysis.draft.value(attribute)
     whole = rule is not None and rule.spelling.expression
-    around = Around(analysis, tag, maps)
+    spot = Spot(analysis, tag, maps)
     for name, at in parameters_named(value, whole=whole):
         start = attribute.value_start + at
-        text = next((one.text for one in known("parameter", around) if one.name == name), "")
+        text = next((one.text for one in known("parameter", spot) if one.name == name), "")
         if start - 1 <= offset <= start + len(name) and text:
             return Explained(start, start + len(name), text)
     if rule is None:
@@ -74,7 +74,7 @@ def _explained_value(
     start, end = _word_at(value, offset - attribute.value_start) if rule.spelling.separated else (0, len(value))
     named = value[start:end].strip()
     kind = rule.spelling.names or rule.spelling.defines
-    found = next((one for one in known(kind, around) if one.name == named), None)
+    found = next((one for one in known(kind, spot) if one.name == named), None)
     start, end = attribute.value_start + start, attribute.value_start + end
     if found is None or not (found.text or found.detail):
         return Explained(start, end, attribute_text(rule))

@@ -39,7 +39,7 @@ class Known:
 
 
 @dataclass(frozen=True)
-class Around:
+class Spot:
     """Where something is named: a text, the element, and the folders that maps are looked for in first."""
 
     analysis: Analysis
@@ -62,42 +62,42 @@ class Around:
         return open_map(self.map_name, Path(self.analysis.path).parent, FilePlace(""), self.quiet, self.maps)
 
 
-def known(kind: str, around: Around) -> list[Known]:
+def known(kind: str, spot: Spot) -> list[Known]:
     """Return what an attribute that names a `kind` can name at a place, each name once, in a useful order."""
-    found = KNOWN[kind](around) if kind in KNOWN else ()
+    found = KNOWN[kind](spot) if kind in KNOWN else ()
     return list({one.name: one for one in reversed(list(found))}.values())[::-1]
 
 
-def _entities(around: Around) -> Iterator[Known]:
-    scope, part = around.analysis.scope_at(around.tag), around.analysis.part_of(around.tag)
-    names = None if part is None else around.analysis.names_of(part)
+def _entities(spot: Spot) -> Iterator[Known]:
+    scope, part = spot.analysis.scope_at(spot.tag), spot.analysis.part_of(spot.tag)
+    names = None if part is None else spot.analysis.names_of(part)
     for name, full in () if scope is None else scope.ids.items():
         found = None if names is None else names.declared.get(("entity", full))
         yield Known(name, "ego vehicle" if found is None else getattr(found[0], "model", ""))
-    yield from _written(around, "entity")
+    yield from _written(spot, "entity")
     if part is not None and part.name != ScenarioElement.tag():
         yield Known("ego", "ego vehicle")
 
 
-def _events(around: Around) -> Iterator[Known]:
-    scope = around.analysis.scope_at(around.tag)
+def _events(spot: Spot) -> Iterator[Known]:
+    scope = spot.analysis.scope_at(spot.tag)
     while scope is not None:
         yield from (Known(name, "event") for name in scope.events)
         scope = scope.parent
-    yield from _written(around, "event")
+    yield from _written(spot, "event")
 
 
-def _written(around: Around, kind: str) -> Iterator[Known]:
+def _written(spot: Spot, kind: str) -> Iterator[Known]:
     """Yield names of a kind that elements of the scenario or template give, but for those in other loops."""
-    part = around.analysis.part_of(around.tag)
-    loops = {one.start for one in around.tag.ancestors() if one.name in LOOPS}
-    for name, _, tag in () if part is None else around.analysis.declared_in(part, kind):
+    part = spot.analysis.part_of(spot.tag)
+    loops = {one.start for one in spot.tag.ancestors() if one.name in LOOPS}
+    for name, _, tag in () if part is None else spot.analysis.declared_in(part, kind):
         if name and "$" not in name and loops.issuperset(one.start for one in tag.ancestors() if one.name in LOOPS):
             yield Known(name, f"<{tag.name}>")
 
 
-def _templates(around: Around) -> Iterator[Known]:
-    for name, part in around.analysis.templates.items():
+def _templates(spot: Spot) -> Iterator[Known]:
+    for name, part in spot.analysis.templates.items():
         if name:
             yield Known(name, part.element.get("summary", ""), template_text(part))
 
@@ -118,11 +118,11 @@ def parameter_text(parameter: Parameter) -> str:
     return f"`{parameter.name}` ({parameter_kind(parameter)}; {default}) {parameter.summary}".strip()
 
 
-def _parameters(around: Around) -> Iterator[Known]:
+def _parameters(spot: Spot) -> Iterator[Known]:
     """Yield the parameters that an expression can use, those of loops first."""
-    part = around.analysis.part_of(around.tag)
-    declared = {} if part is None else parameters_of(around.analysis, part)
-    for name in around.analysis.parameters_at(around.tag):
+    part = spot.analysis.part_of(spot.tag)
+    declared = {} if part is None else parameters_of(spot.analysis, part)
+    for name in spot.analysis.parameters_at(spot.tag):
         parameter = declared.get(name)
         text = f"`{name}` is set by the loop around" if parameter is None else parameter_text(parameter)
         if name:
@@ -137,8 +137,8 @@ def parameters_of(analysis: Analysis, part: Tag) -> Mapping[str, Parameter]:
     return template_parameters(Part(analysis.document, element), Diagnostics()).known
 
 
-def _vehicles(around: Around) -> Iterator[Known]:
-    for name, vehicle in around.analysis.catalogs.vehicles.items():
+def _vehicles(spot: Spot) -> Iterator[Known]:
+    for name, vehicle in spot.analysis.catalogs.vehicles.items():
         yield Known(name, vehicle.category, _vehicle_text(vehicle))
 
 
@@ -148,8 +148,8 @@ def _vehicle_text(vehicle: Vehicle) -> str:
     return "\n".join([*lines, "", vehicle.source] if vehicle.source else lines)
 
 
-def _drivers(around: Around) -> Iterator[Known]:
-    for name, driver in around.analysis.catalogs.drivers.items():
+def _drivers(spot: Spot) -> Iterator[Known]:
+    for name, driver in spot.analysis.catalogs.drivers.items():
         yield Known(name, driver.summary, _driver_text(driver))
 
 
@@ -157,8 +157,8 @@ def _driver_text(driver: DriverModel) -> str:
     return "\n\n".join(part for part in (f"**{driver.name}**: {driver.summary}", driver.source) if part)
 
 
-def _weathers(around: Around) -> Iterator[Known]:
-    del around
+def _weathers(spot: Spot) -> Iterator[Known]:
+    del spot
     for index, name in enumerate(WEATHER_PRESETS):
         preset = weather_preset(name)
         numbers = () if preset is None else weather_numbers(preset)
@@ -167,62 +167,62 @@ def _weathers(around: Around) -> Iterator[Known]:
         yield Known(name, f"preset {index}", "\n".join([f"**{name}**, CARLA's preset {index}", "", *lines]))
 
 
-def _maps(around: Around) -> Iterator[Known]:
-    folder = Path(around.analysis.path).parent
+def _maps(spot: Spot) -> Iterator[Known]:
+    folder = Path(spot.analysis.path).parent
     beside = sorted(path.name for path in folder.glob("*.xodr")) if folder.is_dir() else []
-    for name in [*beside, *known_maps(around.maps)]:
+    for name in [*beside, *known_maps(spot.maps)]:
         try:
-            yield Known(name, str(find_map(name, beside=folder, folders=around.maps)))
+            yield Known(name, str(find_map(name, beside=folder, folders=spot.maps)))
         except MapNotFoundError:
             continue
 
 
-def _roads(around: Around) -> Iterator[Known]:
-    network = around.network()
+def _roads(spot: Spot) -> Iterator[Known]:
+    network = spot.network()
     for road in () if network is None else network.road_ids:
         found = None if network is None else network.road(road)
         yield Known(road, "" if found is None else f"{found.length:.1f} m long", "")
 
 
-def _signals(around: Around) -> Iterator[Known]:
-    network = around.network()
+def _signals(spot: Spot) -> Iterator[Known]:
+    network = spot.network()
     for signal in () if network is None else network.model().signals:
         yield Known(signal.id, signal.name or signal.type)
 
 
-def _spawn_points(around: Around) -> Iterator[Known]:
-    yield from _written(around, "spawn_point")
-    network = around.network()
-    for name, point in {} if network is None else read_spawn_points(network.path, around.quiet).items():
+def _spawn_points(spot: Spot) -> Iterator[Known]:
+    yield from _written(spot, "spawn_point")
+    network = spot.network()
+    for name, point in {} if network is None else read_spawn_points(network.path, spot.quiet).items():
         where = f"road {point.road}, lane {point.lane}, s = {format_value(point.s)} m"
         yield Known(name, where, f"**{name}** ({where}) {point.summary}")
 
 
-def _schemes(around: Around) -> Iterator[Known]:
-    del around
+def _schemes(spot: Spot) -> Iterator[Known]:
+    del spot
     for name, taxonomy in TAXONOMIES.items():
         yield Known(name, taxonomy.title, f"**{taxonomy.title}**\n\n{taxonomy.source}")
 
 
-def _situations(around: Around) -> Iterator[Known]:
-    taxonomy = TAXONOMIES.get(around.analysis.draft.text_of(around.tag, "scheme"))
+def _situations(spot: Spot) -> Iterator[Known]:
+    taxonomy = TAXONOMIES.get(spot.analysis.draft.text_of(spot.tag, "scheme"))
     for name, meaning in {} if taxonomy is None else taxonomy.situations.items():
         yield Known(name, meaning)
 
 
-def _controllers(around: Around) -> Iterator[Known]:
-    del around
+def _controllers(spot: Spot) -> Iterator[Known]:
+    del spot
     yield from (Known(name, "controller") for name in CONTROLLERS)
 
 
-def _codes(around: Around) -> Iterator[Known]:
-    del around
+def _codes(spot: Spot) -> Iterator[Known]:
+    del spot
     for code in sorted(all_codes().values(), key=lambda one: one.id):
         if code.severity is not Severity.ERROR:
             yield Known(code.id, code.name, code.explanation)
 
 
-KNOWN: Mapping[str, Callable[[Around], Iterable[Known]]] = {
+KNOWN: Mapping[str, Callable[[Spot], Iterable[Known]]] = {
     "code": _codes,
     "controller": _controllers,
     "driver": _drivers,
@@ -234,11 +234,11 @@ KNOWN: Mapping[str, Callable[[Around], Iterable[Known]]] = {
     "scheme": _schemes,
     "signal": _signals,
     "situation": _situations,
-    "signal_controller": lambda around: _written(around, "signal_controller"),
+    "signal_controller": lambda spot: _written(spot, "signal_controller"),
     "spawn_point": _spawn_points,
     "template": _templates,
-    "traffic": lambda around: _written(around, "traffic"),
-    "variable": lambda around: _written(around, "variable"),
+    "traffic": lambda spot: _written(spot, "traffic"),
+    "variable": lambda spot: _written(spot, "variable"),
     "vehicle": _vehicles,
     "weather": _weathers,
 }

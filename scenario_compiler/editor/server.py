@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import tempfile
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -228,8 +229,7 @@ def _add_texts(server: ScenarioServer) -> None:
 
     @server.feature(lsp.TEXT_DOCUMENT_DID_SAVE)
     async def saved(params: lsp.DidSaveTextDocumentParams) -> None:
-        del params
-        server.open.saved()
+        server.open.saved(path_of(params.text_document.uri))
         for analysis in list(server.open.texts.values()):
             server.check_soon(server.uri(analysis.path))
 
@@ -366,7 +366,7 @@ def _add_pictures(server: ScenarioServer) -> None:
     @server.command(PREVIEW)
     async def preview(uri: Any, name: Any) -> str | None:
         """Draw the plan of a scenario and show the picture; the answer is its file."""
-        picture = server.picture(str(name).replace(os.sep, "_"))
+        picture = server.picture(re.sub(r"[^\w.-]", "_", str(name)))
         loop = asyncio.get_running_loop()
         try:
             await loop.run_in_executor(server.checker, server.open.preview, path_of(str(uri)), str(name), picture)

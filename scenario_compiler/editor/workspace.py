@@ -13,6 +13,8 @@ from scenario_compiler.editor.analysis import Analysis, Symbol, read_analysis
 from scenario_compiler.editor.findings import Finding, carried_over, findings, while_written
 from scenario_compiler.editor.words import ROOTS, is_scenario_file
 from scenario_compiler.files import unsaved
+from scenario_compiler.resources import library_folder, template_folders
+from scenario_compiler.source.catalogs import catalogs_in
 from scenario_compiler.source.templates import templates_in
 
 MOST_FILES = 5000
@@ -41,17 +43,26 @@ class Workspace:
     def hold(self, path: str, text: str) -> None:
         """Take in a text that was opened or changed."""
         self.texts[os.path.realpath(path)] = Analysis(path, text)
+        self._read_again(path)
 
     def let_go(self, path: str) -> None:
         """Forget a text that was closed."""
         self.texts.pop(os.path.realpath(path), None)
         self.found.pop(os.path.realpath(path), None)
+        self._read_again(path)
 
-    def saved(self) -> None:
-        """Read what is kept of files again when it is next needed: one of them was saved."""
-        templates_in.cache_clear()
-        for path, analysis in list(self.texts.items()):
-            self.texts[path] = Analysis(analysis.path, analysis.draft.text)
+    def saved(self, path: str) -> None:
+        """Look at all texts anew: a file that they may name was saved."""
+        self._read_again(path)
+        for name, analysis in list(self.texts.items()):
+            self.texts[name] = Analysis(analysis.path, analysis.draft.text)
+
+    def _read_again(self, path: str) -> None:
+        """Let templates and catalogs be read again where a file of theirs has changed: they are kept for long."""
+        real = Path(os.path.realpath(path))
+        if any(real.is_relative_to(folder.resolve()) for folder in (library_folder(), *template_folders())):
+            templates_in.cache_clear()
+            catalogs_in.cache_clear()
 
     def analysis(self, path: str) -> Analysis | None:
         """Return the text of a file that is open."""

@@ -25,6 +25,7 @@ from scenario_compiler.source.conflict import (
     EntityWhen,
     For,
     If,
+    Library,
     LibraryElement,
     Part,
     Repeat,
@@ -512,8 +513,20 @@ def templates_in(folder: Path) -> Shelf:
         root = "" if document is None else document.root.tag
         if document is not None and root == LibraryElement.tag():
             library = read_library(document, sink)
-            templates.update(library.templates)
+            _shelve(library, templates, sink)
             catalogs = catalogs.extended(library.catalogs)
         elif document is not None and root == CatalogElement.tag():
             catalogs = catalogs.extended(read_catalog(Reading(document, sink, Environment())))
     return Shelf(templates, catalogs, tuple(sink.found))
+
+
+def _shelve(library: Library, templates: dict[str, Part], sink: Diagnostics) -> None:
+    """Add the templates of a file and of its includes; report one of its own whose name another file's has."""
+    for name in library.own_templates:
+        part, there = library.templates[name], templates.get(name)
+        if there is not None and there.document.path != part.document.path:
+            message = f"a template named '{name}' stands in {there.document.path} already"
+            sink.add(names.DUPLICATE_NAME, message, part.document.origin(part.element, "name"))
+    for name, part in library.templates.items():
+        if name in library.own_templates or name not in templates:
+            templates[name] = part

@@ -12,7 +12,7 @@ from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 
 from scenario_compiler.editor.workspace import Workspace
-from scenario_compiler.resources import library_folder
+from scenario_compiler.resources import library_folder, templates_from
 from tests.editor.client import Client, served
 
 TEXT = """<scenarios version="1">
@@ -248,3 +248,19 @@ def test_every_file_of_the_library_is_without_findings(tmp_path: Path) -> None:
             assert await client.found(path, lambda found: True) == []
 
     session(tmp_path, talk)
+
+
+def test_a_template_of_a_folder_counts_as_it_stands_in_the_editor(tmp_path: Path) -> None:
+    ours, path = tmp_path / "ours" / "ours.xml", tmp_path / "conflict.xml"
+    ours.parent.mkdir()
+    text = TEXT.partition("  <scenario ")[0] + "</scenarios>\n"
+    ours.write_text(text, encoding="utf-8")
+    using = TEXT[: TEXT.index("  <template")] + TEXT[TEXT.index("  <scenario ") :]
+    with templates_from([ours.parent]):
+        workspace = Workspace()
+        workspace.hold(str(path), using)
+        assert workspace.check(str(path)) == []
+        workspace.hold(str(ours), text.replace("far", "farther"))
+        assert [one.code for one in workspace.check(str(path))] == ["SC106"]
+        workspace.let_go(str(ours))
+        assert workspace.check(str(path)) == []

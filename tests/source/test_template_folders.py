@@ -152,3 +152,26 @@ def test_the_page_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
         assert call(*shlex.split(line)[1:]) == 0
     assert "parked_row" in capsys.readouterr().out
     assert [one.id for one in compile_scenario("conflict.xml", templates=["templates"]).entities][-1].endswith("cars.3")
+
+
+def test_two_files_of_a_folder_with_one_name_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "ours" / "again.xml").write_text(template("ours"), encoding="utf-8")
+    assert call("validate", folder / "conflict.xml", "--templates", folder / "ours") == 1
+    assert "a template named 'ours' stands in" in capsys.readouterr().err
+
+
+def test_a_folder_that_is_not_there_is_wrong_use(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("validate", folder / "conflict.xml", "--templates", folder / "nowhere") == 2
+    assert "there is no folder" in capsys.readouterr().err
+
+
+def test_a_package_whose_entry_is_none_is_passed_over(tmp_path: Path) -> None:
+    installed(tmp_path / "site", "their_group")
+    described = tmp_path / "site" / "their_group-1.0.dist-info" / "entry_points.txt"
+    described.write_text("[scenario_compiler_templates]\na = ../..\nb = their_group:name\nc = sys\n", encoding="utf-8")
+    (tmp_path / "conflict.xml").write_text(conflict("their_group"), encoding="utf-8")
+    command = [sys.executable, "-m", "scenario_compiler", "validate", "conflict.xml"]
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path, check=False)
+    assert done.returncode == 1
+    assert "SC213" in done.stderr
