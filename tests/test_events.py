@@ -12,7 +12,7 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.lower import Perception
 from scenario_compiler.recording.events import write_events
-from scenario_compiler.runtime.loop import NAMED
+from scenario_compiler.runtime.log import NAMED
 from scenario_compiler.runtime.messages import TEXTS
 from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot
 from scenario_compiler.worlds.kinematic import KinematicWorld, covered_pieces

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from scenario_compiler.engine.opcodes import FAR
-from scenario_compiler.engine.trace import SUMMARY, TRACE_FIELDS, TRACE_HEAD
+from scenario_compiler.engine.columns.opcodes import FAR
+from scenario_compiler.engine.columns.trace import SUMMARY, TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import broken_at, limit_of

@@ -20,10 +20,10 @@ from scenario_compiler.batch.measuring import Columns, error_columns, from_recor
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.columns.trace import trace_width
 from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.simulation import Simulation
-from scenario_compiler.engine.state import make_draws
-from scenario_compiler.engine.trace import trace_width
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.recording import Recording

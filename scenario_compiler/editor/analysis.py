@@ -20,7 +20,7 @@ from scenario_compiler.document import Document, Origin
 from scenario_compiler.editor.draft import Attribute, Draft, DraftDocument, Tag
 from scenario_compiler.editor.words import Meaning, meanings
 from scenario_compiler.expressions import names_in
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.resources import library_folder, template_folders
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
 from scenario_compiler.source.conflict import (
@@ -35,7 +35,7 @@ from scenario_compiler.source.conflict import (
     read_library,
 )
 from scenario_compiler.source.expansion import Around, around, named_in
-from scenario_compiler.source.templates import Expander, Scope, templates_by_name, templates_in
+from scenario_compiler.source.templates import Expander, TemplateScope, templates_by_name, templates_in
 from scenario_compiler.vocabulary.grammar import AttributeRule, grammar_of
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import Word
@@ -90,23 +90,23 @@ class Mention:
 class PartNames:
     """The names of a scenario or template: its outermost scope, and what its items have come to."""
 
-    scope: Scope
+    scope: TemplateScope
     expander: Expander
 
     @cached_property
-    def scopes(self) -> Mapping[etree._Element, Scope]:
+    def scopes(self) -> Mapping[etree._Element, TemplateScope]:
         """The scope of the first use or round that each element has made."""
-        found: dict[etree._Element, Scope] = {}
+        found: dict[etree._Element, TemplateScope] = {}
         for scope in self.expander.scopes:
             if scope.origin is not None:
                 found.setdefault(scope.origin.element, scope)
         return found
 
     @cached_property
-    def declared(self) -> Mapping[tuple[str, str], tuple[Word, Scope, str]]:
+    def declared(self) -> Mapping[tuple[str, str], tuple[Word, TemplateScope, str]]:
         """Kind and name in the whole part, to the word that has the name, its scope and the word's attribute."""
         contents = self.expander.contents
-        found: dict[tuple[str, str], tuple[Word, Scope, str]] = {}
+        found: dict[tuple[str, str], tuple[Word, TemplateScope, str]] = {}
         for actor, scope in contents.actors:
             found.setdefault(("entity", actor.id), (actor, scope, "id"))
         for _, when, scope in contents.happenings:
@@ -140,7 +140,7 @@ class Analysis:
         if document.root.tag == LibraryElement.tag():
             return read_library(document, self.quiet)
         if document.root.tag == CatalogElement.tag():
-            return Library(document, catalogs=read_catalog(Reading(document, self.quiet, Environment())))
+            return Library(document, catalogs=read_catalog(ReadingContext(document, self.quiet, Environment())))
         return Library(document)
 
     @cached_property
@@ -186,7 +186,7 @@ class Analysis:
             self._parts[part.start] = names
         return self._parts[part.start]
 
-    def scope_at(self, tag: Tag) -> Scope | None:
+    def scope_at(self, tag: Tag) -> TemplateScope | None:
         """Return what ids and events mean where an element stands; in a loop, what they mean in its first round."""
         part = self.part_of(tag)
         names = None if part is None else self.names_of(part)
@@ -342,7 +342,7 @@ class Analysis:
             yield from self._scope_name(inner, start + at)
             inner = inner.parent
 
-    def _scope_name(self, scope: Scope, start: int) -> Iterator[Mention]:
+    def _scope_name(self, scope: TemplateScope, start: int) -> Iterator[Mention]:
         """Yield what the name of a scope means: the id of its use or loop, else the template that names a use."""
         origin = scope.origin
         if origin is None:
@@ -375,7 +375,7 @@ def parameters_named(value: str, *, whole: bool = False) -> Iterator[tuple[str, 
             yield from ((name, match.start(1) + at) for name, at in names_in(match.group(1)))
 
 
-def _local(full: str, scope: Scope) -> str:
+def _local(full: str, scope: TemplateScope) -> str:
     """Return a name without the names of the uses and loops that it stands in."""
     before = 0
     while scope.parent is not None:

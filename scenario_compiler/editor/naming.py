@@ -30,14 +30,14 @@ class CannotRenameError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Use:
+class Occurrence:
     """A mention of a symbol in a file."""
 
     analysis: Analysis
     mention: Mention
 
 
-def uses_of(symbol: Symbol, files: Iterable[Analysis]) -> Iterator[Use]:
+def uses_of(symbol: Symbol, files: Iterable[Analysis]) -> Iterator[Occurrence]:
     """Yield every mention of a symbol in some files, its declaration among them."""
     for analysis in files:
         if symbol.name in analysis.draft.text:
@@ -45,10 +45,10 @@ def uses_of(symbol: Symbol, files: Iterable[Analysis]) -> Iterator[Use]:
             for mention in analysis.mentions:
                 if mention.symbol == symbol and (mention.start, mention.end) not in seen:
                     seen.add((mention.start, mention.end))
-                    yield Use(analysis, mention)
+                    yield Occurrence(analysis, mention)
 
 
-def renaming(symbol: Symbol, name: str, files: Iterable[Analysis]) -> list[Use]:
+def renaming(symbol: Symbol, name: str, files: Iterable[Analysis]) -> list[Occurrence]:
     """Return the mentions of a symbol that a new name takes the place of.
 
     Raises:

@@ -29,7 +29,7 @@ from scenario_compiler.editor.draft import Draft, Tag
 from scenario_compiler.editor.findings import Finding, Note
 from scenario_compiler.editor.hover import explained
 from scenario_compiler.editor.layout import layout_edits
-from scenario_compiler.editor.naming import CannotRenameError, Use, renaming, uses_of
+from scenario_compiler.editor.naming import CannotRenameError, Occurrence, renaming, uses_of
 from scenario_compiler.editor.outline import Entry, outline, scenarios
 from scenario_compiler.editor.workspace import Workspace
 
@@ -324,7 +324,7 @@ def _add_names(server: ScenarioServer) -> None:
     @server.feature(lsp.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
     def highlights(params: lsp.DocumentHighlightParams) -> list[lsp.DocumentHighlight]:
         there, symbol = server.at(params), server.symbol_at(params)
-        found: Iterable[Use] = () if there is None or symbol is None else uses_of(symbol, [there[0]])
+        found: Iterable[Occurrence] = () if there is None or symbol is None else uses_of(symbol, [there[0]])
         return [lsp.DocumentHighlight(_stretch(server, one)) for one in found]
 
     @server.feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
@@ -352,7 +352,7 @@ def _add_names(server: ScenarioServer) -> None:
         return lsp.WorkspaceEdit(changes)
 
 
-def _stretch(server: ScenarioServer, use: Use) -> lsp.Range:
+def _stretch(server: ScenarioServer, use: Occurrence) -> lsp.Range:
     return server.range(use.analysis.draft, use.mention.start, use.mention.end)
 
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
-from scenario_compiler.engine.forms.compiled import Compiled, Library, library
-from scenario_compiler.engine.opcodes import DRAWS_PER_RUN, OUTLOOK_HEAD, OUTLOOK_SIZE, STOP_NONE
-from scenario_compiler.engine.state import State, new_state
-from scenario_compiler.engine.tables import Program
-from scenario_compiler.engine.trace import SUMMARY_SIZE, trace_width
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State, new_state
+from scenario_compiler.engine.columns.trace import SUMMARY_SIZE, trace_width
+from scenario_compiler.engine.forms.compiled import Compiled, MachineCode, library
 from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Outlook:
     way: tuple[tuple[float, float], ...]
 
 
-class Form(Protocol):
+class EngineForm(Protocol):
     """A form of the engine: the containers, and the entries that are called with them."""
 
     name: str
@@ -50,8 +50,8 @@ class Form(Protocol):
 
 
 def form_of(
-    tables: RoadTables, program: Program, *, interpreted: bool = False, machine_code: Library | None = None
-) -> Form:
+    tables: RoadTables, program: Program, *, interpreted: bool = False, machine_code: MachineCode | None = None
+) -> EngineForm:
     """Return the compiled form, or the interpreted one where that is asked for or there is no machine code.
 
     Args:
@@ -81,7 +81,7 @@ class Simulation:
         program: Program,
         *,
         interpreted: bool = False,
-        machine_code: Library | None = None,
+        machine_code: MachineCode | None = None,
     ) -> None:
         """Prepare a program; see `form_of`."""
         self.form = form_of(tables, program, interpreted=interpreted, machine_code=machine_code)
@@ -102,7 +102,7 @@ class Simulation:
     @property
     def over(self) -> bool:
         """Whether the run has ended."""
-        return self.state.stop[0] != STOP_NONE
+        return self.state.stop[0] != op.STOP_NONE
 
     def begin(self) -> bool:
         """Begin a step: the storyboard, and at control steps the ego's commands; return False where the run is over.
@@ -125,9 +125,9 @@ class Simulation:
 
     def look_out(self) -> Outlook:
         """Return what lies ahead of the ego, as its controller is told."""
-        out = array("d", bytes(8 * OUTLOOK_SIZE))
+        out = array("d", bytes(8 * op.OUTLOOK_SIZE))
         count = self.form.enter("look_out", out)
-        points = tuple(zip(out[OUTLOOK_HEAD::2][:count], out[OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
+        points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
         return Outlook(out[0], out[1], out[2], points)
 
     def sweep(
@@ -159,7 +159,7 @@ class Simulation:
         count = len(rows)
         numbers = np.ascontiguousarray(rows, dtype=np.float64).reshape(-1)
         drawn = np.ascontiguousarray(draws, dtype=np.float64).reshape(-1)
-        if numbers.size != count * len(self.form.program.const) or drawn.size != count * DRAWS_PER_RUN:
+        if numbers.size != count * len(self.form.program.const) or drawn.size != count * op.DRAWS_PER_RUN:
             raise ValueError("rows or draws do not have the width of the program")
         stride = trace_rows * self._width
         out = np.zeros(count * SUMMARY_SIZE)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenario_compiler.engine.opcodes import FAR
+from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import EventKind, StopReason
 
@@ -237,6 +237,10 @@ class RecordingBuilder:
     ) -> None:
         """Take down an event."""
         self._events.append(EventRow(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value))
+
+    def add(self, row: EventRow) -> None:
+        """Take down an event as it is."""
+        self._events.append(row)
 
     def frame(self, t: float, label: str, png: bytes) -> None:
         """Take down a first-person picture."""

@@ -11,31 +11,20 @@ from dataclasses import replace
 from importlib.metadata import version
 
 from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
-from scenario_compiler.engine.camera_health import BLUR_AT_ONE
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import State, make_draws
+from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.forms.failure import EngineError
-from scenario_compiler.engine.opcodes import (
-    ELEMENT_EVENT,
-    FAILURE_BLACKOUT,
-    FAILURE_BLUR,
-    FAILURE_DIRT,
-    FAR,
-    SEEN_IN_PICTURES,
-)
 from scenario_compiler.engine.program.build import lowered
 from scenario_compiler.engine.simulation import Simulation
-from scenario_compiler.engine.state import State, make_draws
-from scenario_compiler.engine.tables import Program
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.names import BY_HAND, CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS, StopReason
+from scenario_compiler.recording.names import STOP_REASONS, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.roads import Network, Pose
-from scenario_compiler.runtime.action_events import OF_ACTIONS, action_text, actions_of
 from scenario_compiler.runtime.failures import CONTROLLER_FAILED, ENGINE_BROKE_OFF, ControllerError
-from scenario_compiler.runtime.messages import messages
+from scenario_compiler.runtime.log import EventLog
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
-from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.scenario import parameter_values
-from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.weather import weather_of
 from scenario_compiler.worlds import (
     WORLDS,
@@ -128,28 +117,12 @@ def faults_of(state: State) -> CameraFaults:
     """Return what is wrong with the camera beside its noise, from the engine's state."""
     now = state.failure_now
     return CameraFaults(
-        dark=now[FAILURE_BLACKOUT],
-        blur=BLUR_AT_ONE * now[FAILURE_BLUR],
-        dirt=now[FAILURE_DIRT],
+        dark=now[op.FAILURE_BLACKOUT],
+        blur=BLUR_AT_ONE * now[op.FAILURE_BLUR],
+        dirt=now[op.FAILURE_DIRT],
         missing=state.missing[0] == 1,
         frozen=state.frozen[0] == 1,
     )
-
-
-CAUSED = frozenset({"warning", "request", "escalation", "minimum_risk"})
-"""Kinds of events that have a cause."""
-
-NAMED = frozenset({"storyboard_start", "storyboard_end"})
-"""Kinds of events that tell of an event of the storyboard."""
-
-
-def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
-    """Return the name of each event of the storyboard, and who does it where that is one, by the event's element."""
-    elements = (at for at, kind in enumerate(program.element_kind) if kind == ELEMENT_EVENT)
-    events = (
-        (event.name, group.actors[0] if len(group.actors) == 1 else "") for group, event in plan.storyboard.events()
-    )
-    return dict(zip(elements, events, strict=True))
 
 
 class _Execution:
@@ -163,14 +136,11 @@ class _Execution:
         self.simulation = Simulation(world.network.tables, self.program, interpreted=interpreted)
         self.state = self.simulation.state
         self.weather_changes = self.program.weather_count[0] > 1
-        self.told = [word for word in walk(plan.storyboard) if isinstance(word, MessageAction)]
-        self.named = named_events(plan, self.program)
-        self.actions = list(actions_of(plan))
+        self.log = EventLog(plan, self.program)
         self.controller: ControllerModel | None = None
         self.control: Control | None = None
         self.seen: SensorData | None = None
         self.lanes = {name: [math.nan] for name in LANE_COLUMNS}
-        self.logged = 0
         self.pictured: set[str] = set()
         self.broken: StopReason = ""
         self.simulation.reset(make_draws(seed, variant))
@@ -250,7 +220,7 @@ class _Execution:
         entities = tuple(
             EntityState(
                 there=st.present[i] == 1,
-                shown=st.present[i] == 1 and st.visible[i] & SEEN_IN_PICTURES != 0,
+                shown=st.present[i] == 1 and st.visible[i] & op.SEEN_IN_PICTURES != 0,
                 pose=Pose(st.x[i], st.y[i], st.z[i], st.h[i], st.pitch[i], st.roll[i]),
                 speed=st.v[i],
                 steering=st.steer[i],
@@ -291,10 +261,10 @@ class _Execution:
             seen = self.world.observe(self.snapshot())
         self.seen = seen = replace(
             seen,
-            lead_gap=None if outlook.gap >= FAR else outlook.gap,
-            lead_speed=0.0 if outlook.gap >= FAR else outlook.lead_speed,
+            lead_gap=None if outlook.gap >= op.FAR else outlook.gap,
+            lead_speed=0.0 if outlook.gap >= op.FAR else outlook.lead_speed,
             route=outlook.way,
-            junction=None if outlook.junction >= FAR else outlook.junction,
+            junction=None if outlook.junction >= op.FAR else outlook.junction,
         )
         vehicle = VehicleState(
             x=st.x[0],
@@ -323,48 +293,11 @@ class _Execution:
 
     def _note_events(self) -> None:
         """Take down what the engine logged since the last time, and what the driver is told of it."""
-        st = self.state
-        kept = min(st.log_count[0], len(st.log_kind))
-        for at in range(self.logged, kept):
-            kind, value = EVENT_KINDS[st.log_kind[at]], st.log_value[at]
-            cause = self._cause(kind, value)
-            if kind in NAMED:
-                name, entity = self.named[int(value)]
-                self.builder.event(st.log_time[at], kind, entity=entity, message=name)
-            elif kind == "contact":
-                one, other = divmod(int(value), len(self.plan.entities))
-                struck = self.plan.entities
-                self.builder.event(st.log_time[at], kind, entity=struck[one].id, message=struck[other].id)
-            elif kind in OF_ACTIONS:
-                action, entity = self.actions[int(value)]
-                about, text = action_text(action)
-                self.builder.event(st.log_time[at], kind, entity=entity, cause=about, message=text)
-            elif kind != "message":
-                told = value if kind == "hazard_lights" else None
-                self.builder.event(st.log_time[at], kind, entity=self._entity(kind, value), cause=cause, value=told)
-            for modality, text in self._messages(kind, cause, value):
-                self.builder.event(st.log_time[at], "message", cause=modality, message=text)
-            self._picture(st.log_time[at], kind, cause)
-        self.logged = kept
-
-    def _cause(self, kind: str, value: float) -> str:
-        """Return why something happened: the cause of a request, the kind of a failure, who stopped; else empty."""
-        if kind == "standstill":
-            return BY_HAND if value > 0.0 else ""
-        if kind in ("failure", "failure_end"):
-            return FAILURES[int(value)]
-        return CAUSES[self.state.cause[0]] if kind in CAUSED else ""
-
-    def _messages(self, kind: str, cause: str, value: float) -> list[tuple[str, str]]:
-        """Return (modality, text) of what the driver is told: by the policy, or by an action."""
-        if kind == "message":
-            action = self.told[int(value)]
-            return [(modality, action.text) for modality in action.modality]
-        return messages(self.plan.takeover, kind, cause)
-
-    def _entity(self, kind: str, value: float) -> str:
-        """Return whom an event concerns: at a collision what was hit, else the vehicle that reports are about."""
-        return self.plan.entities[int(value) if kind == "collision" else 0].id if self.plan.entities else ""
+        for row in self.log.news(self.state):
+            self.builder.add(row)
+            for told in self.log.messages(row):
+                self.builder.add(told)
+            self._picture(row.t, row.kind, row.cause)
 
     def _header(self, seed: int, variant: int) -> Header:
         return Header(

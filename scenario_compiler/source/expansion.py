@@ -12,7 +12,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.expressions import Value, format_value, parse_expression
 from scenario_compiler.markup import names
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import Catalogs
 from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement, TemplateElement
@@ -24,7 +24,7 @@ from scenario_compiler.source.parameters import (
     default_value,
     read_parameters,
 )
-from scenario_compiler.source.templates import Expander, Scope, template_parameters
+from scenario_compiler.source.templates import Expander, TemplateScope, template_parameters
 from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
@@ -104,18 +104,18 @@ def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
     """Report every fault of a template on its own, used once without arguments."""
     expander = surroundings.expander(trial=True)
     reading = _at_defaults(part, template_parameters(part, sink), sink)
-    expander.add_template(part, reading, Scope(part.name, Scope()))
+    expander.add_template(part, reading, TemplateScope(part.name, TemplateScope()))
     actors = [actor for actor, _ in expander.contents.actors]
     catalog_vehicles(actors, catalogs_of(surroundings, expander), sink)
 
 
-def _at_defaults(part: Part, declared: Declared, sink: Diagnostics) -> Reading:
+def _at_defaults(part: Part, declared: Declared, sink: Diagnostics) -> ReadingContext:
     """Return how a part is read at the defaults of its parameters; what depends on one without stays open."""
     values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
     return part.reading(sink, _environment(declared, values, set(values)))
 
 
-def named_in(part: Part, surroundings: Around) -> tuple[Scope, Expander]:
+def named_in(part: Part, surroundings: Around) -> tuple[TemplateScope, Expander]:
     """Return the names that a scenario or a template makes known, and its items, at its parameters' defaults.
 
     Faults are not reported: this is for who asks what names mean in a file that is being written.
@@ -123,7 +123,7 @@ def named_in(part: Part, surroundings: Around) -> tuple[Scope, Expander]:
     quiet = Diagnostics()
     element, word = part.element, ScenarioElement if part.element.tag == ScenarioElement.tag() else TemplateElement
     reading = _at_defaults(part, read_parameters(element, part.reading(quiet, Environment())), quiet)
-    scope, expander = Scope(), surroundings.expander(trial=True)
+    scope, expander = TemplateScope(), surroundings.expander(trial=True)
     for rule, found in place_children(element, word, reading):
         for ego in found if rule.field == "ego" else ():
             full = scope.declare(ego.get("id", "ego"))
@@ -147,12 +147,12 @@ class _Attempt:
     """One reading of a scenario with one environment."""
 
     part: Part
-    reading: Reading
+    reading: ReadingContext
     around: Around
 
     def __post_init__(self) -> None:
         self.sink = self.reading.sink
-        self.scope = Scope()
+        self.scope = TemplateScope()
         self.expander = self.around.expander()
         self.words: dict[str, Any] = {}
 

@@ -12,7 +12,7 @@ from scenario_compiler.compiler import split_target
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.survey.odd import NOT_LOOKED_FOR
 from scenario_compiler.survey.openlabel import openlabel_of
-from scenario_compiler.survey.survey import Condition, Survey
+from scenario_compiler.survey.survey import ConditionCoverage, Survey
 
 PAGE, DATA, TAGS = "library.html", "library.json", "openlabel"
 """Names of the page, of the JSON file and of the folder of tags."""
@@ -58,7 +58,7 @@ def _short(target: str) -> str:
     return name or Path(path).stem
 
 
-def _ranges(one: Condition) -> str:
+def _ranges(one: ConditionCoverage) -> str:
     """Return what belongs to a condition, with its least and greatest value."""
     parts = (
         f"{name}: {low:g}" if low == high else f"{name}: {low:g} to {high:g}"

@@ -30,7 +30,7 @@ class Situation(_Part):
     scenarios: tuple[str, ...] = Field(description="FILE#name of the scenarios that show it.")
 
 
-class Coverage(_Part):
+class TaxonomyCoverage(_Part):
     """What of a taxonomy a library shows."""
 
     scheme: str = Field(description="Short name of the taxonomy.")
@@ -40,7 +40,7 @@ class Coverage(_Part):
     situations: tuple[Situation, ...] = Field(description="Its situations, those that no scenario shows among them.")
 
 
-class Condition(_Part):
+class ConditionCoverage(_Part):
     """A condition of the operational design domain and where it occurs."""
 
     tag: str = Field(description="OpenLABEL's tag.")
@@ -66,8 +66,8 @@ class Survey(_Part):
     folder: str = Field(description="The library.")
     runs: int = Field(description="Number of runs of each scenario, with ideal perception.")
     scenarios: tuple[Studied, ...] = Field(description="Its scenarios.")
-    taxonomies: tuple[Coverage, ...] = Field(description="Its situations by taxonomy.")
-    conditions: tuple[Condition, ...] = Field(description="Its conditions.")
+    taxonomies: tuple[TaxonomyCoverage, ...] = Field(description="Its situations by taxonomy.")
+    conditions: tuple[ConditionCoverage, ...] = Field(description="Its conditions.")
     alike: tuple[Alike, ...] = Field(description="Near-duplicates.")
     never_ask: tuple[str, ...] = Field(description="Scenarios in none of whose runs the automation asked.")
     never_fail: tuple[str, ...] = Field(description="Scenarios all of whose runs passed.")
@@ -147,7 +147,7 @@ def used_templates(folder: Path) -> dict[str, tuple[str, ...]]:
     return {name: tuple(sorted(uses.get(name, ()))) for name in sorted(names)}
 
 
-def _taxonomies(studied: Sequence[Studied]) -> Iterator[Coverage]:
+def _taxonomies(studied: Sequence[Studied]) -> Iterator[TaxonomyCoverage]:
     named = dict.fromkeys(scheme for one in studied for scheme, _ in one.places)
     for scheme in dict.fromkeys((*TAXONOMIES, *named)):
         taxonomy = TAXONOMIES.get(scheme)
@@ -156,7 +156,7 @@ def _taxonomies(studied: Sequence[Studied]) -> Iterator[Coverage]:
         for one in studied:
             for place in (place for where, place in one.places if where == scheme):
                 shown.setdefault(place or "not named", []).append(one.target)
-        yield Coverage(
+        yield TaxonomyCoverage(
             scheme=scheme,
             title=scheme if taxonomy is None else taxonomy.title,
             source="named by the scenarios" if taxonomy is None else taxonomy.source,
@@ -168,7 +168,7 @@ def _taxonomies(studied: Sequence[Studied]) -> Iterator[Coverage]:
         )
 
 
-def _conditions(studied: Sequence[Studied]) -> Iterator[Condition]:
+def _conditions(studied: Sequence[Studied]) -> Iterator[ConditionCoverage]:
     for term in TERMS:
         having = [one for one in studied if term.tag in one.tags]
         values: dict[str, list[float]] = {}
@@ -177,7 +177,7 @@ def _conditions(studied: Sequence[Studied]) -> Iterator[Condition]:
                 values.setdefault(name, []).append(float(value))
         ranges = {name: (min(some), max(some)) for name, some in values.items()}
         targets = tuple(one.target for one in having)
-        yield Condition(tag=term.tag, words=term.words, group=term.group, scenarios=targets, values=ranges)
+        yield ConditionCoverage(tag=term.tag, words=term.words, group=term.group, scenarios=targets, values=ranges)
 
 
 def _alike(studied: Iterable[Studied]) -> Iterator[Alike]:

@@ -22,9 +22,9 @@ from pathlib import Path
 from scenario_compiler.batch.runner import TRACE_MEMORY
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program import build_program, rows
 from scenario_compiler.engine.simulation import Simulation
-from scenario_compiler.engine.state import make_draws
 from scenario_compiler.plan.lower import Perception
 
 HERE = Path(__file__).parent

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.simulation import Simulation
-from scenario_compiler.engine.state import State
-from scenario_compiler.engine.tables import Program
 from scenario_compiler.roads.tables import RoadTables
 
 

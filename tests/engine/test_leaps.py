@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from scenario_compiler.engine.opcodes import FAULT_NONE
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.vocabulary.actions import FollowTrajectoryAction, TeleportAction
 from scenario_compiler.vocabulary.actions.motion import TrajectoryTiming
 from scenario_compiler.vocabulary.positions import FreePosition, Polyline, Trajectory, Vertex

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.collision import overlap
-from scenario_compiler.engine.step import begin_step, end_step, move_step
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.motion.collision import overlap
+from scenario_compiler.engine.story.step import begin_step, end_step, move_step
 from scenario_compiler.roads.lanes import lane_pose, lane_row
 from tests.engine.make import CAR, Draft, bend, highway, lane, network_of, road
 from tests.roads.make import road as road_of

@@ -8,10 +8,10 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.engine.opcodes import FAR, ROUTE_REACH
+from scenario_compiler.engine.columns.opcodes import FAR, ROUTE_REACH
+from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Outlook, Simulation
-from scenario_compiler.engine.state import make_draws
 from tests.roads.make import lane, network, road, section
 
 FILE = """<scenarios version="1"><scenario name="fork" map="made.xodr" duration="1"><ego speed="5">

@@ -10,12 +10,12 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.opcodes import FAULT_NONE, SEEN_BY_SENSORS, STOP_NONE
-from scenario_compiler.engine.presence import there_for
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE, SEEN_BY_SENSORS, STOP_NONE
+from scenario_compiler.engine.columns.presence import there_for
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.ego.sensor import open_eye, sees
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.sensor import open_eye, sees
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from tests.engine.both import run_both

@@ -8,13 +8,13 @@ import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.collision import overlap
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.columns.trace import TRACE_FIELDS, TRACE_HEAD, trace_width
+from scenario_compiler.engine.motion.collision import overlap
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
-from scenario_compiler.engine.tables import Program
-from scenario_compiler.engine.trace import TRACE_FIELDS, TRACE_HEAD, trace_width
+from scenario_compiler.engine.story.step import reset, step
 from tests.engine.both import run_both
 
 TOWN = """<scenarios version="1"><scenario name="town" map="town_grid" duration="120">

@@ -9,14 +9,14 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.opcodes import EVENT_STORYBOARD_START, FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.opcodes import EVENT_STORYBOARD_START, FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.state import make_draws, new_state
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.runtime import open_world, run
-from scenario_compiler.runtime.loop import named_events
+from scenario_compiler.runtime.log import named_events
 from tests.engine.both import run_both
 
 HERE = Path(__file__).parent

@@ -9,18 +9,18 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from scenario_compiler.engine.columns import as_buffers, column_types
+from scenario_compiler.engine.columns.declaration import as_buffers, column_types
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.forms.failure import KINDS, EngineError
 from scenario_compiler.engine.forms.making import LIBRARY, Note
-from scenario_compiler.engine.state import State
-from scenario_compiler.engine.tables import Program
 from scenario_compiler.roads.tables import RoadTables
 
 CONTAINERS = ("n", "p", "st")
 SCALARS = {"int": ctypes.c_int64, "real": ctypes.c_double}
 
 
-class Library:
+class MachineCode:
     """A built library of the engine, loaded.
 
     Attributes:
@@ -58,13 +58,13 @@ class Library:
 
 
 @lru_cache(maxsize=1)
-def library() -> Library | None:
+def library() -> MachineCode | None:
     """Return the engine's library; None where there is none, it cannot be loaded, or it is older than its sources."""
     note = Note.read()
     if note is None or not note.is_fresh:
         return None
     try:
-        return Library(LIBRARY, note.entries, note.made_by)
+        return MachineCode(LIBRARY, note.entries, note.made_by)
     except OSError:
         return None
 
@@ -95,7 +95,7 @@ class Compiled:
 
     name = "compiled"
 
-    def __init__(self, tables: RoadTables, program: Program, state: State, made: Library) -> None:
+    def __init__(self, tables: RoadTables, program: Program, state: State, made: MachineCode) -> None:
         """Copy the containers into arrays; they are not written to."""
         self.tables, self.program, self.state = as_buffers(tables), as_buffers(program), as_buffers(state)
         containers = dict(zip(CONTAINERS, (self.tables, self.program, self.state), strict=True))
@@ -104,7 +104,7 @@ class Compiled:
         self._results = {"int": ctypes.c_int64(), "real": ctypes.c_double()}
         self._functions = {entry: self._bound(made, entry) for entry in made.entries}
 
-    def _bound(self, made: Library, entry: str) -> tuple[Any, tuple[int, ...], Any]:
+    def _bound(self, made: MachineCode, entry: str) -> tuple[Any, tuple[int, ...], Any]:
         *kinds, result = made.entries[entry]
         taken = [self._addresses[kind].buffer_info()[0] for kind in kinds if kind in CONTAINERS]
         return made.function(entry), (ctypes.addressof(self._failure), *taken), self._results.get(result)

@@ -58,7 +58,7 @@ class Broken(Exception):
 
 
 @dataclass(frozen=True)
-class Code:
+class CText:
     """C for an expression.
 
     Attributes:
@@ -78,7 +78,7 @@ class Code:
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class OtherFunctions:
     """What the functions know of one another.
 
     Attributes:
@@ -101,7 +101,7 @@ class Expressions:
         tables: Tuples of numbers or functions that it has used, by their names in C.
     """
 
-    def __init__(self, source: FunctionSource, around: Surroundings, tables: dict[str, tuple[object, ...]]) -> None:
+    def __init__(self, source: FunctionSource, around: OtherFunctions, tables: dict[str, tuple[object, ...]]) -> None:
         """Begin a function."""
         self.source = source
         self.around = around
@@ -113,28 +113,28 @@ class Expressions:
         """Return the exception for a node without a translation."""
         return Broken(self.source.finding(node, rule))
 
-    def value(self, node: ast.expr) -> Code:
+    def value(self, node: ast.expr) -> CText:
         """Return the C of an expression."""
         for kind, translate in self._translations.items():
             if isinstance(node, kind):
                 return translate(self, node)
         raise self.broken(node, f"has {ast.unparse(node)!r}, which the engine's language lacks")
 
-    def of_kind(self, node: ast.expr, kind: Kind) -> Code:
+    def of_kind(self, node: ast.expr, kind: Kind) -> CText:
         """Return the C of an expression whose value must be of a kind."""
         code = self.value(node)
         if code.kind != kind:
             raise self.broken(node, f"has {ast.unparse(node)!r}, which is {code.kind}, where {kind} belongs")
         return code
 
-    def number(self, node: ast.expr) -> Code:
+    def number(self, node: ast.expr) -> CText:
         """Return the C of an expression whose value must be an int or a real."""
         code = self.value(node)
         if code.kind not in (INT, REAL):
             raise self.broken(node, f"calculates with {ast.unparse(node)!r}, which is {code.kind}")
         return code
 
-    def test(self, node: ast.expr) -> Code:
+    def test(self, node: ast.expr) -> CText:
         """Return the C of what decides a branch: a comparison, or an int that may be 0."""
         code = self.value(node)
         if code.kind not in (BOOL, INT):
@@ -164,18 +164,18 @@ class Expressions:
         seen = (ast.Subscript, ast.Call)
         return not any(isinstance(one, seen) for one in ast.walk(node))
 
-    def _constant(self, node: ast.expr) -> Code:
+    def _constant(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.Constant)
         if isinstance(node.value, bool):
-            return Code(str(int(node.value)), BOOL)
+            return CText(str(int(node.value)), BOOL)
         if not isinstance(node.value, int | float):
             raise self.broken(node, f"has the constant {node.value!r}")
         return literal(node.value)
 
-    def _name(self, node: ast.expr) -> Code:
+    def _name(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.Name)
         if node.id in self.variables:
-            return Code(local_name(node.id), self.variables[node.id])
+            return CText(local_name(node.id), self.variables[node.id])
         if node.id in self.lost:
             raise Broken(None)
         number = number_named(self.source, node)
@@ -183,7 +183,7 @@ class Expressions:
             raise self.broken(node, f"uses {node.id}, which is no variable, number or marked function")
         return literal(number, node.id)
 
-    def _attribute(self, node: ast.expr) -> Code:
+    def _attribute(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.Attribute)
         number = number_named(self.source, node)
         if number is None:
@@ -198,76 +198,76 @@ class Expressions:
             raise self.broken(node, f"reads {ast.unparse(node)}, which is no column")
         return owner, node.attr, columns[node.attr]
 
-    def place(self, node: ast.Subscript) -> Code:
+    def place(self, node: ast.Subscript) -> CText:
         """Return the C of an element of a column, of an array or of a table of numbers."""
         if isinstance(node.value, ast.Attribute):
             owner, column, number = self.column(node.value)
-            return Code(f"AT({owner}, {local_name(column)}, {self.of_kind(node.slice, INT).text})", number)
+            return CText(f"AT({owner}, {local_name(column)}, {self.of_kind(node.slice, INT).text})", number)
         name = node.value.id if isinstance(node.value, ast.Name) else ""
         if name in self.lost:
             raise Broken(None)
         kind = self.variables.get(name, NOTHING)
         index = self.of_kind(node.slice, INT).text
         if kind in (INTS, REALS):
-            return Code(f"ITEM({local_name(name)}, {index})", INT if kind == INTS else REAL)
+            return CText(f"ITEM({local_name(name)}, {index})", INT if kind == INTS else REAL)
         table = table_named(self.source, node.value)
         kinds = {type(one) for one in table or ()}
         if kinds not in ({int}, {float}) or table is None:
             raise self.broken(node, f"takes an element of {ast.unparse(node.value)}")
-        return Code(f"ITEM({self.table(node.value, table)}, {index})", INT if kinds == {int} else REAL)
+        return CText(f"ITEM({self.table(node.value, table)}, {index})", INT if kinds == {int} else REAL)
 
     def table(self, node: ast.expr, table: tuple[object, ...]) -> str:
         """Return the name in C of a tuple that a name stands for, and note that it is used."""
         assert isinstance(node, ast.Name)
         return table_name(self.tables, node.id, table)
 
-    def _subscript(self, node: ast.expr) -> Code:
+    def _subscript(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.Subscript)
         return self.place(node)
 
-    def _unary(self, node: ast.expr) -> Code:
+    def _unary(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.UnaryOp)
         if isinstance(node.op, ast.Not):
-            return Code(f"!{self.test(node.operand).inner}", BOOL)
+            return CText(f"!{self.test(node.operand).inner}", BOOL)
         if isinstance(node.op, ast.USub):
             constant = node.operand.value if isinstance(node.operand, ast.Constant) else None
             if isinstance(constant, int | float):
                 return literal(-constant)
             code = self.number(node.operand)
-            return Code(f"-{code.inner}", code.kind, atomic=False)
+            return CText(f"-{code.inner}", code.kind, atomic=False)
         raise self.broken(node, f"has the operator of {ast.unparse(node)!r}")
 
-    def _binary(self, node: ast.expr) -> Code:
+    def _binary(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.BinOp)
         self.unordered(node, (node.left, node.right))
         return self.calculation(node, node.op, self.number(node.left), self.number(node.right), node.right)
 
-    def calculation(self, node: ast.AST, operator: ast.operator, a: Code, b: Code, divisor: ast.expr) -> Code:
+    def calculation(self, node: ast.AST, operator: ast.operator, a: CText, b: CText, divisor: ast.expr) -> CText:
         """Return the C of an operator between two numbers."""
         real = REAL in (a.kind, b.kind)
         if isinstance(operator, ast.Div):
             a, b = as_real(a), as_real(b)
             if self._is_number_but_zero(divisor):
-                return Code(f"{a.inner} / {b.inner}", REAL, atomic=False)
-            return Code(f"DIVIDE({a.text}, {b.text})", REAL)
+                return CText(f"{a.inner} / {b.inner}", REAL, atomic=False)
+            return CText(f"DIVIDE({a.text}, {b.text})", REAL)
         if isinstance(operator, ast.FloorDiv) and not real:
-            return Code(f"INT_FLOOR_DIVIDE({a.text}, {b.text})", INT)
+            return CText(f"INT_FLOOR_DIVIDE({a.text}, {b.text})", INT)
         if isinstance(operator, ast.Mod):
-            return Code(f"{'REAL' if real else 'INT'}_MODULO({a.text}, {b.text})", REAL if real else INT)
+            return CText(f"{'REAL' if real else 'INT'}_MODULO({a.text}, {b.text})", REAL if real else INT)
         symbol = PLAIN.get(type(operator))
         if symbol is None or (real and type(operator) not in CHECKED_INT):
             raise self.broken(node, f"has an operator that the engine's language lacks for {a.kind} and {b.kind}")
         if not real and type(operator) in CHECKED_INT:
-            return Code(f"{CHECKED_INT[type(operator)]}({a.text}, {b.text})", INT)
+            return CText(f"{CHECKED_INT[type(operator)]}({a.text}, {b.text})", INT)
         shifted = "(int64_t)" if isinstance(operator, ast.LShift) else ""
-        return Code(f"{shifted}{a.inner} {symbol} {b.inner}", REAL if real else INT, atomic=False)
+        return CText(f"{shifted}{a.inner} {symbol} {b.inner}", REAL if real else INT, atomic=False)
 
     def _is_number_but_zero(self, node: ast.expr) -> bool:
         number = node.value if isinstance(node, ast.Constant) else number_named(self.source, node)
         local = isinstance(node, ast.Name) and node.id in self.variables
         return isinstance(number, int | float) and number != 0 and not local
 
-    def _compare(self, node: ast.expr) -> Code:
+    def _compare(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.Compare)
         self.unordered(node, (node.left, *node.comparators))
         if len(node.ops) > 1 and any(self.changes(one) for one in node.comparators[:-1]):
@@ -277,7 +277,7 @@ class Expressions:
         for operator, right in zip(node.ops, node.comparators, strict=True):
             parts.append(self._comparison(node, left, operator, right))
             left = right
-        return Code(" && ".join(parts), BOOL, atomic=False)
+        return CText(" && ".join(parts), BOOL, atomic=False)
 
     def _comparison(self, node: ast.Compare, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> str:
         if isinstance(operator, ast.In | ast.NotIn):
@@ -293,20 +293,20 @@ class Expressions:
             raise self.broken(node, f"compares {a.kind} with {b.kind} in {ast.unparse(node)!r}")
         return f"{a.inner} {symbol} {b.inner}"
 
-    def _bool(self, node: ast.expr) -> Code:
+    def _bool(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.BoolOp)
         symbol = " && " if isinstance(node.op, ast.And) else " || "
-        return Code(symbol.join(self.test(one).inner for one in node.values), BOOL, atomic=False)
+        return CText(symbol.join(self.test(one).inner for one in node.values), BOOL, atomic=False)
 
-    def _choice(self, node: ast.expr) -> Code:
+    def _choice(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.IfExp)
         chosen, other = self.number(node.body), self.number(node.orelse)
         if chosen.kind != other.kind:
             raise self.broken(node, f"chooses between {chosen.kind} and {other.kind} in {ast.unparse(node)!r}")
         test = self.test(node.test)
-        return Code(f"{test.inner} ? {chosen.inner} : {other.inner}", chosen.kind, atomic=False)
+        return CText(f"{test.inner} ? {chosen.inner} : {other.inner}", chosen.kind, atomic=False)
 
-    def _call(self, node: ast.expr) -> Code:
+    def _call(self, node: ast.expr) -> CText:
         assert isinstance(node, ast.Call)
         if node.keywords:
             raise self.broken(node, "passes an argument by name")
@@ -318,14 +318,14 @@ class Expressions:
         meaning = self.source.meaning(node.func.id)
         if callable(meaning) and c_name(meaning) in self.around.signatures:
             name = c_name(meaning)
-            return Code(f"{name}({self._arguments(node, name)})", self.around.signatures[name].result)
+            return CText(f"{name}({self._arguments(node, name)})", self.around.signatures[name].result)
         if node.func.id in MATH and meaning is not None and meaning.__module__ == "math":
             return self._call_of_math(node, node.func.id)
         if node.func.id in BUILTINS and meaning is None:
             return self._call_of_builtin(node, node.func.id)
         raise self.broken(node, f"calls {node.func.id}, which is neither marked nor known to both forms")
 
-    def _call_of_table(self, node: ast.Call, func: ast.Subscript) -> Code:
+    def _call_of_table(self, node: ast.Call, func: ast.Subscript) -> CText:
         """Return the call of one of a table's functions, which all take and give the same."""
         table = table_named(self.source, func.value)
         names = [c_name(one) for one in table or () if callable(one)]
@@ -336,7 +336,7 @@ class Expressions:
             raise self.broken(node, f"calls an element of {ast.unparse(func.value)}, whose functions differ in kind")
         index = self.of_kind(func.slice, INT).text
         dispatch = self.table(func.value, table)
-        return Code(f"{dispatch}({index}, {self._arguments(node, names[0])})", self.around.signatures[names[0]].result)
+        return CText(f"{dispatch}({index}, {self._arguments(node, names[0])})", self.around.signatures[names[0]].result)
 
     def _arguments(self, node: ast.Call, name: str) -> str:
         wanted = list(self.around.signatures[name].arguments.values())
@@ -344,22 +344,22 @@ class Expressions:
             raise self.broken(node, f"calls {name} with {len(node.args)} arguments, not {len(wanted)}")
         return ", ".join(self.of_kind(one, kind).text for one, kind in zip(node.args, wanted, strict=True))
 
-    def _call_of_math(self, node: ast.Call, name: str) -> Code:
+    def _call_of_math(self, node: ast.Call, name: str) -> CText:
         given = [as_real(self.number(one)).text for one in node.args]
         if name in ("sqrt", "log", "floor", "ceil"):
-            return Code(f"{name.upper()}({given[0]})", MATH[name])
+            return CText(f"{name.upper()}({given[0]})", MATH[name])
         if name in ("sin", "cos", "tan", "acos", "asin"):
-            return Code(f"IN_DOMAIN({name}, {given[0]})", REAL)
+            return CText(f"IN_DOMAIN({name}, {given[0]})", REAL)
         if name in ("exp", "sinh", "cosh"):
-            return Code(f"IN_RANGE({name}, {given[0]})", REAL)
-        return Code(f"{name}({', '.join(given)})", MATH[name])
+            return CText(f"IN_RANGE({name}, {given[0]})", REAL)
+        return CText(f"{name}({', '.join(given)})", MATH[name])
 
-    def _call_of_builtin(self, node: ast.Call, name: str) -> Code:
+    def _call_of_builtin(self, node: ast.Call, name: str) -> CText:
         if name == "len":
             return self._length(node)
         given = [self.number(one) for one in node.args]
         if name == "int":
-            return given[0] if given[0].kind == INT else Code(f"INT({given[0].text})", INT)
+            return given[0] if given[0].kind == INT else CText(f"INT({given[0].text})", INT)
         if name == "float":
             return as_real(given[0])
         kinds = {code.kind for code in given}
@@ -367,22 +367,22 @@ class Expressions:
             raise self.broken(node, f"calls {name} with {' and '.join(sorted(map(str, kinds)))}")
         kind = given[0].kind
         if name == "abs":
-            return Code(f"{'fabs' if kind == REAL else 'int_abs'}({given[0].text})", kind)
+            return CText(f"{'fabs' if kind == REAL else 'int_abs'}({given[0].text})", kind)
         text = given[0].text
         for other in given[1:]:
             text = f"{kind}_{name}({text}, {other.text})"
-        return Code(text, kind)
+        return CText(text, kind)
 
-    def _length(self, node: ast.Call) -> Code:
+    def _length(self, node: ast.Call) -> CText:
         argument = node.args[0]
         if isinstance(argument, ast.Attribute):
             owner, column, _ = self.column(argument)
-            return Code(f"{owner}->{local_name(column)}_size", INT)
+            return CText(f"{owner}->{local_name(column)}_size", INT)
         if isinstance(argument, ast.Name) and self.variables.get(argument.id) in (INTS, REALS):
-            return Code(f"{local_name(argument.id)}.size", INT)
+            return CText(f"{local_name(argument.id)}.size", INT)
         raise self.broken(node, f"takes the length of {ast.unparse(argument)}")
 
-    _translations: dict[type[ast.expr], Callable[[Expressions, ast.expr], Code]] = {  # noqa: RUF012
+    _translations: dict[type[ast.expr], Callable[[Expressions, ast.expr], CText]] = {  # noqa: RUF012
         ast.Constant: _constant,
         ast.Name: _name,
         ast.Attribute: _attribute,
@@ -396,16 +396,16 @@ class Expressions:
     }
 
 
-def literal(value: float, name: str = "") -> Code:
+def literal(value: float, name: str = "") -> CText:
     """Return a number in C, beside the name that it was written with."""
     text = f"INT64_C({value})" if isinstance(value, int) and abs(value) >= 1 << 31 else repr(value)
     noted = f"{text} /* {name} */" if name else text
-    return Code(f"({noted})" if value < 0 else noted, INT if isinstance(value, int) else REAL)
+    return CText(f"({noted})" if value < 0 else noted, INT if isinstance(value, int) else REAL)
 
 
-def as_real(code: Code) -> Code:
+def as_real(code: CText) -> CText:
     """Return a number as a real."""
-    return code if code.kind == REAL else Code(f"(double){code.inner}", REAL, atomic=False)
+    return code if code.kind == REAL else CText(f"(double){code.inner}", REAL, atomic=False)
 
 
 def local_name(name: str) -> str:

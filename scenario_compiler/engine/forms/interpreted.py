@@ -6,10 +6,10 @@ from array import array
 from collections.abc import Callable
 from typing import Any
 
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.forms.entries import ENTRIES
 from scenario_compiler.engine.forms.failure import of_exception
-from scenario_compiler.engine.state import State
-from scenario_compiler.engine.tables import Program
 from scenario_compiler.roads.tables import RoadTables
 
 

@@ -19,9 +19,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from scenario_compiler.engine.columns import column_types
-from scenario_compiler.engine.state import State
-from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.columns.declaration import column_types
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import REGISTRY
 from scenario_compiler.roads.tables import RoadTables
 

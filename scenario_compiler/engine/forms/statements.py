@@ -9,7 +9,7 @@ import ast
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
-from scenario_compiler.engine.forms.expressions import Broken, Code, Expressions, Surroundings, local_name
+from scenario_compiler.engine.forms.expressions import Broken, CText, Expressions, OtherFunctions, local_name
 from scenario_compiler.engine.forms.guards import unguarded
 from scenario_compiler.engine.forms.language import (
     BOOL,
@@ -58,7 +58,7 @@ def head(source: FunctionSource) -> str:
 class Statements:
     """Translates one function; what has no translation is in `findings`."""
 
-    def __init__(self, source: FunctionSource, around: Surroundings, tables: dict[str, tuple[object, ...]]) -> None:
+    def __init__(self, source: FunctionSource, around: OtherFunctions, tables: dict[str, tuple[object, ...]]) -> None:
         """Begin a function."""
         self.source = source
         self.expressions = Expressions(source, around, tables)
@@ -170,7 +170,7 @@ class Statements:
             with self._braces("{"):
                 self._write(f"{declared(value.kind, name)} = {value.text};")
                 for target in targets:
-                    self._store(target, Code(name, value.kind))
+                    self._store(target, CText(name, value.kind))
             return
         self._store(targets[0], value)
 
@@ -194,7 +194,7 @@ class Statements:
                 self._write(line)
             for one, name, kind in zip(target.elts, names, kinds, strict=True):
                 if not (isinstance(one, ast.Name) and one.id == "_"):
-                    self._store(one, Code(name, kind))
+                    self._store(one, CText(name, kind))
 
     def _augmented(self, statement: ast.stmt) -> None:
         assert isinstance(statement, ast.AugAssign)
@@ -206,7 +206,7 @@ class Statements:
         after = self.expressions.calculation(statement, statement.op, before, value, statement.value)
         self._store(statement.target, after)
 
-    def _store(self, target: ast.expr, value: Code) -> None:
+    def _store(self, target: ast.expr, value: CText) -> None:
         """Write an assignment to a variable, or to an element of a column or an array."""
         if isinstance(target, ast.Name):
             self._declare(target, value.kind)
@@ -272,7 +272,7 @@ class Statements:
         loop = f"for (int64_t {at} = {first}, {end} = {last}; {at} {sign} {end}; {at} += {step}) {{"
         with self._braces(loop):
             if target.id != "_":
-                self._store(target, Code(at, INT))
+                self._store(target, CText(at, INT))
             self._block(statement.body)
 
     def _literal_step(self, call: ast.Call) -> int:
@@ -290,7 +290,7 @@ class Statements:
             listed = ", ".join(one.text for one in parts)
             self._write(f"{declared(parts[0].kind, each)}[] = {{{listed}}};")
             with self._braces(f"for (int {at} = 0; {at} < {len(parts)}; {at}++) {{"):
-                self._store(target, Code(f"{each}[{at}]", parts[0].kind))
+                self._store(target, CText(f"{each}[{at}]", parts[0].kind))
                 self._block(statement.body)
 
     _translations: dict[type[ast.stmt], Callable[[Statements, ast.stmt], None]] = {  # noqa: RUF012

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from scenario_compiler.engine.forms.expressions import Surroundings, local_name
+from scenario_compiler.engine.columns.declaration import columns_of
+from scenario_compiler.engine.columns.state import State, clear_state
+from scenario_compiler.engine.forms.expressions import OtherFunctions, literal, local_name
 from scenario_compiler.engine.forms.language import (
     CONTAINERS,
     INT,
@@ -49,10 +51,13 @@ def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
             findings += broken.findings
     if findings:
         raise NotTranslatableError(findings)
-    around = Surroundings(signatures, frozenset(impure(sources)))
+    around = OtherFunctions(signatures, frozenset({c_name(clear_state), *impure(sources)}))
     tables: dict[str, tuple[object, ...]] = {}
     bodies = []
     for source in sources:
+        if source.function is clear_state:
+            bodies.append(_clearing(source))
+            continue
         statements = Statements(source, around, tables)
         bodies.append(statements.translated())
         findings += statements.findings
@@ -83,6 +88,18 @@ def _container(argument: str) -> str:
     lines = [f"    {c_type(kind)} *{local_name(name)};" for name, kind in columns.items()]
     lines += [f"    int64_t {local_name(name)}_size;" for name in columns]
     return "\n".join(["typedef struct {", *lines, f"}} {CONTAINERS[argument].__name__};", ""])
+
+
+def _clearing(source: FunctionSource) -> str:
+    """Return the function that puts the state to its start, made from the columns' declarations."""
+    lines = [f"/* {source.summary} */", head(source), "{"]
+    for name, column in columns_of(State).items():
+        if not column.kept:
+            kind = container_columns("st")[name]
+            start = literal(float(column.start) if kind == REAL else int(column.start)).text
+            at, size = f"st->{local_name(name)}", f"st->{local_name(name)}_size"
+            lines.append(f"    for (int64_t k = 0; k < {size}; k++)\n        {at}[k] = {start};")
+    return "\n".join([*lines, "}"]) + "\n"
 
 
 def _several(signatures: Iterable[Signature]) -> list[str]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from scenario_compiler.engine.program.draft import Draft
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.program.checking import check_program
 from scenario_compiler.engine.program.entities import add_entities
+from scenario_compiler.engine.program.plan_builder import PlanBuilder
 from scenario_compiler.engine.program.run import add_markings, add_run
 from scenario_compiler.engine.program.storyboard import add_init, add_storyboard
 from scenario_compiler.engine.program.takeover import add_takeover
 from scenario_compiler.engine.program.world import add_world
-from scenario_compiler.engine.tables import Program, validate
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads.network import Network
@@ -49,7 +50,7 @@ def lowered(plan: Plan, network: Network, *, posed: bool = False) -> Lowered:
     draft = _drafted(plan, network, posed=posed)
     draft.program.const = draft.row(parameter_values(plan.parameters))
     draft.program.road_count[0] = len(network.road_ids)
-    validate(draft.program, len(network.road_ids))
+    check_program(draft.program)
     return Lowered(draft.program, tuple(draft.signals), tuple(draft.texts))
 
 
@@ -82,8 +83,8 @@ class Numbers:
         return row
 
 
-def _drafted(plan: Plan, network: Network, *, posed: bool) -> Draft:
-    draft = Draft(plan, network)
+def _drafted(plan: Plan, network: Network, *, posed: bool) -> PlanBuilder:
+    draft = PlanBuilder(plan, network)
     add_run(draft)
     if plan.controller is not None:
         add_takeover(draft)

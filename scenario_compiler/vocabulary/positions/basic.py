@@ -8,7 +8,7 @@ Surface = Literal["driving", "biking", "shoulder", "sidewalk"]
 """Kinds of lanes that things stand on; `driving` is every lane that motor traffic may use."""
 
 
-class LanePosition(Word):
+class LanePositionWord(Word):
     """A point in a lane of a road, facing the lane's direction of travel."""
 
     word: Literal["lane"] = "lane"
@@ -191,4 +191,4 @@ class AnyOfPosition(Word):
         quantity="length",
         minimum=0,
     )
-    places: tuple[LanePosition, ...] = child("The places.")
+    places: tuple[LanePositionWord, ...] = child("The places.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import acos, ceil, exp, floor, log, sin, sqrt
 
-from scenario_compiler.engine.state import State
+from scenario_compiler.engine.columns.state import State
 
 NUMBERS = (2.5, -1.0, 7.25)
 """A table of numbers."""

@@ -25,20 +25,20 @@ def start_with_sanitizer() -> None:
 
 def main(folder: Path) -> int:
     """Build, run, compare; return the exit code."""
-    from scenario_compiler.engine.forms.compiled import Library
+    from scenario_compiler.engine.columns.state import make_draws
+    from scenario_compiler.engine.forms.compiled import MachineCode
     from scenario_compiler.engine.forms.entries import ENTRIES
     from scenario_compiler.engine.forms.language import marked_functions
     from scenario_compiler.engine.forms.making import Note, build
     from scenario_compiler.engine.forms.translation import translated
     from scenario_compiler.engine.simulation import Simulation
-    from scenario_compiler.engine.state import make_draws
     from tests.engine.test_two_forms import STEPS, VARIANTS, random_draft, variants_of
 
     path = folder / "checked.so"
     made_by = build(translated(marked_functions(), ENTRIES), path, *FLAGS)
     note = Note.read()
     assert note is not None
-    checked = Library(path, note.entries, made_by)
+    checked = MachineCode(path, note.entries, made_by)
     same = 0
     for number in range(PROGRAMS):
         draft = random_draft(number)

@@ -14,14 +14,14 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from scenario_compiler.engine.columns import as_buffers
-from scenario_compiler.engine.forms.compiled import Library, address_and_size, address_table
+from scenario_compiler.engine.columns.declaration import as_buffers
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import new_state
+from scenario_compiler.engine.forms.compiled import MachineCode, address_and_size, address_table
 from scenario_compiler.engine.forms.failure import KINDS, EngineError, of_exception
 from scenario_compiler.engine.forms.language import FunctionSource
 from scenario_compiler.engine.forms.making import build
 from scenario_compiler.engine.forms.translation import translated
-from scenario_compiler.engine.state import new_state
-from scenario_compiler.engine.tables import Program
 from tests.engine.forms import samples
 
 ENTRIES = {function.__name__: function for function in samples.ENTRIES}
@@ -42,7 +42,7 @@ class Small:
         for function in samples.ENTRIES:
             signature = FunctionSource.of(function).signature
             kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
-        self.library = Library(library, kinds, made_by)
+        self.library = MachineCode(library, kinds, made_by)
         self.state = as_buffers(STATE)
         self.table = address_table(self.state)
 

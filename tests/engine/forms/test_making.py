@@ -41,17 +41,19 @@ def test_a_library_is_made_of_all_marked_modules() -> None:
     note = Note.read()
     assert note is not None
     assert set(note.sources) == {path.relative_to(making.PACKAGE).as_posix() for path in source_files()}
-    assert {"engine/step.py", "roads/locate.py", "engine/forms/engine.h", "randomness.py"} <= set(note.sources)
+    assert {"engine/story/step.py", "roads/locate.py", "engine/forms/engine.h", "randomness.py"} <= set(note.sources)
 
 
 def test_a_changed_source_makes_a_library_stale() -> None:
     note = Note.read()
     assert note is not None
-    size, time, digest = note.sources["engine/step.py"]
+    size, time, digest = note.sources["engine/story/step.py"]
     assert note.is_fresh
-    assert Note(note.made_by, note.entries, {**note.sources, "engine/step.py": (size, time + 1, digest)}).is_fresh
-    assert not Note(note.made_by, note.entries, {**note.sources, "engine/step.py": (size + 1, time, digest)}).is_fresh
-    assert not Note(note.made_by, note.entries, {**note.sources, "engine/step.py": (size, 1, "0")}).is_fresh
+    assert Note(note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size, time + 1, digest)}).is_fresh
+    assert not Note(
+        note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size + 1, time, digest)}
+    ).is_fresh
+    assert not Note(note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size, 1, "0")}).is_fresh
     assert not Note(note.made_by, note.entries, {**note.sources, "engine/gone.py": (1, 1, "0")}).is_fresh
     assert Note(note.made_by, note.entries, {}).is_fresh
 

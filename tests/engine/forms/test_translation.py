@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.forms.entries import ENTRIES
 from scenario_compiler.engine.forms.language import NotTranslatableError, marked_functions
 from scenario_compiler.engine.forms.translation import translated
-from scenario_compiler.engine.state import State
-from scenario_compiler.engine.tables import Program
 
 
 def test_every_marked_function_translates() -> None:
