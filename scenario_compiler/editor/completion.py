@@ -82,9 +82,11 @@ def _elements(analysis: Analysis, cursor: Cursor) -> Iterator[Offer]:
             yield _element_offer(name, word, described(word), before, cursor)
         return
     meaning = meaning_of(cursor.tag)
-    for rule in () if meaning is None else _open_rules(meaning, cursor):
-        for name in meaning.tags(rule) if meaning is not None else ():
-            inner = meaning.child(name) if meaning is not None else None
+    if meaning is None:
+        return
+    for rule in _open_rules(meaning, cursor):
+        for name in meaning.tags(rule):
+            inner = meaning.child(name)
             if inner is not None:
                 yield _element_offer(name, inner.word, inner.text, before, cursor)
 
