@@ -14,6 +14,7 @@ from scenario_compiler.compiler import Overrides, compile_expanded, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import UNREADABLE, Document, read_document
 from scenario_compiler.languages import check_source, drop_allowed
+from scenario_compiler.resources import templates_from, templates_given
 from scenario_compiler.structure.schemas import Schemas
 
 if TYPE_CHECKING:
@@ -122,7 +123,7 @@ def validate_files(
         xsd: Where ASAM's schemas are, None to do without.
         insisted: Codes of warnings that are reported even where a file allows them.
     """
-    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted)
+    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted, templates=templates_given())
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
     if processes < 2 or len(tasks) < 2 * processes:
         for file in files:
@@ -190,14 +191,19 @@ def _spare_collector() -> None:
 
 
 def _findings(
-    files: Sequence[Path], maps: Sequence[Path], xsd: Schemas | None, insisted: frozenset[str]
+    files: Sequence[Path],
+    maps: Sequence[Path],
+    xsd: Schemas | None,
+    insisted: frozenset[str],
+    templates: Sequence[Path],
 ) -> list[list[Diagnostic]]:
     """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
     found = []
     for file in files:
         sink = Diagnostics(insisted=insisted)
         try:
-            validate_file(file, sink, maps, xsd)
+            with templates_from(templates):
+                validate_file(file, sink, maps, xsd)
         except Exception as fault:
             sink.found.append(_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]))
         found.append(list(sink))

@@ -13,10 +13,23 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from scenario_compiler.cli import authoring, compare, coverage, explain, export, maps, run, sweep, validate
+from scenario_compiler.cli import (
+    authoring,
+    compare,
+    coverage,
+    editor,
+    explain,
+    export,
+    library,
+    maps,
+    run,
+    sweep,
+    validate,
+)
 from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse, reason_of
+from scenario_compiler.resources import templates_from
 
-GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage)
+GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
 """Groups of commands, in the order of the help."""
 
 
@@ -26,7 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     parser = make_parser()
     options = parser.parse_args(arguments)
     try:
-        code = options.command(options)
+        with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
+            code = options.command(options)
         sys.stdout.flush()
     except WrongUse as fault:
         print(f"scenario-compiler: {fault}", file=sys.stderr)
@@ -58,11 +72,23 @@ def start_lightly() -> None:
     gc.set_threshold(100_000, 50, 50)
 
 
+class ShowVersion(argparse.Action):
+    """Prints the version and ends; it is looked up only then."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        """Print the name and the version of the program."""
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('scenario-compiler')}")
+        parser.exit()
+
+
 def make_parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
     parser = argparse.ArgumentParser(
         prog="scenario-compiler", description="Compile, check and run conflicts for automated driving."
     )
+    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for group in GROUPS:
         group.add(commands)

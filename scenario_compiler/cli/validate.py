@@ -14,6 +14,7 @@ from scenario_compiler.cli.options import (
     WrongUse,
     add_diagnostics,
     add_maps,
+    add_templates,
     judged,
     keep_loaded,
     show,
@@ -32,6 +33,7 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("validate", help="check scenario and road files")
     parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder")
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.add_argument(
         "--xsd",

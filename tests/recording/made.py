@@ -68,7 +68,7 @@ def plan_of(*ids: str, criteria: tuple[Criterion, ...] = (NoCollision(), StayOnR
         storyboard=Storyboard(),
         takeover=Takeover(),
         criteria=criteria,
-        classification=Classification(scheme="gold2018", number=9, urgency="3", response="1-3"),
+        classifications=(Classification(scheme="gold2018", number=9, urgency="3", response="1-3"),),
         digest="d" * 64,
     )
 
