@@ -13,6 +13,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
+from scenario_compiler.legible import legible, legible_line
+
 
 class Severity(enum.Enum):
     """How much a diagnostic weighs: an error stops the compilation after the stage, the others do not."""
@@ -103,6 +105,7 @@ CODE_HOMES = (
     "openscenario.export.files",
     "openscenario.validation",
     "openscenario.xsd",
+    "recording.break_off",
     "validation",
 )
 """Modules that bring in all others that declare codes. They are loaded only for who asks about a code by its name."""
@@ -241,7 +244,10 @@ WIDEST_LINE = 240
 
 
 def as_text(diagnostic: Diagnostic) -> str:
-    """Format as a compiler does: position, code, message, the source line with carets, hint, chain, other places."""
+    """Format as a compiler does: position, code, message, the source line with carets, hint, chain, other places.
+
+    Whatever the file and its name are made of, each is a line, and all characters can be seen.
+    """
     place = diagnostic.place
     lines = [f"{position_text(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
     lines.extend(_source(place))
@@ -251,17 +257,21 @@ def as_text(diagnostic: Diagnostic) -> str:
     for other in diagnostic.related:
         lines.append(f"      = {other.message}: {position_text(other.place)}")
         lines.extend(_source(other.place))
-    return "\n".join(lines)
+    return "\n".join(map(legible_line, lines))
 
 
 def _source(place: Place) -> Iterator[str]:
     """Yield the line of a place and the carets below it, where they are known."""
     if place.source_line:
         gutter = f"{place.line:>5} | "
-        shown, before = _excerpt(place)
-        yield gutter + shown.replace("\t", " ")
+        text, before = _excerpt(place)
+        ahead, marked = text[:before], text[before : before + max(1, place.length)]
+        left, middle, right = (
+            legible(part.replace("\t", " ")) for part in (ahead, marked, text[before + len(marked) :])
+        )
+        yield gutter + left + middle + right
         if place.column:
-            yield " " * (len(gutter) + before) + "^" * max(1, min(place.length, len(shown) - before))
+            yield " " * (len(gutter) + len(left)) + "^" * max(1, len(middle))
 
 
 def _excerpt(place: Place) -> tuple[str, int]:

@@ -18,6 +18,15 @@ _PIECE = 1024 * 1024
 _AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
 
 
+def split_target(target: str | Path) -> tuple[str, str | None]:
+    """Split FILE#name into the file and the scenario's name; a file whose own name has a '#' stays whole."""
+    text = str(target)
+    if "#" not in text or Path(text).is_file():
+        return text, None
+    path, _, name = text.rpartition("#")
+    return path, name
+
+
 def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
     """Return the content of an ordinary file.
 

@@ -41,6 +41,17 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "scenario-compiler"
 
 
+def configuration_file() -> Path:
+    """Return the user's configuration file, whether it is there or not.
+
+    It is `scenario-compiler/config.toml` in $XDG_CONFIG_HOME, on Windows in %APPDATA%, else in `~/.config`. A relative
+    folder in a variable is ignored, as the XDG Base Directory Specification wants it: it would mean the current one.
+    """
+    named = Path(os.environ.get("XDG_CONFIG_HOME") or os.environ.get("APPDATA") or "")
+    folder = named if named.is_absolute() else Path("~/.config").expanduser()
+    return folder / "scenario-compiler" / "config.toml"
+
+
 @dataclass(frozen=True)
 class MapSearch:
     """Where maps are looked for.

@@ -15,6 +15,7 @@ from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePla
 from scenario_compiler.document import UNREADABLE, Document, read_document
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.structure.schemas import Schemas
+from scenario_compiler.trust import ConfigurationError, Trust
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ProcessPoolExecutor
@@ -57,8 +58,16 @@ Check: TypeAlias = Callable[[Sequence[Path]], list[list[Diagnostic]]]
 """What returns the findings of each of some files."""
 
 
-def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd: Schemas | None = None) -> None:
+def validate_file(
+    path: Path,
+    sink: Diagnostics,
+    maps: Sequence[Path] = (),
+    xsd: Schemas | None = None,
+    trust: Trust | None = None,
+) -> None:
     """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds.
+
+    Code that the file names is imported only where it is trusted; otherwise its spelling alone is checked.
 
     `xsd` is where ASAM's schemas are: where there is one of the version of a road file, or of a file in OpenSCENARIO,
     that schema judges the file's structure, else what our readers declare does. Of a file in OpenSCENARIO, the
@@ -81,22 +90,25 @@ def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd:
         meaning = Diagnostics()
         validate_openscenario(path, sink, xsd)
         try:
-            _check_scenarios(path, meaning, maps)
+            _check_scenarios(path, meaning, maps, trust)
+        except ConfigurationError:
+            raise
         except Exception as fault:
             meaning.found.append(_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]))
         add_meaning(meaning, sink)
     else:
-        _check_scenarios(path, sink, maps)
+        _check_scenarios(path, sink, maps, trust)
 
 
-def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path]) -> None:
+def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path], trust: Trust | None) -> None:
     """Report every fault of all templates and scenarios of a file."""
     read = read_source(path, sink)
     if read is None:
         return
     document, source = read
+    trusted = Overrides().trusting(trust or Trust(), path.parent)
     for one in check_source(source, sink):
-        compile_expanded(one.scenario, document, sink, maps, Overrides(), whole=one.whole)
+        compile_expanded(one.scenario, document, sink, maps, Overrides(), whole=one.whole, trust=trusted)
     drop_allowed(sink, source)
 
 
@@ -112,6 +124,7 @@ def validate_files(
     processes: int = 1,
     xsd: Schemas | None = None,
     insisted: frozenset[str] = frozenset(),
+    trust: Trust | None = None,
 ) -> Iterator[list[Diagnostic]]:
     """Yield the findings of each file, in the order of the files.
 
@@ -121,8 +134,9 @@ def validate_files(
         processes: Number of processes to spread the files over; few files are checked in this one.
         xsd: Where ASAM's schemas are, None to do without.
         insisted: Codes of warnings that are reported even where a file allows them.
+        trust: Code that may be imported where a file names it.
     """
-    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted)
+    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted, trust=trust)
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
     if processes < 2 or len(tasks) < 2 * processes:
         for file in files:
@@ -190,14 +204,20 @@ def _spare_collector() -> None:
 
 
 def _findings(
-    files: Sequence[Path], maps: Sequence[Path], xsd: Schemas | None, insisted: frozenset[str]
+    files: Sequence[Path],
+    maps: Sequence[Path],
+    xsd: Schemas | None,
+    insisted: frozenset[str],
+    trust: Trust | None,
 ) -> list[list[Diagnostic]]:
     """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
     found = []
     for file in files:
         sink = Diagnostics(insisted=insisted)
         try:
-            validate_file(file, sink, maps, xsd)
+            validate_file(file, sink, maps, xsd, trust)
+        except ConfigurationError:
+            raise
         except Exception as fault:
             sink.found.append(_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]))
         found.append(list(sink))

@@ -43,11 +43,14 @@ HALL = (
     "expressions",
     "files",
     "frames",
+    "interruption",
+    "legible",
     "marker",
     "outputs",
     "randomness",
     "resources",
     "structure",
+    "trust",
 )
 LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for room in row}
 

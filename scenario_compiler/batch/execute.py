@@ -22,6 +22,7 @@ from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.source.declared import Declaration
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 BREAK_EVEN = 80
@@ -128,6 +129,12 @@ class Sweep:
     _on_the_way: dict[int, SentPlan] = field(default_factory=dict)
 
     @property
+    def trust(self) -> Trust:
+        """What a worker may import: what was found to be trusted when the sweep was prepared."""
+        trust, controller = self.spec.trusted(self.target), self.families.base.plan.controller
+        return trust if controller is None else Trust((*trust.named, controller.model), trust.beside)
+
+    @property
     def parts(self) -> int:
         """Number of parts."""
         return math.ceil(self.sampler.total / self.part_size)
@@ -166,7 +173,7 @@ class Sweep:
         """Return what decides the rows, for the folder to be known by."""
         return {
             "target": self.target,
-            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed"}),
+            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed", "trust"}),
             "digest": self.families.base.plan.digest,
             "variants": self.sampler.total,
             "part_size": self.part_size,
@@ -264,7 +271,7 @@ def open_executor(sweep: Sweep, workers: int, say: Callable[[str], None] | None 
     """Return what runs a sweep on this machine: worker processes where a run may hang or there are several."""
     spec = sweep.spec
     if workers == 1 and sweep.form != "camera" and spec.time_limit is None:
-        runner = Runner(sweep.form, spec.seed, say)
+        runner = Runner(sweep.form, spec.seed, say, sweep.trust)
         base = sweep.families.base
         runner.add(base.number, base.plan, base.network)
         return Inline(runner)
@@ -272,14 +279,14 @@ def open_executor(sweep: Sweep, workers: int, say: Callable[[str], None] | None 
         from scenario_compiler.engine.build import warm
 
         warm(say)
-    return Pool(sweep.form, spec.seed, workers, spec.time_limit)
+    return Pool(sweep.form, spec.seed, workers, spec.time_limit, trust=sweep.trust)
 
 
 def connect(sweep: Sweep, scheduler: str) -> Executor:
     """Return what runs a sweep on a cluster; SweepError where none answers at the address of the scheduler."""
     from scenario_compiler.batch.cluster import Cluster
 
-    return Cluster(sweep.form, sweep.spec.seed, scheduler)
+    return Cluster(sweep.form, sweep.spec.seed, scheduler, trust=sweep.trust)
 
 
 def execute(

@@ -117,7 +117,7 @@ def from_recording(plan: Plan, recording: Recording) -> tuple[Traces, Ends]:
     crash = next((event for event in recording.events if event.kind == "collision"), None)
     return single, Ends(
         stop_reason=[recording.stop_reason],
-        error=[_fault(recording.error, recording.stop_reason)],
+        error=["" if recording.broke_off is None else recording.broke_off.message],
         cause=[request.cause if request else ""],
         collision_with=[crash.entity if crash else None],
     )

@@ -18,6 +18,7 @@ from multiprocessing.process import BaseProcess
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import error_columns
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, Variant
+from scenario_compiler.trust import Trust
 
 START_ATTEMPTS = 3
 """Deaths before the first variant of a part begins after which the sweep gives up."""
@@ -26,9 +27,9 @@ PATIENCE = 0.5
 """How often a time limit is looked at, s."""
 
 
-def serve(connection: Connection, form: Form, seed: int) -> None:
+def serve(connection: Connection, form: Form, seed: int, trust: Trust) -> None:
     """Run parts that come through the connection until it closes; the body of a worker process."""
-    runner = Runner(form, seed)
+    runner = Runner(form, seed, trust=trust)
     try:
         while True:
             part = connection.recv()
@@ -56,10 +57,12 @@ class _Worker:
 class Pool:
     """Worker processes for the parts of a sweep."""
 
-    def __init__(self, form: Form, seed: int, workers: int, time_limit: float | None = None) -> None:
+    def __init__(
+        self, form: Form, seed: int, workers: int, time_limit: float | None = None, trust: Trust | None = None
+    ) -> None:
         """Start the workers, by spawning: nothing of this process is inherited."""
         self._context = multiprocessing.get_context("spawn")
-        self._setup = (form, seed)
+        self._setup = (form, seed, trust or Trust())
         self._time_limit = time_limit
         self._workers = [self._start() for _ in range(workers)]
         self._deaths: dict[int, int] = {}

@@ -28,6 +28,7 @@ from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.roads import Network, load_network
 from scenario_compiler.runtime import open_world, run
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 Form = Literal["camera", "interpreted", "compiled"]
@@ -114,11 +115,13 @@ class Runner:
         form: What runs them.
         seed: Seed of the runs.
         say: Told before the engine is compiled for the first time.
+        trust: Code that the plans may name as their controllers.
     """
 
     form: Form
     seed: int
     say: Callable[[str], None] | None = None
+    trust: Trust = field(default_factory=Trust)
     _families: dict[int, _Family] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -134,7 +137,7 @@ class Runner:
         if family not in self._families:
             while len(self._families) >= FAMILIES_KEPT:
                 del self._families[next(iter(self._families))]
-            self._families[family] = _Family(plan, network, self.form, self.say)
+            self._families[family] = _Family(plan, network, self)
 
     def batches(self, part: Part, begin: Callable[[tuple[Variant, ...]], None] | None = None) -> Iterator[Batch]:
         """Yield the rows of a part's variants, in order; `begin` is called with each batch before it runs."""
@@ -170,20 +173,20 @@ class Runner:
 class _Family:
     """A plan that is ready to run."""
 
-    def __init__(self, plan: Plan, network: Network, form: Form, say: Callable[[str], None] | None) -> None:
-        self.plan, self.network, self.form = plan, network, form
+    def __init__(self, plan: Plan, network: Network, runner: Runner) -> None:
+        self.plan, self.network, self.trust = plan, network, runner.trust
         self.usual = parameter_values(plan.parameters)
         self.limit = int(plan.duration / plan.step) + 2
         self.trace_rows = self.limit + 1
         self.longest = 0
         self.engine: Compiled | Interpreted | None = None
-        if form != "camera":
+        if runner.form != "camera":
             program = build_program(plan, network)
             self.numbers = Numbers(plan, network)
             self.width = trace_width(program)
             state = new_state(program)
-            if form == "compiled":
-                self.engine = Compiled(network.tables, program, state, say)
+            if runner.form == "compiled":
+                self.engine = Compiled(network.tables, program, state, runner.say)
             else:
                 self.engine = Interpreted(network.tables, program, state)
 
@@ -196,7 +199,7 @@ class _Family:
         """Run variants and return their rows; where a run is longer than any before, with more room once more."""
         parameters = [{**self.usual, **one.values} for one in batch]
         if self.engine is None:
-            traces, ends = from_recording(self.plan, record(self.plan, self.network, batch[0], seed))
+            traces, ends = from_recording(self.plan, record(self.plan, self.network, batch[0], seed, self.trust))
             return outcome_columns(self.plan, traces, ends, parameters)
         try:
             numbers = [self.numbers.row(one.values) for one in batch]
@@ -224,12 +227,12 @@ def joined(parts: Sequence[Columns]) -> Columns:
     return {name: [value for columns in parts for value in columns[name]] for name in parts[0]}
 
 
-def record(plan: Plan, network: Network, variant: Variant, seed: int) -> Recording:
-    """Run one variant interpreted and return its recording."""
+def record(plan: Plan, network: Network, variant: Variant, seed: int, trust: Trust | None = None) -> Recording:
+    """Run one variant interpreted and return its recording; `trust` is what the plan's controller may be."""
     chosen = with_values(plan, variant.values)
     world = open_world("kinematic", chosen, network)
     try:
-        return run(chosen, world, seed, variant=variant.index)
+        return run(chosen, world, seed, variant=variant.index, trust=trust)
     finally:
         world.close()
 

@@ -90,7 +90,7 @@ class Search:
         sink = Diagnostics() if sink is None else sink
         self.sweep: Sweep = prepare(target, spec.model_copy(update={"form": "interpreted"}), sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}
-        self.runner = Runner(self.sweep.form, spec.seed)
+        self.runner = Runner(self.sweep.form, spec.seed, trust=self.sweep.trust)
         manifest = {**self.sweep.manifest(), "asked": asked}
         self.store = ResultStore(folder, dict.fromkeys(self.ranges, "number"), manifest)
         self.count = 0

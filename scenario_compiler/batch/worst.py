@@ -72,7 +72,7 @@ def run_again(families: Families, rows: Columns, index: int, seed: int) -> Run:
         raise ValueError(f"variant {index} does not compile any more")
     variant = Variant(index, family.number, family.values(sample))
     plan = with_values(family.plan, variant.values)
-    recording = record(family.plan, family.network, variant, seed)
+    recording = record(family.plan, family.network, variant, seed, families.trust)
     return Run(plan, family.network, recording, judge(plan, recording))
 
 
@@ -108,6 +108,7 @@ def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int) -> s
         options = (
             ("--perception", spec.perception),
             ("--controller", spec.controller),
+            *(("--trust", name) for name in spec.trust),
             ("--dt", spec.step),
             ("--duration", spec.duration),
         )

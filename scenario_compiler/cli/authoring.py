@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
@@ -26,7 +25,7 @@ from scenario_compiler.cli.options import (
     suggestion,
     told,
 )
-from scenario_compiler.cli.tables import print_table
+from scenario_compiler.cli.terminal import put, put_table, tell
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.outputs import write_whole
 
@@ -69,7 +68,7 @@ def list_command(options: argparse.Namespace) -> int:
         return _write_gallery(options, listed, sink)
     _print_tables(listed, told(options))
     if not listed:
-        print(f"no conflict and no template in {', '.join(map(str, options.paths))}", file=sys.stderr)
+        tell(f"no conflict and no template in {', '.join(map(str, options.paths))}")
     return AT_FAULT if show(sink, options) else FINE
 
 
@@ -80,10 +79,10 @@ def _print_tables(listed: list[Listed], file: TextIO) -> None:
         return [(one.name, one.gold, one.map, one.summary) for one in listed if one.kind == kind]
 
     what = ("Gold", "map", "what happens")
-    print_table(("conflict", *what), rows_of("conflict"), file)
-    print_table(("template", *what), rows_of("template"), file)
+    put_table(("conflict", *what), rows_of("conflict"), file)
+    put_table(("template", *what), rows_of("template"), file)
     varied = [(one.name, *axis) for one in listed for axis in one.varied]
-    print_table(("conflict", "varied", "values"), varied, file)
+    put_table(("conflict", "varied", "values"), varied, file)
 
 
 def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
@@ -103,7 +102,7 @@ def _write_gallery(options: argparse.Namespace, listed: list[Listed], sink: Diag
     keep_inputs([*options.paths, *(one.target for one in listed if one.kind == "conflict")], options.html)
     write_gallery(_cards(options, listed, sink), options.html)
     failed = show(sink, options)
-    print(f"gallery: {options.html}", file=told(options))
+    put(f"gallery: {options.html}", told(options))
     return AT_FAULT if failed else FINE
 
 
@@ -141,7 +140,7 @@ def new_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
     keep_inputs((library_folder() / "templates").iterdir(), file)
     write_whole(file, new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters))
-    print(file, file=told(options))
+    put(file, told(options))
     return AT_FAULT if show(sink, options) else FINE
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from scenario_compiler.cli.options import FINE, Commands
+from scenario_compiler.cli.terminal import put, tell
 
 
 def add(commands: Commands) -> None:
@@ -19,6 +19,6 @@ def prewarm_command(options: argparse.Namespace) -> int:
     del options
     from scenario_compiler.engine.build import warm
 
-    warm(say=lambda text: print(text, file=sys.stderr))
-    print("the compiled engine is ready")
+    warm(say=tell)
+    put("the compiled engine is ready")
     return FINE

@@ -21,6 +21,7 @@ from scenario_compiler.cli.options import (
     show,
     told,
 )
+from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.outputs import make_folder, write_whole
 
@@ -66,7 +67,7 @@ def export_command(options: argparse.Namespace) -> int:
     for path, content in files.items():
         make_folder(path.parent)
         write_whole(path, content)
-        print(path, file=told(options))
+        put(path, told(options))
     return FINE
 
 

@@ -18,6 +18,7 @@ from scenario_compiler.cli.options import (
     suggestion,
     told,
 )
+from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.outputs import write_whole
 
@@ -81,7 +82,7 @@ def map_info_command(options: argparse.Namespace) -> int:
         return AT_FAULT
     description = describe_network(loaded[1])
     for one in fields(description):
-        print(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}", file=told(options))
+        put(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}", told(options))
     return FINE
 
 
@@ -110,7 +111,7 @@ def map_check_command(options: argparse.Namespace) -> int:
     if document is not None and options.format == "text":
         for one in unread(document):
             attribute = f" attribute {one.attribute}" if one.attribute else ""
-            print(f"{path}:{one.line}: not read: {one.path}{attribute} ({one.count})")
+            put(f"{path}:{one.line}: not read: {one.path}{attribute} ({one.count})")
     return AT_FAULT if failed else FINE
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -16,6 +17,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    at_fault,
     compiled,
     inputs_of,
     keep_inputs,
@@ -23,8 +25,12 @@ from scenario_compiler.cli.options import (
     show,
     suggestion,
     told,
+    trust_of,
 )
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+from scenario_compiler.cli.terminal import put
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
+from scenario_compiler.files import split_target
+from scenario_compiler.legible import legible
 from scenario_compiler.outputs import make_folder
 
 if TYPE_CHECKING:
@@ -122,6 +128,8 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
 
 def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
+    from scenario_compiler.controllers import ControllerError, refuse_untrusted, report_controller
+    from scenario_compiler.plan.provenance import place_of
     from scenario_compiler.worlds import WORLDS
 
     if options.world not in WORLDS:
@@ -133,8 +141,14 @@ def run_command(options: argparse.Namespace) -> int:
     sink = new_sink(options)
     keep_inputs([options.target], options.trajectory)
     planned = _planned(options, sink)
-    if show(sink, options) or planned is None:
+    if planned is not None:
+        refuse_untrusted(planned[0], sink, trust_of(options))
+    if planned is None or at_fault(sink, options):
+        show(sink, options)
         return AT_FAULT
+    if options.format == "text":  # before a run that may take long; other formats are one document at the end
+        show(sink, options)
+        sink = new_sink(options)
     plan, network = planned
     keep_inputs(inputs_of(plan), options.trajectory)
     if options.output is not None:
@@ -145,7 +159,12 @@ def run_command(options: argparse.Namespace) -> int:
 
     world = open_world(options.world, plan, network)
     try:
-        recording = run_with_progress(plan, world, options.seed, options.variant)
+        recording = run_with_progress(plan, world, options)
+    except ControllerError as fault:
+        if plan.controller is not None:
+            report_controller(plan.controller.model, fault, place_of(plan, "controller"), sink)
+        show(sink, options)
+        return AT_FAULT
     finally:
         world.close()
     finished = Run(plan, network, recording, judge(plan, recording))
@@ -162,21 +181,34 @@ def run_command(options: argparse.Namespace) -> int:
 
         draw_route(plan, network, options.output / "route.png")
     print_run(finished, options.output, told(options))
+    note_break_off(recording, options, sink)
+    if show(sink, options):
+        return AT_FAULT
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
 
 
-def run_with_progress(plan: Plan, world: World, seed: int, variant: int) -> Recording:
+def note_break_off(recording: Recording, options: argparse.Namespace, sink: Diagnostics) -> None:
+    """Report why a run broke off, if it did: at the line of code that is at fault, else of the scenario's file."""
+    why = recording.broke_off
+    code = None if why is None else code_named(why.code)
+    if why is not None and code is not None:
+        sink.add(code, why.message, FilePlace(why.file or split_target(options.target)[0], why.line))
+
+
+def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> Recording:
     """Run a plan, with a progress bar where stderr is a terminal."""
     from scenario_compiler.runtime import run
 
+    start = partial(run, plan, world, options.seed, variant=options.variant, trust=trust_of(options))
     if not sys.stderr.isatty():
-        return run(plan, world, seed=seed, variant=variant)
+        return start()
     from rich.console import Console
+    from rich.markup import escape
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(plan.name, total=plan.duration)
-        return run(plan, world, seed=seed, variant=variant, progress=lambda t: bar.update(task, completed=t))
+        task = bar.add_task(escape(legible(plan.name)), total=plan.duration)
+        return start(progress=lambda t: bar.update(task, completed=t))
 
 
 def _is_filled(folder: Path) -> bool:
@@ -202,9 +234,9 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     )
     width = max(len(label) for label, _ in rows)
     for label, value in rows:
-        print(f"{label:<{width}}  {value}", file=file)
+        put(f"{label:<{width}}  {value}", file)
     if folder is not None:
-        print(f"report: {folder / 'report.html'}", file=file)
+        put(f"report: {folder / 'report.html'}", file)
 
 
 def report_command(options: argparse.Namespace) -> int:
@@ -227,7 +259,7 @@ def report_command(options: argparse.Namespace) -> int:
     if show(sink, options) or plan is None or network is None:
         return AT_FAULT
     write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
-    print(f"report: {options.folder / 'report.html'}", file=told(options))
+    put(f"report: {options.folder / 'report.html'}", told(options))
     return FINE
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from scenario_compiler.cli.options import (
     AT_FAULT,
     FINE,
+    INTERRUPTED,
     Commands,
     WrongUse,
     add_diagnostics,
@@ -24,6 +25,7 @@ from scenario_compiler.cli.options import (
     show,
     told,
 )
+from scenario_compiler.cli.terminal import complain, put, tell
 from scenario_compiler.diagnostics import CompileError, Diagnostics
 
 if TYPE_CHECKING:
@@ -88,11 +90,11 @@ def sweep_command(options: argparse.Namespace) -> int:
     except OSError as error:
         if not (options.output / MANIFEST).is_file():
             raise
-        print(f"scenario-compiler: {reason_of(error)}; --resume does the rest", file=sys.stderr)
+        complain(f"{reason_of(error)}; --resume does the rest")
         return AT_FAULT
     except KeyboardInterrupt:
-        print("scenario-compiler: interrupted; --resume does the rest", file=sys.stderr)
-        return AT_FAULT
+        complain("interrupted; --resume does the rest")
+        return INTERRUPTED
 
 
 def _spec(options: argparse.Namespace) -> SweepSpec:
@@ -111,6 +113,7 @@ def _spec(options: argparse.Namespace) -> SweepSpec:
         controller=options.controller,
         step=options.dt,
         duration=options.duration,
+        trust=tuple(options.trust),
         traces=options.traces,
         errors=tuple(options.error),
         allowed=tuple(options.allow),
@@ -132,16 +135,16 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
             workers=options.workers,
             maps=options.maps,
             report=options.report,
-            say=lambda text: print(text, file=sys.stderr),
+            say=tell,
             sink=sink,
         )
     show(sink, options)
-    print(f"{result.total} variants, {result.failed} failed: {result.table}", file=told(options))
+    put(f"{result.total} variants, {result.failed} failed: {result.table}", told(options))
     if options.report:
-        print(f"report: {result.folder / 'report.html'}", file=told(options))
+        put(f"report: {result.folder / 'report.html'}", told(options))
     if result.failed:
         share = "all" if result.failed == result.total else f"{result.failed} of {result.total}"
-        print(f"scenario-compiler: {share} variants failed, most often: {result.commonest}", file=sys.stderr)
+        complain(f"{share} variants failed, most often: {result.commonest}")
     return AT_FAULT if result.failed == result.total else FINE
 
 
@@ -153,14 +156,12 @@ def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
     if options.boundary is not None:
         found = find_boundary(*where, when=options.boundary, tolerance=options.tolerance, **again)
         show(sink, options)
-        print(
-            f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}", file=told(options)
-        )
+        put(f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}", told(options))
         return FINE
     least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, **again)
     show(sink, options)
     values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
-    print(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", file=told(options))
+    put(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", told(options))
     return FINE
 
 

@@ -14,12 +14,15 @@ from scenario_compiler.cli.options import (
     WrongUse,
     add_diagnostics,
     add_maps,
+    add_trust,
     judged,
     keep_loaded,
     show,
 )
+from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostic, Severity
 from scenario_compiler.structure.schemas import Schemas
+from scenario_compiler.trust import Trust
 
 
 def available_cores() -> int:
@@ -32,6 +35,7 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("validate", help="check scenario and road files")
     parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder")
     add_maps(parser)
+    add_trust(parser)
     add_diagnostics(parser)
     parser.add_argument(
         "--xsd",
@@ -60,10 +64,11 @@ def validate_command(options: argparse.Namespace) -> int:
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
     insisted = frozenset(options.error)
-    found = [one for some in validate_files(files, options.maps, options.jobs, options.xsd, insisted) for one in some]
+    checked = validate_files(files, options.maps, options.jobs, options.xsd, insisted, Trust(tuple(options.trust)))
+    found = [one for some in checked for one in some]
     failed = show(found, options)
     if options.format == "text":
-        print(summary(len(files), judged(found, options)))
+        put(summary(len(files), judged(found, options)))
     return AT_FAULT if failed else FINE
 
 

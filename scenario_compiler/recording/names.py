@@ -21,8 +21,13 @@ EventKind = Literal[
 """Kinds of events. Activation, request (transition demand), response (override), minimum-risk manoeuvre and
 collision are occurrences that UN R157, 8.2.1, has a data storage system record; the others are ours."""
 
-StopReason = Literal["", "duration", "trigger", "destination", "standstill", "collision", "error", "user"]
+StopReason = Literal[
+    "", "duration", "trigger", "destination", "standstill", "collision", "error", "controller_failed", "user"
+]  # fmt: skip
 """Why a run ended; empty while it goes on, `user` when a person or a program ended it."""
+
+BROKEN: frozenset[StopReason] = frozenset(("error", "controller_failed"))
+"""Reasons of runs that broke off."""
 
 TAKEOVER_STATES: dict[int, StateName] = {
     opcodes.TAKEOVER_AUTOMATED: "automated",
@@ -102,6 +107,7 @@ FAULTS: dict[int, str] = {
     opcodes.FAULT_DELAY_OVERFLOW: "a delayed condition changes too often to be remembered",
     opcodes.FAULT_UNKNOWN_RULE: "the program holds an unknown comparison",
     opcodes.FAULT_UNKNOWN_EDGE: "the program holds an unknown condition edge",
+    opcodes.FAULT_NO_ROOM: "there is no free place left to draw for it",
 }
 """What a run's fault code means."""
 

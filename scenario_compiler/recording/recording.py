@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.opcodes import FAR
+from scenario_compiler.recording.break_off import BreakOff
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import EventKind, StopReason
 
@@ -40,7 +41,11 @@ class Header(BaseModel):
     perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
     world: str = Field(default="kinematic", description="Name of the world that the run took place in.")
     versions: dict[str, str] = Field(
-        default={}, description="Versions of what the result depends on: package, engine, python, numpy, ..."
+        default={}, description="Versions of what the result depends on: this package, Python and libraries."
+    )
+    processor: str = Field(
+        default="",
+        description="Architecture of the processor and those of its features by which libraries choose their code.",
     )
 
 
@@ -105,6 +110,7 @@ class Recording:
         frames: First-person pictures, ordered by time.
         stop_reason: Why it ended.
         error: The engine's fault code; 0 for none.
+        broke_off: Why it broke off; None for a run that did not.
     """
 
     header: Header
@@ -156,6 +162,7 @@ class Recording:
     frames: tuple[Frame, ...] = ()
     stop_reason: StopReason = ""
     error: int = 0
+    broke_off: BreakOff | None = None
 
     @cached_property
     def trajectory_hash(self) -> str:
@@ -174,7 +181,7 @@ class Recording:
         """Compare everything, bit for bit but for NaN."""
         if not isinstance(other, Recording):
             return NotImplemented
-        plain = ("header", "roads", "events", "frames", "stop_reason", "error")
+        plain = ("header", "roads", "events", "frames", "stop_reason", "error", "broke_off")
         return all(getattr(self, name) == getattr(other, name) for name in plain) and all(
             np.array_equal(getattr(self, c.name), getattr(other, c.name), equal_nan=c.kind == "float") for c in COLUMNS
         )
@@ -240,7 +247,7 @@ class RecordingBuilder:
         """Take down a first-person picture."""
         self._frames.append(Frame(t, label, png))
 
-    def finish(self, stop_reason: StopReason, error: int = 0) -> Recording:
+    def finish(self, stop_reason: StopReason, error: int = 0, broke_off: BreakOff | None = None) -> Recording:
         """Return the recording of all rows so far; events of one instant stay as they came."""
         arrays = {column.name: self._array(column) for column in COLUMNS}
         absent = ~arrays["present"]
@@ -262,6 +269,7 @@ class RecordingBuilder:
             frames=tuple(sorted(self._frames, key=lambda frame: frame.t)),
             stop_reason=stop_reason,
             error=error,
+            broke_off=broke_off,
         )
 
     def _array(self, column: Column) -> NDArray[Any]:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import importlib
 import math
-import platform
 from collections.abc import Callable
 from dataclasses import replace
-from importlib.metadata import version
 
-from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
+from scenario_compiler.controllers import (
+    Control,
+    ControllerError,
+    ControllerModel,
+    SensorData,
+    VehicleState,
+    create_controller,
+)
 from scenario_compiler.engine.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.following import leader_gap
 from scenario_compiler.engine.opcodes import (
@@ -28,13 +33,16 @@ from scenario_compiler.engine.slots import K_FIELD_OF_VIEW, K_SENSOR_RANGE
 from scenario_compiler.engine.state import State, make_draws, new_state
 from scenario_compiler.engine.step import reset, step
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.break_off import QUANTITIES, BreakOff, engine_break_off
 from scenario_compiler.recording.names import BY_HAND, CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
+from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.action_events import OF_ACTIONS, action_text, actions_of
 from scenario_compiler.runtime.messages import messages
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
 from scenario_compiler.runtime.route_ahead import route_ahead
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.traversal import walk
@@ -71,6 +79,7 @@ def run(
     *,
     variant: int = 0,
     progress: Callable[[float], None] | None = None,
+    trust: Trust | None = None,
 ) -> Recording:
     """Execute a plan in a world.
 
@@ -80,10 +89,18 @@ def run(
         seed: Seed of all that is drawn.
         variant: Index of the variant, which the draws depend on too.
         progress: Called with the time, s, after every step.
+        trust: Code of the user's own that the plan may name as its controller.
+
+    Raises:
+        ControllerError: The controller cannot be had, so there is no run. One that fails later ends the run, and the
+            recording says why.
     """
-    execution = _Execution(plan, world, seed, variant)
+    execution = _Execution(plan, world, seed, variant, trust)
     while execution.going:
-        execution.advance()
+        try:
+            execution.advance()
+        except ControllerError as fault:
+            return execution.break_off(fault)
         if progress is not None:
             progress(execution.state.clock[0])
     return execution.finish()
@@ -120,7 +137,7 @@ def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
 class _Execution:
     """One run under way."""
 
-    def __init__(self, plan: Plan, world: World, seed: int, variant: int) -> None:
+    def __init__(self, plan: Plan, world: World, seed: int, variant: int, trust: Trust | None) -> None:
         self.plan = plan
         self.world = world
         self.tables = world.network.tables
@@ -133,7 +150,7 @@ class _Execution:
         self.state.draw[:] = make_draws(seed, variant)
         self.controller: ControllerModel | None = None
         if plan.controller is not None and plan.perception == "camera":
-            self.controller = create_controller(plan.controller)
+            self.controller = create_controller(plan.controller, trust)
             self.controller.reset(seed)
         self.control: Control | None = None
         self.seen: SensorData | None = None
@@ -173,9 +190,19 @@ class _Execution:
 
     def finish(self) -> Recording:
         """Return the recording."""
-        reason = STOP_REASONS[self.state.stop[0]]
-        self.builder.event(self.state.clock[0], "stop", message=reason)
-        return self.builder.finish(reason, self.state.flag[0])
+        st = self.state
+        reason = STOP_REASONS[st.stop[0]]
+        self.builder.event(st.clock[0], "stop", message=reason)
+        columns = {name: getattr(st, name) for name in QUANTITIES}
+        ids = [entity.id for entity in self.plan.entities]
+        why = engine_break_off(st.flag[0], st.flag_at[0], ids, columns, st.clock[0])
+        return self.builder.finish(reason, st.flag[0], why)
+
+    def break_off(self, fault: ControllerError) -> Recording:
+        """Return the recording up to where the controller failed."""
+        self.builder.event(self.state.clock[0], "stop", message="controller_failed")
+        why = BreakOff(code=fault.code.id, message=str(fault), file=fault.place.file, line=fault.place.line)
+        return self.builder.finish("controller_failed", broke_off=why)
 
     def _let_control(self, controller: ControllerModel) -> None:
         st, ego = self.state, self.plan.ego.vehicle
@@ -271,12 +298,8 @@ class _Execution:
             entities=tuple(entity.id for entity in self.plan.entities),
             perception=self.plan.perception,
             world=self.world.name,
-            versions={
-                "scenario-compiler": version("scenario-compiler"),
-                "python": platform.python_version(),
-                "numpy": version("numpy"),
-                "opencv": version("opencv-python-headless"),
-            },
+            versions=versions(),
+            processor=processor(),
         )
 
     def _columns(self) -> dict[str, list[float] | list[int]]:
