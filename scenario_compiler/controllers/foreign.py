@@ -156,13 +156,11 @@ def _place_of(fault: BaseException) -> FilePlace:
     """Return the innermost line of code that is the user's: not of this package, Python's or an installed one."""
     if isinstance(fault, SyntaxError) and fault.filename:
         return FilePlace(fault.filename, fault.lineno or 0, fault.offset or 0, 1, (fault.text or "").rstrip("\n"))
-    frames = traceback.extract_tb(fault.__traceback__)
-    own = [
-        one for one in frames if not one.filename.startswith(("<", _PACKAGE)) and "site-packages" not in one.filename
-    ]
-    if not own:
+    frames = [one for one in traceback.extract_tb(fault.__traceback__) if not one.filename.startswith(("<", _PACKAGE))]
+    installed = tuple(sysconfig.get_paths().values())
+    if not frames:
         return FilePlace("")
-    last = own[-1]
+    last = next((one for one in reversed(frames) if not one.filename.startswith(installed)), frames[-1])
     line = last.lineno or 0
     text = linecache.getline(last.filename, line).rstrip("\n")
     return FilePlace(last.filename, line, len(text) - len(text.lstrip()) + 1, len(text.strip()), text)
