@@ -14,6 +14,9 @@ from pathlib import Path
 MAX_BYTES = 512 * 1024 * 1024
 """Largest file that is read, bytes; a bound on memory, far above any real road file (the largest known has 60 MB)."""
 
+SCENARIO_BYTES = 16 * 1024 * 1024
+"""Largest scenario file that is read, bytes; the largest of the library has 10 kB, of the corpus 1.5 MB."""
+
 _PIECE = 1024 * 1024
 _AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
 

@@ -130,7 +130,7 @@ def drop_allowed(sink: Diagnostics, source: Source) -> None:
             return True
         return path not in {one.place.file, *(use.file for use in one.chain())}
 
-    sink.found[:] = [one for one in sink.found if kept(one)]
+    sink.retain(kept)
 
 
 @dataclass(frozen=True)
@@ -162,13 +162,14 @@ def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
         surroundings = around(source, folder, load_catalogs(folder / "catalogs", sink))
         for template in source.own_templates:
             check_template(source.templates[template], sink, surroundings)
-    expanded = []
+    expanded, read = [], list(sink.found)
     for name in source.scenarios:
-        found = Diagnostics(list(sink.found) if isinstance(source, OpenScenario) else [])
+        found = Diagnostics()
         scenario = expand(source, name, {}, found)
         if scenario is not None:
-            expanded.append(Expanded(scenario, is_whole(source, found)))
-        sink.found.extend(found.found)
+            known = [*read, *found.found] if isinstance(source, OpenScenario) else found.found
+            expanded.append(Expanded(scenario, is_whole(source, known)))
+        sink.absorb(found)
     read_without_fault = all(one.place.file != source.document.path for one in sink.found)
     if isinstance(source, Library) and read_without_fault:
         judge_form(source.document, sink)

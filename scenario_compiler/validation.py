@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from scenario_compiler.compiler import Overrides, compile_expanded, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
-from scenario_compiler.document import UNREADABLE, Document, read_document
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import ConfigurationError, Trust
@@ -48,9 +49,6 @@ def files_below(path: Path) -> list[Path]:
     return sorted([*files, *(Path(fault.filename) for fault in closed)])
 
 
-MOST_SCENARIO_BYTES = 16 * 1024 * 1024
-"""Largest scenario file that `validate` looks into, bytes; the library's largest has 10 kB."""
-
 FILES_A_TASK = 8
 """Files that a process checks before it hands its findings over."""
 
@@ -74,15 +72,11 @@ def validate_file(
     structure alone decides: what its meaning lacks is a warning, and so is a fault of this program in telling that.
     """
     if path.suffix == ".xodr":
-        document = read_document(path, sink)
+        document = read_document(path, sink, MAX_BYTES)
         if document is not None and (xsd is None or _by_schema(document, xsd, sink) is None):
             from scenario_compiler.roads.structure import check_structure
 
             check_structure(document, sink)
-        return
-    if path.is_file() and path.stat().st_size > MOST_SCENARIO_BYTES:
-        message = f"the file has {path.stat().st_size} bytes; scenario files have at most {MOST_SCENARIO_BYTES}"
-        sink.add(UNREADABLE, message, FilePlace(str(path)))
         return
     if path.suffix == ".xosc":
         from scenario_compiler.openscenario.validation import add_meaning, validate_openscenario
@@ -94,7 +88,7 @@ def validate_file(
         except ConfigurationError:
             raise
         except Exception as fault:
-            meaning.found.append(_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]))
+            meaning.take((_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]),))
         add_meaning(meaning, sink)
     else:
         _check_scenarios(path, sink, maps, trust)
@@ -219,7 +213,7 @@ def _findings(
         except ConfigurationError:
             raise
         except Exception as fault:
-            sink.found.append(_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]))
+            sink.take((_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]),))
         found.append(list(sink))
     return found
 

@@ -130,7 +130,7 @@ class Families:
 
     def _compile_base(self, sink: Diagnostics) -> Family:
         base, found = self._compile({})
-        sink.found.extend(found.found)
+        sink.absorb(found)
         if base is None:
             raise CompileError(sink)
         self._known[()] = base
@@ -138,7 +138,7 @@ class Families:
         if isinstance(whole, Family):
             return whole
         if any(one.code is UNKNOWN_ARGUMENT for one in whole):
-            sink.found.extend(whole.found)
+            sink.absorb(whole)
             raise CompileError(sink)
         return base
 

@@ -20,6 +20,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.outputs import write_whole
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def _loaded_map(options: argparse.Namespace, sink: Diagnostics) -> tuple[Documen
     from scenario_compiler.roads import load_network
 
     path = _map_file(options)
-    document = read_document(path, sink)
+    document = read_document(path, sink, MAX_BYTES)
     network = None if document is None else load_network(path, sink=sink)
     return None if document is None or network is None else (document, network)
 
@@ -104,7 +105,7 @@ def map_check_command(options: argparse.Namespace) -> int:
     sink = Diagnostics()
     path = _map_file(options)
     check_file(path, sink)
-    document = read_document(path, sink)
+    document = read_document(path, sink, MAX_BYTES)
     if document is not None and options.xsd is not None:
         validate_with_xsd(document, options.xsd, sink)
     failed = show(sink, options)

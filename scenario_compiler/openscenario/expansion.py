@@ -101,17 +101,17 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
         root = _root(source.document, attempt)
         scenario = _scenario(root, name, arguments, settled, variation)
         if root.scope.structural <= settled:
-            sink.found.extend(_with_structure(source.document, attempt.found))
+            sink.take(_with_structure(source.document, attempt))
             return scenario
         settled |= root.scope.structural
 
 
-def _with_structure(document: Document, found: list[Diagnostic]) -> list[Diagnostic]:
+def _with_structure(document: Document, found: Diagnostics) -> list[Diagnostic]:
     """Return findings and, as warnings, what the structure of the file's version has against it, each place once."""
     structure = Diagnostics()
     check_structure(document, structure, forgiving=True)
     wrong = {_where(one) for one in found if one.severity is Severity.ERROR}
-    told = [replace(one, severity=Severity.WARNING) for one in structure.found if _where(one) not in wrong]
+    told = [replace(one, severity=Severity.WARNING) for one in structure if _where(one) not in wrong]
     places = {_where(one) for one in told}
     return told + [one for one in found if one.code is not NOT_READ or _where(one) not in places]
 

@@ -351,7 +351,7 @@ def check_spawn_points(draft: Draft) -> None:
     found = Diagnostics()
     for point in listed:
         replace(draft.binder, sink=found, named={}).bind(point.position, center)
-    draft.sink.found += [one for one in found if _spot(one) not in told]
+    draft.sink.take(one for one in found if _spot(one) not in told)
 
 
 def _spot(one: Diagnostic) -> tuple[Code, str, int, int]:

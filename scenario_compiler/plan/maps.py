@@ -56,7 +56,7 @@ def open_map(
         return None
     status = path.stat()
     network, findings = _loaded(path, status.st_mtime_ns, status.st_size)
-    sink.found.extend(findings)
+    sink.take(findings)
     return network
 
 

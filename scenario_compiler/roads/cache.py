@@ -52,7 +52,7 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
         from scenario_compiler.roads import parse  # noqa: F401  # makes the codes of its findings known
     for code, severity, message, hint, line, at, length, source in head["findings"]:
         place = FilePlace(path, line, at, length, source)
-        sink.found.append(Diagnostic(CODES[code], message, place, hint, Severity(severity)))
+        sink.take((Diagnostic(CODES[code], message, place, hint, Severity(severity)),))
     return parsed
 
 

@@ -88,7 +88,7 @@ def read_catalog(reading: Reading) -> Catalogs:
 def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:
     """Return the catalogs of a folder's XML files, read once a process; report what is wrong in them."""
     catalogs, faults = _load(folder)
-    sink.found.extend(faults)
+    sink.take(faults)
     return catalogs
 
 

@@ -86,7 +86,7 @@ def expand_scenario(
         environment = _environment(declared, values, settled)
         scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(declared.known, values)
         if environment.structural <= settled:
-            sink.found.extend(attempt.found)
+            sink.absorb(attempt)
             if scenario is not None and scenario.vary is not None:
                 check_variation(scenario.vary, declared, sink)
             return scenario

@@ -39,11 +39,11 @@ class Declared:
 def read_parameters(element: etree._Element, reading: Reading) -> Declared:
     """Return the parameters that an element declares; report a name that is declared twice."""
     known: dict[str, Parameter] = {}
-    sink, before = reading.sink, len(reading.sink.found)
+    sink, before = reading.sink, reading.sink.reported
     for child in element.iterchildren(Parameter.tag()):
-        faults = len(sink.found)
+        faults = sink.reported
         parameter = read_word(child, Parameter, reading)
-        if parameter is None or len(sink.found) > faults:
+        if parameter is None or sink.reported > faults:
             continue
         if parameter.name in known:
             sink.add(
@@ -52,7 +52,7 @@ def read_parameters(element: etree._Element, reading: Reading) -> Declared:
                 parameter.place_of("name"),
             )
         known.setdefault(parameter.name, parameter)
-    return Declared(known, len(sink.found) == before and not misspelt(element, [Parameter.tag()]))
+    return Declared(known, sink.reported == before and not misspelt(element, [Parameter.tag()]))
 
 
 def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, Value]:

@@ -351,9 +351,9 @@ class Expander:
         chain: tuple[str, ...],
     ) -> None:
         """Add the items of a `<repeat>` or `<for>` as often as it says, each round with ids of its own."""
-        before = len(reading.sink.found)
+        before = reading.sink.reported
         fields = read_attributes(element, word, reading)
-        faultless = len(reading.sink.found) == before
+        faultless = reading.sink.reported == before
         ((rule, elements),) = place_children(element, word, reading)
         values = _round_values(fields) if fields is not None and faultless else None
         if not values:
@@ -428,7 +428,7 @@ class Expander:
         if use.template in self.own:
             return self.own[use.template]
         library, faults = library_templates(self.library)
-        sink.found.extend(faults)
+        sink.take(faults)
         if use.template not in library and self.complete:
             sink.add(
                 names.UNKNOWN_TEMPLATE,

@@ -38,7 +38,6 @@ def check_structure(document: Document, sink: Diagnostics, *, forgiving: bool = 
     version = _version(findings, sink, forgiving)
     if version is not None:
         check_elements(findings, OPENSCENARIO, version[1])
-    findings.close()
     return version
 
 

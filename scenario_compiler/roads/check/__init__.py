@@ -15,6 +15,7 @@ from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
 from scenario_compiler.document import Document, read_document
+from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.roads.check.filed import read_filed
 from scenario_compiler.roads.check.joints import check_joints
 from scenario_compiler.roads.check.junctions import check_junctions
@@ -56,7 +57,6 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
     findings = Findings(document, sink)
     for check in CHECKS:
         check(filed, findings)
-    findings.close()
 
 
 def check_file(path: str | Path, sink: Diagnostics) -> None:
@@ -64,17 +64,17 @@ def check_file(path: str | Path, sink: Diagnostics) -> None:
 
     A value that the structure forbids is told once, not again by the reader that cannot use it.
     """
-    document = read_document(path, sink)
+    document = read_document(path, sink, MAX_BYTES)
     if document is None:
         return
-    check_structure(document, sink)
+    structure, reading = Diagnostics(), Diagnostics()
+    check_structure(document, structure)
     drop_namespace(document.root)
-    structural = len(sink.found)
-    network = load_network(path, cache=False, sink=sink)
-    told = {_spot(one) for one in sink.found[:structural] if one.code is BAD_VALUE}
-    sink.found[structural:] = [
-        one for one in sink.found[structural:] if one.code is not BAD_NUMBER or _spot(one) not in told
-    ]
+    network = load_network(path, cache=False, sink=reading)
+    told = {_spot(one) for one in structure.found if one.code is BAD_VALUE}
+    reading.retain(lambda one: one.code is not BAD_NUMBER or _spot(one) not in told)
+    sink.absorb(structure)
+    sink.absorb(reading)
     check_network(document, network, sink)
 
 

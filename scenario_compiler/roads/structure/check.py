@@ -36,7 +36,6 @@ def check_structure(document: Document, sink: Diagnostics) -> bool:
     if minor is not None:
         check_elements(findings, OPENDRIVE, minor)
         check_keys(findings, document.root, minor)
-    findings.close()
     return findings.total == findings.of(codes.UNKNOWN_VERSION)
 
 
