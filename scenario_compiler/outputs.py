@@ -1,4 +1,4 @@
-"""Files out: whole or not there.
+"""Files and folders out: whole or not there.
 
 What cannot be written is an OSError that names the file and says why, for the command line to tell in one line.
 """
@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
+
+from scenario_compiler.interruption import put_off
 
 
 def write_whole(path: str | Path, content: bytes | str) -> None:
@@ -44,6 +47,34 @@ def make_folder(path: str | Path) -> None:
         Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as fault:
         raise _cannot(path, fault) from None
+
+
+@contextlib.contextmanager
+def whole_folder(path: str | Path) -> Iterator[Path]:
+    """Yield an empty folder whose files all come to stand in the folder `path` when it is closed, or none of them.
+
+    What was there before under other names stays. A folder that is made for it is gone again where that fails.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    target = Path(path)
+    missing = [one for one in (target, *target.parents) if not one.exists()]
+    make_folder(target)
+    draft = target / f".{os.getpid()}-{threading.get_ident()}.tmp"
+    try:
+        make_folder(draft)
+        yield draft
+        with put_off():
+            for file in sorted(draft.iterdir()):
+                file.replace(target / file.name)
+            draft.rmdir()
+    except BaseException:
+        shutil.rmtree(draft, ignore_errors=True)
+        for one in missing:
+            with contextlib.suppress(OSError):
+                one.rmdir()
+        raise
 
 
 @contextlib.contextmanager

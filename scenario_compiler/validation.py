@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -14,6 +14,7 @@ from scenario_compiler.compiler import Overrides, compile_expanded, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.files import MAX_BYTES
+from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import ConfigurationError, Trust
@@ -147,12 +148,13 @@ def checked_by_processes(tasks: Sequence[Sequence[Path]], processes: int, check:
     """
     in_hand = 2 * processes + 1  # each process has one, and the pool lays out one more than it has processes
     alone: set[int] = set()
-    with ExitStack() as pools:
+    with _ended_with_this(), ExitStack() as pools:
 
         def hand_out(numbers: Sequence[int]) -> dict[int, Future[list[list[Diagnostic]]]]:
             pool = _pool(processes)
             pools.callback(pool.shutdown, cancel_futures=True)
-            return {number: pool.submit(check, tasks[number]) for number in numbers}
+            with left_to_this_process():
+                return {number: pool.submit(check, tasks[number]) for number in numbers}
 
         found = hand_out(range(len(tasks)))
         for number, task in enumerate(tasks):
@@ -167,7 +169,8 @@ def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic
     """Yield the findings of each file, checked with no other at hand; one that ends the process is at fault."""
     pool = _pool(1)
     for file in files:
-        only = pool.submit(check, [file])
+        with left_to_this_process():
+            only = pool.submit(check, [file])
         if not _was_lost(only):
             yield only.result()[0]
             continue
@@ -175,6 +178,20 @@ def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic
         pool.shutdown()
         pool = _pool(1)
     pool.shutdown()
+
+
+@contextmanager
+def _ended_with_this() -> Iterator[None]:
+    """End the processes that were started meanwhile when the user interrupts: they know nothing of that."""
+    from multiprocessing import active_children
+
+    before = set(active_children())
+    try:
+        yield
+    except (KeyboardInterrupt, GeneratorExit):
+        for process in set(active_children()) - before:
+            process.kill()
+        raise
 
 
 def _pool(processes: int) -> ProcessPoolExecutor:

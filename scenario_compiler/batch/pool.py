@@ -18,6 +18,7 @@ from multiprocessing.process import BaseProcess
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import error_columns
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, Variant
+from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.trust import Trust
 
 START_ATTEMPTS = 3
@@ -36,7 +37,7 @@ def serve(connection: Connection, form: Form, seed: int, trust: Trust) -> None:
             for batch in runner.batches(part, lambda begun: connection.send(("begin", len(begun)))):
                 connection.send(("rows", batch))
             connection.send(("done", None))
-    except (EOFError, BrokenPipeError, KeyboardInterrupt):
+    except (EOFError, BrokenPipeError):
         return
     except Exception as fault:
         connection.send(("fault", f"{type(fault).__name__}: {fault}"))
@@ -105,7 +106,8 @@ class Pool:
     def _start(self) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=serve, args=(theirs, *self._setup), daemon=True)
-        process.start()
+        with left_to_this_process():
+            process.start()
         theirs.close()
         return _Worker(process, ours)
 

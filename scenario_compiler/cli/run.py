@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
@@ -31,7 +32,7 @@ from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
 from scenario_compiler.files import split_target
 from scenario_compiler.legible import legible
-from scenario_compiler.outputs import make_folder
+from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
     from scenario_compiler.plan.model import Plan
@@ -122,7 +123,8 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
             "a plan is compiled already: give --set, --perception, --controller, --dt and --duration to compile"
         )
     plan = read_plan(options.target, sink)
-    network = None if plan is None else open_plan_map(plan, sink, options.maps)
+    beside = Path(options.target).parent
+    network = None if plan is None else open_plan_map(plan, sink, options.maps, beside)
     return None if plan is None or network is None else (plan, network)
 
 
@@ -151,8 +153,24 @@ def run_command(options: argparse.Namespace) -> int:
         sink = new_sink(options)
     plan, network = planned
     keep_inputs(inputs_of(plan), options.trajectory)
-    if options.output is not None:
-        make_folder(options.output)  # before a run that may take long
+    try:
+        with nullcontext() if options.output is None else whole_folder(options.output) as draft:
+            finished = _finished_run(plan, network, options)
+            _write_run(finished, options, draft)
+    except ControllerError as fault:
+        if plan.controller is not None:
+            report_controller(plan.controller.model, fault, place_of(plan, "controller"), sink)
+        show(sink, options)
+        return AT_FAULT
+    print_run(finished, options.output, told(options))
+    note_break_off(finished.recording, options, sink)
+    if show(sink, options):
+        return AT_FAULT
+    return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
+
+
+def _finished_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
+    """Execute a plan in the world that the options name, and judge it."""
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
@@ -160,31 +178,26 @@ def run_command(options: argparse.Namespace) -> int:
     world = open_world(options.world, plan, network)
     try:
         recording = run_with_progress(plan, world, options)
-    except ControllerError as fault:
-        if plan.controller is not None:
-            report_controller(plan.controller.model, fault, place_of(plan, "controller"), sink)
-        show(sink, options)
-        return AT_FAULT
     finally:
         world.close()
-    finished = Run(plan, network, recording, judge(plan, recording))
+    return Run(plan, network, recording, judge(plan, recording))
+
+
+def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> None:
+    """Write what the options ask for of a run; its folder is a draft of the one that they name."""
     if options.trajectory is not None:
         from scenario_compiler.recording.trajectory import write_trajectory
 
-        write_trajectory(recording, options.trajectory)
-    if options.output is not None:
-        from scenario_compiler.report.folder import write_run_folder
+        write_trajectory(run.recording, options.trajectory)
+    if folder is None:
+        return
+    from scenario_compiler.report.folder import write_run_folder
 
-        write_run_folder(finished, options.output)
+    write_run_folder(run, folder)
     if options.show == "route":
         from scenario_compiler.report.preview import draw_route
 
-        draw_route(plan, network, options.output / "route.png")
-    print_run(finished, options.output, told(options))
-    note_break_off(recording, options, sink)
-    if show(sink, options):
-        return AT_FAULT
-    return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
+        draw_route(run.plan, run.network, folder / "route.png")
 
 
 def note_break_off(recording: Recording, options: argparse.Namespace, sink: Diagnostics) -> None:
@@ -250,7 +263,7 @@ def report_command(options: argparse.Namespace) -> int:
 
     sink = new_sink(options)
     plan = read_plan(options.folder / "plan.json", sink)
-    network = None if plan is None else open_plan_map(plan, sink, options.maps)
+    network = None if plan is None else open_plan_map(plan, sink, options.maps, options.folder)
     file = options.folder / "recording.parquet"
     try:
         recording = read_recording(file)
