@@ -7,7 +7,6 @@ way at a time, so that memory does not grow with the sweep.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -19,6 +18,9 @@ import distributed
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import error_columns
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
+from scenario_compiler.files import read_file
+from scenario_compiler.outputs import make_private_folder, write_whole
+from scenario_compiler.resources import cache_folder
 from scenario_compiler.trust import Trust
 
 AHEAD = 3
@@ -45,13 +47,11 @@ def run_part(form: Form, seed: int, trust: Trust, part: Part, freight: dict[int,
     runner = _RUNNERS.setdefault((form, seed, trust), Runner(form, seed, trust=trust))
     sent = []
     for family, one in freight.items():
-        place = Path(tempfile.gettempdir()) / "scenario-compiler-maps" / sha256(one.content).hexdigest()[:16]
+        place = cache_folder() / "maps" / sha256(one.content).hexdigest()
         file = place / one.map_name
-        if not file.is_file():
-            place.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(dir=place, delete=False) as draft:
-                draft.write(one.content)
-            Path(draft.name).replace(file)
+        make_private_folder(place, cache_folder())
+        if not file.is_file() or read_file(file) != one.content:
+            write_whole(file, one.content)
         sent.append(SentPlan(family, one.plan, str(file)))
     return list(runner.batches(replace(part, plans=tuple(sent))))
 

@@ -172,7 +172,7 @@ class Sweep:
     def manifest(self) -> dict[str, Any]:
         """Return what decides the rows, for the folder to be known by."""
         return {
-            "target": self.target,
+            "target": Path(self.target).name,
             "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed", "trust"}),
             "digest": self.families.base.plan.digest,
             "variants": self.sampler.total,
@@ -362,6 +362,26 @@ def run_sweep(
     sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
     store = sweep.store(folder)
     store.check(resume=resume)
+    with store.owned():
+        return _run_owned(sweep, store, resume, progress, scheduler, workers, report, say)
+
+
+def _run_owned(
+    sweep: Sweep,
+    store: ResultStore,
+    resume: bool,
+    progress: Callable[[Progress], None] | None,
+    scheduler: str | None,
+    workers: int | None,
+    report: bool,
+    say: Callable[[str], None] | None,
+) -> SweepResult:
+    """Run a sweep whose folder is its own now; see `run_sweep`."""
+    spec, folder = sweep.spec, store.folder
+    store.check(resume=resume)  # another sweep may have had the folder until now
+    damaged = store.drop_damaged()
+    if damaged and say is not None:
+        say(f"damaged, and made again: {', '.join(path.name for path in damaged)}")
     count = workers_for(sweep, workers)
     if not store.finished:
         cluster = None if scheduler is None else connect(sweep, scheduler)  # or there is nothing to resume
