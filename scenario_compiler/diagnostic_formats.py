@@ -9,7 +9,7 @@ from pathlib import PurePath
 from urllib.parse import quote
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Place, Severity, as_record, as_text, position_text
-from scenario_compiler.legible import legible, legible_json
+from scenario_compiler.legible import legible_json, legible_line
 
 FORMATS = ("text", "json", "sarif", "github")
 
@@ -29,7 +29,7 @@ def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
     if form == "sarif":
         return legible_json(json.dumps(_sarif(found), indent=1, ensure_ascii=False))
     if form == "github":
-        return "\n".join(legible(_github(d)) for d in found)
+        return "\n".join(map(_github, found))
     return "\n".join(as_text(d) for d in found)
 
 
@@ -79,7 +79,7 @@ def _uri(file: str) -> str:
 
 def _github(d: Diagnostic) -> str:
     def escaped(text: str) -> str:
-        return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+        return legible_line(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
 
     text = f"{d.message} ({d.hint})" if d.hint else d.message
     text = "\n".join([text, *(f"{message}: {position_text(place)}" for message, place in _others(d))])
