@@ -10,7 +10,7 @@ from typing import TypeAlias, TypeVar
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, Place, Severity, did_you_mean
+from scenario_compiler.diagnostics import Code, Place, Related, Severity, did_you_mean
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError
 from scenario_compiler.markup import codes
@@ -109,11 +109,17 @@ class Node:
         return self._raw(attribute) is not None
 
     def report(
-        self, code: Code, message: str, attribute: str = "", hint: str = "", severity: Severity | None = None
+        self,
+        code: Code,
+        message: str,
+        attribute: str = "",
+        hint: str = "",
+        severity: Severity | None = None,
+        related: tuple[Related, ...] = (),
     ) -> None:
         """Report a finding at the element, or at one of its attributes, with the code's severity if none is given."""
         place: Place = self.place(attribute) if attribute else self.origin
-        self.reading.sink.add(code, message, place, hint=hint, severity=severity)
+        self.reading.sink.add(code, message, place, hint=hint, severity=severity, related=related)
 
     def text(self, attribute: str, default: str | None = None) -> str:
         """Return an attribute's text with parameters resolved; without a default it must be there."""

@@ -27,12 +27,14 @@ class Known:
         selections: Members of each EntitySelection.
         catalogs: The catalogs in the folders that the scenario lists.
         entries: The entries of catalogs that references led to.
+        places: Where each entity and each selection is named.
     """
 
     entities: dict[str, ObjectType] = field(default_factory=dict)
     selections: dict[str, tuple[str, ...]] = field(default_factory=dict)
     catalogs: CatalogFolders | None = None
     entries: dict[etree._Element, Node] = field(default_factory=dict)
+    places: dict[str, Place] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

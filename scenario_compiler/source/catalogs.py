@@ -77,6 +77,7 @@ def read_catalog(reading: Reading) -> Catalogs:
                 names.DUPLICATE_NAME,
                 f"the catalog has '{entry.name}' already",
                 entry.place_of("name"),
+                related=names.first_at((vehicles | drivers)[entry.name].place_of("name")),
             )
         elif isinstance(entry, Vehicle):
             vehicles[entry.name] = entry

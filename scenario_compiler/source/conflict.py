@@ -150,6 +150,10 @@ for _word in (Else, If, Repeat, For):  # they hold items and are items: told her
     _word.model_fields["items"].annotation = tuple[Item, ...]
 
 
+DEEPEST_INCLUDE = 30
+"""Most files that an included file is included through; real libraries need three."""
+
+
 class TemplateElement(Word):
     """A part of a scenario with a name and parameters, to be used in many. Ids inside it are its own."""
 
@@ -301,9 +305,14 @@ def _add_part(parts: dict[str, Part], part: Part, reading: Reading) -> None:
         reading.sink.add(
             names.DUPLICATE_NAME,
             f"a {part.element.tag} named '{part.name}' stands in this file already",
-            reading.origin(part.element, "name" if "name" in part.element.attrib else None),
+            _name_of(part, reading),
+            related=names.first_at(_name_of(parts[part.name], reading)),
         )
     parts.setdefault(part.name, part)
+
+
+def _name_of(part: Part, reading: Reading) -> Place:
+    return reading.origin(part.element, "name" if "name" in part.element.attrib else None)
 
 
 def _bring_in(
@@ -312,6 +321,7 @@ def _bring_in(
     templates: dict[str, Part],
     catalogs: Catalogs,
     seen: set[str],
+    depth: int = 1,
 ) -> Catalogs:
     """Add the templates of an included file and of its includes; return the catalogs with its entries."""
     include = read_word(element, Include, reading)
@@ -322,6 +332,10 @@ def _bring_in(
     if os.path.realpath(path) in seen:
         return catalogs
     seen.add(os.path.realpath(path))
+    if depth > DEEPEST_INCLUDE:
+        message = f"'{include.file}' is included through {depth} files; at most {DEEPEST_INCLUDE} are followed"
+        reading.sink.add(names.DEEP_INCLUDE, message, place)
+        return catalogs.with_a_gap()
     inner = Diagnostics()
     document = read_document(path, inner)
     if document is None:
@@ -337,7 +351,7 @@ def _bring_in(
     for child_element in document.root.iterchildren("template"):
         templates.setdefault(str(child_element.get("name", "")), Part(document, child_element, place))
     for child_element in document.root.iterchildren("include"):
-        catalogs = _bring_in(child_element, inside, templates, catalogs, seen)
+        catalogs = _bring_in(child_element, inside, templates, catalogs, seen, depth + 1)
     return catalogs
 
 

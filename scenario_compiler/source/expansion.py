@@ -205,6 +205,7 @@ class _Attempt:
                 ego = self.words.get("ego")
                 self.scope.declare(ego.id if ego else "ego")
                 if isinstance(ego, Ego):
+                    self.scope.places[("entity", ego.id)] = ego.place_of("id")
                     whens = tuple(self.scope.name_event(when, self.sink) for when in ego.whens)
                     self.words["ego"] = ego.model_copy(update={"whens": whens}).written_at(ego.origin)
 

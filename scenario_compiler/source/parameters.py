@@ -50,6 +50,7 @@ def read_parameters(element: etree._Element, reading: Reading) -> Declared:
                 names.DUPLICATE_NAME,
                 f"the parameter '{parameter.name}' is declared twice",
                 parameter.place_of("name"),
+                related=names.first_at(known[parameter.name].place_of("name")),
             )
         known.setdefault(parameter.name, parameter)
     return Declared(known, sink.reported == before and not misspelt(element, [Parameter.tag()]))

@@ -52,6 +52,7 @@ class Scope:
         uses: Names of the uses that stand here.
         events: Name of an event as this scope knows it, to its name in the whole scenario.
         numbered: Last number of a part without an id, by what its name begins with.
+        places: Where the names of this scope are written: of entities, parts, events and traffic.
     """
 
     name: str = ""
@@ -61,6 +62,7 @@ class Scope:
     uses: set[str] = field(default_factory=set)
     events: dict[str, str] = field(default_factory=dict)
     numbered: dict[str, int] = field(default_factory=dict)
+    places: dict[tuple[str, str], Place] = field(default_factory=dict)
 
     def declare(self, local: str) -> str:
         """Make an id known here and, behind the names of the uses, in the scopes around; return it in full."""
@@ -94,10 +96,18 @@ class Scope:
             sink: Where an id that is taken goes.
         """
         if wanted in self.uses:
-            sink.add(names.DUPLICATE_NAME, f"a part '{wanted}' is there already", place)
+            self.report_taken("part", wanted, place, sink)
+        if wanted:
+            self.places.setdefault(("part", wanted), place)
         name = wanted or self._numbered(stem)
         self.uses.add(name)
         return name
+
+    def report_taken(self, kind: str, name: str, place: Place, sink: Diagnostics) -> None:
+        """Report that a name of this scope is taken, and by what."""
+        article = "" if kind == "traffic" else "an " if kind[0] in "aeiou" else "a "
+        message = f"{article}{kind} '{name}' is there already"
+        sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(self.places.get((kind, name))))
 
     def _numbered(self, stem: str) -> str:
         number = self.numbered.get(stem, 0) + 1
@@ -153,8 +163,8 @@ class Scope:
         if not when.name:
             return when
         if when.name in self.events:
-            message = f"an event '{when.name}' is there already"
-            sink.add(names.DUPLICATE_NAME, message, when.place_of("name"))
+            self.report_taken("event", when.name, when.place_of("name"), sink)
+        self.places.setdefault(("event", when.name), when.place_of("name"))
         name, scope, full = when.name, self, self.in_full(when.name)
         scope.events[name] = full
         while scope.parent is not None:
@@ -382,9 +392,9 @@ class Expander:
 
     def _add_actor(self, actor: Static | Dynamic, scope: Scope, sink: Diagnostics) -> None:
         if actor.id in scope.ids:
-            message = f"an entity '{actor.id}' is there already"
-            sink.add(names.DUPLICATE_NAME, message, actor.place_of("id"))
+            scope.report_taken("entity", actor.id, actor.place_of("id"), sink)
             return
+        scope.places.setdefault(("entity", actor.id), actor.place_of("id"))
         full = scope.declare(actor.id)
         self.contents.actors.append((actor.model_copy(update={"id": full}), scope))
         if isinstance(actor, Dynamic):
@@ -393,8 +403,9 @@ class Expander:
     def _add_traffic(self, traffic: Traffic, scope: Scope, sink: Diagnostics) -> None:
         full = scope.in_full(traffic.id)
         if full in self.contents.traffic:
-            sink.add(names.DUPLICATE_NAME, f"traffic '{traffic.id}' is there already", traffic.place_of("id"))
+            scope.report_taken("traffic", traffic.id, traffic.place_of("id"), sink)
             return
+        scope.places[("traffic", traffic.id)] = traffic.place_of("id")
         self.contents.traffic[full] = traffic.model_copy(update={"id": full}).written_at(traffic.origin)
 
     def _add_use(self, use: Use, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
