@@ -205,6 +205,15 @@ def read_document(path: str | Path, sink: Diagnostics, limit: int = SCENARIO_BYT
     return parse_document(raw, name, sink)
 
 
+def drop_namespace(root: etree._Element) -> str:
+    """Rename elements of the root's namespace to their bare names; return the namespace, empty for none."""
+    namespace = etree.QName(root).namespace or ""
+    if namespace:
+        for element in root.iter(f"{{{namespace}}}*"):
+            element.tag = etree.QName(element).localname
+    return namespace
+
+
 def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     """Parse the bytes of an XML file called `name`; see `read_document`."""
     line = _doctype_line(raw)

@@ -68,6 +68,11 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
 
         return read_openscenario(document, sink)
     known = [LibraryElement.tag(), CatalogElement.tag(), "config", "OpenSCENARIO"]
+    namespace, _, name = root.removeprefix("{").rpartition("}")
+    if name in known and namespace:
+        message = f"the elements are in the namespace '{namespace}', which this language does not have"
+        sink.add(codes.UNKNOWN_ROOT, message, place, hint=f"remove xmlns from <{name}>")
+        return None
     sink.add(
         codes.UNKNOWN_ROOT,
         f"<{root}> is not the first element of a scenario file",

@@ -101,8 +101,8 @@ class Network:
             CompileError: When the file can no longer be read as what it was.
         """
         if self._model is None:
+            from scenario_compiler.document import drop_namespace
             from scenario_compiler.roads.model import read_model
-            from scenario_compiler.roads.parse import drop_namespace
 
             findings = Diagnostics()
             raw = _read(Path(self.path), findings)

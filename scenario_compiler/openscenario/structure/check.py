@@ -5,7 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics
-from scenario_compiler.document import Document
+from scenario_compiler.document import Document, drop_namespace
 from scenario_compiler.openscenario.codes import UNKNOWN_VERSION
 from scenario_compiler.openscenario.files import read_version
 from scenario_compiler.openscenario.structure import codes
@@ -35,7 +35,11 @@ def check_structure(document: Document, sink: Diagnostics, *, forgiving: bool = 
         The version that the file was checked against, None where it names none.
     """
     findings = Findings(document, sink, _is_mild if forgiving else None)
+    namespace = drop_namespace(document.root)
     version = _version(findings, sink, forgiving)
+    if namespace and version is not None:
+        message = f"the elements are in the namespace '{namespace}', which OpenSCENARIO does not have"
+        findings.report(codes.UNKNOWN_ELEMENT, message, document.root, hint="remove xmlns from <OpenSCENARIO>")
     if version is not None:
         check_elements(findings, OPENSCENARIO, version[1])
     return version

@@ -14,7 +14,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
-from scenario_compiler.document import Document, read_document
+from scenario_compiler.document import Document, drop_namespace, read_document
 from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.roads.check.filed import read_filed
 from scenario_compiler.roads.check.joints import check_joints
@@ -25,7 +25,6 @@ from scenario_compiler.roads.check.shapes import check_shapes
 from scenario_compiler.roads.check.traffic import check_traffic
 from scenario_compiler.roads.check.unread import Unread, unread
 from scenario_compiler.roads.network import Network, load_network
-from scenario_compiler.roads.parse import drop_namespace
 from scenario_compiler.roads.reading import BAD_NUMBER
 from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.roads.structure.codes import BAD_VALUE
@@ -49,7 +48,7 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
     """Report what is wrong in a road file beyond its structure and beyond what reading it reports.
 
     Args:
-        document: The file, its elements without namespace (`parse.drop_namespace`).
+        document: The file, its elements without namespace (`document.drop_namespace`).
         network: What was read from it; None when it gave no network, then only what stands in the file is checked.
         sink: Where the findings go.
     """
