@@ -23,11 +23,12 @@ from scenario_compiler.languages import (
     parse,
     read_scenario_document,
 )
+from scenario_compiler.markup.codes import UNKNOWN_ROOT
 from scenario_compiler.openscenario.held import OpenScenario
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.plan.store import sealed
+from scenario_compiler.plan.store import read_plan, sealed
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
@@ -96,6 +97,11 @@ def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] 
 
     The document is the scenario's: another file than `path` when that gives values for the scenario's parameters.
     """
+    if str(path).endswith(".json"):
+        if read_plan(path, sink) is not None:
+            message = "the file is a plan, which has been compiled already: `run`, `sweep` and `export` take it"
+            sink.add(UNKNOWN_ROOT, message, FilePlace(str(path)))
+        return None
     document = read_scenario_document(path, sink)
     source = None if document is None else parse(document, sink)
     return None if source is None else (source.document, source)

@@ -100,6 +100,7 @@ CODES: dict[str, Code] = {}
 CODE_HOMES = (
     "cli.run",
     "roads.check",
+    "roads.parse",
     "roads.xsd",
     "source.aisa",
     "openscenario.export.files",

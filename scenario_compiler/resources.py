@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 _PACKAGE = Path(__file__).parent
 _CHECKOUT = _PACKAGE.parent
@@ -77,6 +77,11 @@ class MapSearch:
 
 PUBLISHED_AS = {"conflictmap": "HRI_custommap"}
 """Names of maps in scenario files, and those of the files that they are published as: the AISA toolkit's own map."""
+
+
+def portable(path: str) -> str:
+    """Return a path as every system takes it: one with the backslashes of Windows, with slashes."""
+    return PureWindowsPath(path).as_posix() if "\\" in path else path
 
 
 class MapNotFoundError(FileNotFoundError):

@@ -16,6 +16,7 @@ from scenario_compiler.document import Document, read_document
 from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
+from scenario_compiler.plan.store import read_plan
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import ConfigurationError, Trust
 
@@ -79,7 +80,9 @@ def validate_file(
 
             check_structure(document, sink)
         return
-    if path.suffix == ".xosc":
+    if path.suffix == ".json":
+        read_plan(path, sink)
+    elif path.suffix == ".xosc":
         from scenario_compiler.openscenario.validation import add_meaning, validate_openscenario
 
         meaning = Diagnostics()

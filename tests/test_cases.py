@@ -29,6 +29,7 @@ WITHOUT_CASE = {
     "SC115": "the reader and the schema agree on every file known: tests/source/test_form.py makes them differ",
     "SC117": "speaks of faults of this program: tests/test_validate.py",
     "SC130": "speaks of plan files",
+    "SC132": "speaks of plan files: tests/plan/test_store.py",
     "SC131": "speaks of recordings",
     "SC231": "speaks of plan files",
     "SC244": "speaks of the command line: tests/test_aisa.py",

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from scenario_compiler.cli import authoring, compare, coverage, engine, explain, export, maps, run, sweep, validate
-from scenario_compiler.cli.options import WRONG_USE, WrongUse, reason_of
+from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams
 from scenario_compiler.legible import legible
 from scenario_compiler.trust import ConfigurationError
@@ -33,6 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_streams()
     options = make_parser().parse_args(arguments)
     try:
+        if "target" in options:
+            options.target = library_target(options.target)
         code: int = options.command(options)
         flush_streams()
     except (WrongUse, ConfigurationError) as fault:

@@ -16,6 +16,8 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
+    at_fault,
     compiled,
     inputs_of,
     keep_inputs,
@@ -46,7 +48,7 @@ def add(commands: Commands) -> None:
     new.add_argument("--force", action="store_true", help="write over a file that is there")
     new.set_defaults(command=new_command)
     preview = commands.add_parser("preview", help="draw a plan without running it")
-    preview.add_argument("target", metavar="FILE[#name]")
+    add_target(preview)
     preview.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg")
     add_scenario(preview)
     preview.set_defaults(command=preview_command)
@@ -67,7 +69,7 @@ def list_command(options: argparse.Namespace) -> int:
     if options.html is not None:
         return _write_gallery(options, listed, sink)
     _print_tables(listed, told(options))
-    if not listed:
+    if not listed and not at_fault(sink, options):
         tell(f"no conflict and no template in {', '.join(map(str, options.paths))}")
     return AT_FAULT if show(sink, options) else FINE
 
@@ -76,13 +78,19 @@ def _print_tables(listed: list[Listed], file: TextIO) -> None:
     """Print a table of the conflicts, one of the templates and one of what varies, those that have a row."""
 
     def rows_of(kind: str) -> list[tuple[str, ...]]:
-        return [(one.name, one.gold, one.map, one.summary) for one in listed if one.kind == kind]
+        return [(one.name, _short(one.file), one.gold, one.map, one.summary) for one in listed if one.kind == kind]
 
-    what = ("Gold", "map", "what happens")
+    what = ("file", "Gold", "map", "what happens")
     put_table(("conflict", *what), rows_of("conflict"), file)
     put_table(("template", *what), rows_of("template"), file)
     varied = [(one.name, *axis) for one in listed for axis in one.varied]
     put_table(("conflict", "varied", "values"), varied, file)
+
+
+def _short(path: Path) -> str:
+    """Return a path from the current folder where it lies below that, else whole."""
+    whole = path.resolve()
+    return str(whole.relative_to(Path.cwd())) if whole.is_relative_to(Path.cwd()) else str(whole)
 
 
 def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:

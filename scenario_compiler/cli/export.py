@@ -14,6 +14,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
     compiled,
     inputs_of,
     keep_inputs,
@@ -36,7 +37,7 @@ VERSIONS = ("1.0", "1.1", "1.2", "1.3")
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("export", help="write a conflict or a plan as OpenSCENARIO, its road beside it")
-    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xosc")
     parser.add_argument("--version", choices=VERSIONS, default=VERSIONS[-1], help="version of OpenSCENARIO")
     parser.add_argument("--force", action="store_true", help="write over files that are there")

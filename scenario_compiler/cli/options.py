@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import gc
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -208,6 +209,34 @@ def keep_loaded() -> None:
     Called before anything of the user's is loaded: of that, what is not closed is closed by the collector in the end.
     """
     gc.freeze()
+
+
+def library_target(text: str) -> str:
+    """Return FILE#name of a conflict of the library that a bare name names; anything else stays as it is.
+
+    Raises:
+        WrongUse: There is neither a file nor a conflict of that name.
+    """
+    if Path(text).exists() or not re.fullmatch(IDENTIFIER, text):
+        return text
+    from scenario_compiler.listing import find_conflict, list_library
+    from scenario_compiler.resources import library_folder
+
+    folder = library_folder() / "conflicts"
+    found = find_conflict(text, folder)
+    if found is None:
+        known = [one.name for one in list_library(folder, Diagnostics())]
+        raise WrongUse(f"there is no file and no conflict of the library called '{text}'{suggestion(text, known)}")
+    return found
+
+
+IDENTIFIER = r"[A-Za-z_]\w*"
+"""What a bare name of a conflict looks like: no folder, no ending."""
+
+
+def add_target(parser: argparse.ArgumentParser, metavar: str = "FILE[#name]|NAME") -> None:
+    """Add the scenario that a command is about: a file, one of its scenarios, or a conflict of the library by name."""
+    parser.add_argument("target", metavar=metavar, help="a scenario's file, or the name of a conflict of the library")
 
 
 def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:

@@ -18,6 +18,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
     at_fault,
     compiled,
     inputs_of,
@@ -59,7 +60,7 @@ def add(commands: Commands) -> None:
 
 def _add_compile(commands: Commands) -> None:
     parser = commands.add_parser("compile", help="compile a scenario to a plan")
-    parser.add_argument("target", metavar="FILE[#name]")
+    add_target(parser)
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json")
     add_scenario(parser)
     add_maps(parser)
@@ -69,7 +70,7 @@ def _add_compile(commands: Commands) -> None:
 
 def _add_run(commands: Commands) -> None:
     parser = commands.add_parser("run", help="run a scenario or a plan")
-    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, metavar="DIR", help="folder of the run")
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument("--seed", type=int, default=1, metavar="N")

@@ -18,6 +18,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
     new_sink,
     positive,
     reason_of,
@@ -39,7 +40,7 @@ METHODS = ("random", "grid", "latin", "sobol")
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("sweep", help="run many variants of a scenario")
-    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder of the sweep")
     parser.add_argument(
         "--vary", action="append", default=[], metavar="NAME=DISTRIBUTION", help="such as gap=uniform(5,40)"

@@ -61,7 +61,10 @@ def put_raw(text: str, file: TextIO | None = None) -> None:
 
 
 def put_table(headings: Sequence[str], rows: Sequence[Sequence[str]], file: TextIO | None = None) -> None:
-    """Print a table that folds to the terminal's width, on stdout without a `file`; nothing without a row."""
+    """Print a table, on stdout without a `file`; nothing without a row.
+
+    It folds to a terminal's width; for a program that searches lines each row is one.
+    """
     from rich import box
     from rich.table import Column, Table
     from rich.text import Text
@@ -73,11 +76,16 @@ def put_table(headings: Sequence[str], rows: Sequence[Sequence[str]], file: Text
         put_rendered(table, file)
 
 
+WIDEST = 100_000
+"""Characters of a line where nothing folds."""
+
+
 def put_rendered(shown: RenderableType, file: TextIO | None = None) -> None:
     """Print what rich draws; the texts in it are legible already."""
     from rich.console import Console
 
-    console = Console(file=sys.stdout if file is None else file)
+    stream = sys.stdout if file is None else file
+    console = Console(file=stream, width=None if stream.isatty() else WIDEST)
     with console.capture() as drawn:
         console.print(shown)
     put_raw(drawn.get().removesuffix("\n"), file)

@@ -29,7 +29,7 @@ from scenario_compiler.openscenario.restoring import restored
 from scenario_compiler.openscenario.road_network import read_map, read_signal_controllers
 from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.openscenario.storyboard import read_storyboard
-from scenario_compiler.openscenario.structure import check_structure
+from scenario_compiler.openscenario.structure import check_structure, is_of_old_format, report_old_format
 from scenario_compiler.openscenario.traffic import with_traffic_vehicles
 from scenario_compiler.openscenario.unread import report_unread
 from scenario_compiler.openscenario.variables import read_variables, used_variables
@@ -47,6 +47,9 @@ LONGEST = 600.0
 
 def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | None:
     """Return what an <OpenSCENARIO> file holds; None, reported, when it is nothing that is known."""
+    if is_of_old_format(document):
+        report_old_format(document, sink)
+        return None
     root = _root(document, sink)
     if root.child("Storyboard") is not None or root.child("Entities") is not None:
         return OpenScenario(document, {Path(document.path).stem: document.root})

@@ -10,7 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Severity
+from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Place, Severity
+from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
@@ -369,9 +370,15 @@ def fill_duration(draft: Draft) -> None:
     """Give the run an end."""
     if draft.scenario.duration is not None:
         draft.duration = draft.scenario.duration
+    elif _is_written(draft.scenario.origin, "duration"):
+        return  # it is at fault, which has been reported
     elif draft.scenario.storyboard.stop is None and (draft.scenario.ego is None or not draft.scenario.ego.destination):
         message = f"'{draft.scenario.name}' says nothing of its end; it ends after {DEFAULT_DURATION:g} s"
         draft.sink.add(NO_DURATION, message, draft.scenario.origin)
+
+
+def _is_written(place: Place, attribute: str) -> bool:
+    return isinstance(place, Origin) and attribute in place.element.attrib
 
 
 def add_kept_vehicles(draft: Draft) -> None:

@@ -18,7 +18,7 @@ from scenario_compiler.diagnostics import (
     did_you_mean,
 )
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.resources import PUBLISHED_AS, MapNotFoundError, find_map, known_maps
+from scenario_compiler.resources import PUBLISHED_AS, MapNotFoundError, find_map, known_maps, portable
 from scenario_compiler.roads import Network, load_network
 
 MAP_OF_RUN = "map.xodr"
@@ -50,7 +50,7 @@ def open_map(
         path = find_map(name, beside=beside, folders=maps)
     except MapNotFoundError as missing:
         folders = list(dict.fromkeys(str(file.parent) for file in missing.looked))
-        hint = did_you_mean(Path(name).stem, known_maps(maps))
+        hint = f"did you mean '{portable(name)}'?" if "\\" in name else did_you_mean(Path(name).stem, known_maps(maps))
         get = "give its folder with --maps, or set CARLA_ROOT to a CARLA installation for CARLA's towns"
         published = f"it is published as {PUBLISHED_AS[name]}.xodr" if name in PUBLISHED_AS else hint
         get = f"{published} Or {get}" if published.endswith("?") else "; ".join(filter(None, (published, get)))

@@ -20,6 +20,7 @@ from scenario_compiler.document import Document, read_document
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, Reading
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
+from scenario_compiler.resources import portable
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.criteria import Criterion
@@ -340,7 +341,8 @@ def _bring_in(
     document = read_document(path, inner)
     if document is None:
         for one in inner:
-            reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}': {one.message}", place, hint=one.hint)
+            hint = f"write {portable(include.file)}" if "\\" in include.file else one.hint
+            reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}': {one.message}", place, hint=hint)
         return catalogs.with_a_gap()
     inside = Reading(document, reading.sink, Environment(), place)
     if document.root.tag == CatalogElement.tag():

@@ -56,7 +56,8 @@ def test_two_templates_scenarios_and_parameters(tmp_path: Path) -> None:
 
 
 def test_two_vehicles_of_a_catalog(tmp_path: Path) -> None:
-    vehicle = '<vehicle name="v" category="car" length="4" width="2" height="1.5"/>\n'
+    size = 'length="4" width="2" height="1.5" wheelbase="2.6" center="1.3"'
+    vehicle = f'<vehicle name="v" summary="s" source="s" {size}/>\n'
     found = twins(tmp_path / "c.xml", f'<catalog version="1">\n{vehicle}{vehicle}</catalog>')
     assert found == [(3, [2])]
 
