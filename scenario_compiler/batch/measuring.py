@@ -12,14 +12,16 @@ from typing import Any
 
 import numpy as np
 
+from scenario_compiler.engine.numbers import LARGEST
 from scenario_compiler.engine.opcodes import FAR
 from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.engine.sweep import SUMMARY
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.break_off import engine_break_off
 from scenario_compiler.recording.criteria import broken_at, limit_of
 from scenario_compiler.recording.measures import MEASURES, measures_of
-from scenario_compiler.recording.names import CAUSES, FAULTS, STOP_REASONS, EventKind
+from scenario_compiler.recording.names import CAUSES, STOP_REASONS, EventKind
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.resolution import resolutions
 from scenario_compiler.recording.traces import SAME_TIME, Traces, traces_of
@@ -258,13 +260,20 @@ def _ends(plan: Plan, summaries: Floats, traces: Traces) -> Ends:
     hit = summaries[:, AT["ego_collision_with"]].astype(np.int64)
     return Ends(
         stop_reason=[str(stop) for stop in stops],
-        error=[_fault(fault, stop) for fault, stop in zip(faults, stops, strict=True)],
+        error=[_fault(plan, traces, run, code) for run, code in enumerate(faults)],
         cause=["" if math.isnan(t) else CAUSES[int(code)] for t, code in zip(request, cause, strict=True)],
         collision_with=[plan.entities[one].id if one >= 0 else None for one in hit],
     )
 
 
-def _fault(code: int, stop: str) -> str:
-    if code:
-        return FAULTS.get(code, f"fault {code} of the engine")
-    return "the run broke off" if stop == "error" else ""
+def _fault(plan: Plan, traces: Traces, run: int, code: int) -> str:
+    """Return why the engine ended a run, empty where it did not: of which entity its last row tells."""
+    if code == 0:
+        return ""
+    last = max(int((~np.isnan(traces.t[run])).sum()) - 1, 0)
+    columns = {name: getattr(traces, name)[run, last].tolist() for name in MOTION}
+    wrong = [any(not abs(columns[name][at]) < LARGEST for name in MOTION) for at in range(len(plan.entities))]
+    at = wrong.index(True) if True in wrong else -1
+    t = float(np.nan_to_num(traces.t[run, last]))
+    why = engine_break_off(code, at, [entity.id for entity in plan.entities], columns, t)
+    return "" if why is None else why.message
