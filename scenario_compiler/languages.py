@@ -21,10 +21,11 @@ from scenario_compiler.source.aisa_file import AisaConfig, read_aisa
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
 from scenario_compiler.source.conflict import Library, LibraryElement, read_library
 from scenario_compiler.source.declared import Declaration, declared_in
-from scenario_compiler.source.expansion import around, check_template, expand_scenario
+from scenario_compiler.source.expansion import around, catalog_driver, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
 from scenario_compiler.source.unused import report_unused_templates
 from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.takeover import Driver
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 
@@ -115,7 +116,7 @@ def expand(
     if isinstance(source, OpenScenario):
         from scenario_compiler.openscenario.expansion import expand_openscenario
 
-        return expand_openscenario(source, chosen, arguments, sink)
+        return _with_driver(expand_openscenario(source, chosen, arguments, sink), catalogs, sink)
     folder = library_folder()
     catalogs = catalogs or load_catalogs(folder / "catalogs", sink)
     if isinstance(source, AisaConfig):
@@ -123,6 +124,16 @@ def expand(
 
         return expand_aisa(source, chosen, arguments, sink, catalogs)
     return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, folder, catalogs))
+
+
+def _with_driver(scenario: Scenario, catalogs: Catalogs | None, sink: Diagnostics) -> Scenario:
+    """Return a scenario with the model of the driver that it names, or of the usual one, where somebody is driven."""
+    driver = scenario.takeover.driver
+    if scenario.ego is None or not isinstance(driver, Driver):
+        return scenario
+    catalogs = catalogs or load_catalogs(library_folder() / "catalogs", sink)
+    takeover = scenario.takeover.model_copy(update={"driver": catalog_driver(driver, catalogs, sink)})
+    return scenario.model_copy(update={"takeover": takeover})
 
 
 def drop_allowed(sink: Diagnostics, source: Source) -> None:

@@ -20,6 +20,7 @@ from scenario_compiler.plan.maps import open_plan_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import digest_of, read_plan
 from scenario_compiler.roads import Network
+from scenario_compiler.runtime.runnable import check_runnable
 from scenario_compiler.source.parameters import limits
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
@@ -179,6 +180,8 @@ class Families:
         network = None if plan is None else open_plan_map(plan, sink, self._maps)
         if plan is not None:
             refuse_untrusted(plan, sink, self.trust)
+        if plan is not None and network is not None:
+            check_runnable(plan, network, str(self._target), sink)
         if plan is None or network is None or sink.has_errors:
             raise CompileError(sink)
         family = self._family(plan, network)

@@ -118,6 +118,7 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
     """Return the plan of a file and its map; WrongUse where options would have to compile it anew."""
     from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.runtime.runnable import check_runnable
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
         raise WrongUse(
@@ -126,7 +127,10 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
     plan = read_plan(options.target, sink)
     beside = Path(options.target).parent
     network = None if plan is None else open_plan_map(plan, sink, options.maps, beside)
-    return None if plan is None or network is None else (plan, network)
+    if plan is None or network is None:
+        return None
+    check_runnable(plan, network, options.target, sink)
+    return None if sink.has_errors else (plan, network)
 
 
 def run_command(options: argparse.Namespace) -> int:

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TextIO
 
-from scenario_compiler.legible import legible, legible_line
+from scenario_compiler.legible import legible_line
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -71,7 +71,7 @@ def put_table(headings: Sequence[str], rows: Sequence[Sequence[str]], file: Text
 
     table = Table(*(Column(one, overflow="fold") for one in headings), box=box.SIMPLE_HEAD, pad_edge=False)
     for row in rows:
-        table.add_row(*(Text(legible(one)) for one in row))
+        table.add_row(*(Text(legible_line(one)) for one in row))
     if rows:
         put_rendered(table, file)
 
