@@ -70,7 +70,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "llvmlite": ("engine.build", "engine.linking"),
-    "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview"),
+    "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview", "report.lettering"),
     "numba": ("engine.linking",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
