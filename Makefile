@@ -1,9 +1,10 @@
-# Needs make and Python 3.10 or newer with venv; everything else is installed into .venv, pinned in constraints.txt.
+# Needs make and Python 3.10 or newer with venv; everything else is installed into .venv, pinned in constraints.txt. The engine
+# is built as C by gcc or clang, and where there is neither by the compiler of the Python package ziglang.
 
 SHELL := /bin/bash
 BIN := .venv/bin
 CODE := $(wildcard scenario_compiler tests maps examples)
-FRESH := $(wildcard tests/test_layers.py tests/test_engine_lint.py tests/test_schemas.py tests/test_public_names.py \
+FRESH := $(wildcard tests/test_layers.py tests/engine/forms/test_translation.py tests/test_schemas.py tests/test_public_names.py \
 	tests/roads/test_unread.py)
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
@@ -12,29 +13,27 @@ FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo prewarm test test-all fuzz check format generate wheel-test clean
+.PHONY: setup demo test test-all fuzz check format generate wheel-test clean
 
 setup: .venv/.stamp
+	@$(BIN)/python -m scenario_compiler.engine.forms.making
 
 .venv/.stamp: pyproject.toml constraints.txt
 	@if [ -z "$(PYTHON)" ]; then \
 		echo "Python 3.10 or newer with venv is needed (found: $$(python3 --version 2>&1)); set PYTHON=/path/to/python" >&2; exit 1; fi
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt hatchling build
+	@command -v "$${CC:-gcc}" clang >/dev/null || $(BIN)/python -m pip install --quiet --constraint constraints.txt ziglang
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --no-build-isolation --editable '.[test,dev,maps]'
 	@touch $@
 
 demo: setup
 	$(BIN)/python examples/demo.py
 
-# Compiles the engine once, so that no test worker has to.
-prewarm: setup
-	$(BIN)/scenario-compiler prewarm
-
-test: prewarm
+test: setup
 	$(PYTEST) -m "not slow"
 
-test-all: prewarm
+test-all: setup
 	$(PYTEST)
 
 # Mutants of real files through validate and compile, short runs, and the hostile files: `make fuzz SLICE=3/10` does the

@@ -102,12 +102,14 @@ CODE_HOMES = (
     "roads.check",
     "roads.parse",
     "roads.xsd",
+    "runtime.failures",
     "source.aisa",
     "openscenario.export.files",
     "openscenario.validation",
     "openscenario.xsd",
     "recording.break_off",
     "validation",
+    "worlds.model",
 )
 """Modules that bring in all others that declare codes. They are loaded only for who asks about a code by its name."""
 

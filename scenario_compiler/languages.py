@@ -14,7 +14,7 @@ from typing import TypeAlias
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.markup import codes, names
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.openscenario.held import OpenScenario, parameter_kinds
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.aisa_file import AisaConfig, read_aisa
@@ -60,7 +60,7 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
     if root == LibraryElement.tag():
         return read_library(document, sink)
     if root == CatalogElement.tag():
-        return Library(document, catalogs=read_catalog(Reading(document, sink, Environment())))
+        return Library(document, catalogs=read_catalog(ReadingContext(document, sink, Environment())))
     if root == "config":
         return read_aisa(document, sink)
     place = document.origin(document.root)

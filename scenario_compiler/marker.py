@@ -1,7 +1,7 @@
 """`@compiled` marks a function that runs both interpreted and compiled (ARCHITECTURE.md, "One engine, two forms").
 
-The decorator only registers: a marked function stays a plain Python function, and nothing is imported here, so an
-interpreted run never pays for a JIT. `engine/build.py` turns the registered functions into one compiled module.
+The decorator only registers: a marked function stays a plain Python function. `engine.forms.translation` writes all
+registered functions into one file of C.
 """
 
 from collections.abc import Callable

@@ -36,9 +36,11 @@ WITHOUT_CASE = {
     "SC377": "positions whose parameters have no value: the language gives every parameter one",
     "SC378": "speaks of map.toml files: tests/roads",
     "SC232": "needs a chain of files: tests/hostile/test_hostile.py",
-    "SC508": "speaks of code of the user's own: tests/test_trust.py",
-    "SC602": "speaks of runs: tests/runtime/test_break_off.py",
+    "SC523": "speaks of runs: tests/runtime/test_break_off.py",
     "SC506": "speaks of --perception: tests/plan/test_findings.py",
+    "SC520": "speaks of worlds that are lost: tests/worlds/test_own_physics.py",
+    "SC521": "speaks of controllers that fail: tests/runtime/test_failures.py",
+    "SC522": "speaks of faults of this program: tests/runtime/test_failures.py",
     "SC783": "speaks of exported files: tests/openscenario/test_export.py",
     **dict.fromkeys(("SC730", "SC731", "SC732", "SC733"), "speak of --xsd: tests/openscenario/test_xsd.py"),
 }

@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.coverage import TABLES
+from scenario_compiler.coverage import TABLES, table_of
 from scenario_compiler.coverage.conflict import EXECUTION, conflict_table, conflict_words
-from scenario_compiler.coverage.table import table_of
 from scenario_compiler.coverage.uses import files_with
-from scenario_compiler.engine import opcodes
+from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.openscenario.structure.elements import elements
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
@@ -32,11 +31,11 @@ def test_what_executes_a_word_is_there(repository: Path, word: type[Word]) -> No
     execution = EXECUTION[word]
     home = repository.joinpath("scenario_compiler", *execution.module.split("."))
     assert home.is_dir() or home.with_suffix(".py").is_file()
-    programs = (repository / "scenario_compiler" / "engine" / "program").rglob("*.py")
-    program = "".join(file.read_text(encoding="utf-8") for file in programs)
+    sources = (repository / "scenario_compiler" / "engine").rglob("*.py")
+    engine = "".join(file.read_text(encoding="utf-8") for file in sources)
     for code in execution.opcodes:
         assert hasattr(opcodes, code)
-        assert f"op.{code}" in program
+        assert f"op.{code}" in engine
 
 
 def test_every_word_is_used_by_the_library_or_a_test(repository: Path) -> None:
@@ -69,12 +68,12 @@ def test_the_command_prints_json_and_loads_little(repository: Path) -> None:
         "import sys; from scenario_compiler.cli import make_parser\n"
         "options = make_parser().parse_args(['coverage', 'conflict', '--format', 'json'])\n"
         "options.command(options)\n"
-        "heavy = {'numpy', 'numba', 'matplotlib', 'rich', 'cv2', 'scipy'}\n"
+        "heavy = {'numpy', 'matplotlib', 'rich', 'cv2', 'scipy'}\n"
         "print(*sorted(heavy & set(sys.modules)), file=sys.stderr)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=repository)
     rows = json.loads(done.stdout)["conflict"]
     assert next(row for row in rows if row["word"] == "<lane_change>")["executed, kinematic"] == (
-        "engine: engine.lane_changes ACTION_LANE_CHANGE"
+        "engine: engine.moves.lane_changes"
     )
     assert done.stderr.strip() == ""

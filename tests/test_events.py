@@ -12,9 +12,9 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.lower import Perception
 from scenario_compiler.recording.events import write_events
-from scenario_compiler.runtime.loop import NAMED
+from scenario_compiler.runtime.log import NAMED
 from scenario_compiler.runtime.messages import TEXTS
-from scenario_compiler.worlds import Snapshot
+from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot
 from scenario_compiler.worlds.kinematic import KinematicWorld, covered_pieces
 
 FILE = """<scenarios version="1">
@@ -131,8 +131,9 @@ def test_the_weather_changes_over_time(tmp_path: Path) -> None:
     seen: list[Snapshot] = []
 
     class Watched(KinematicWorld):
-        def step(self, snapshot: Snapshot) -> None:
+        def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
             seen.append(snapshot)
+            return super().step(snapshot, command)
 
     whens = '<when><time after="1"/><do><weather preset="HardRainNight" over_time="2"/></do></when>'
     compilation = compiled(tmp_path, whens=whens, weather='<weather preset="CloudyNoon" fog_density="20"/>')

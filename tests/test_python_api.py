@@ -15,7 +15,7 @@ from scenario_compiler.compiler import compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.vocabulary.entities import Dynamic, Ego
-from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.weather import Weather
 
@@ -56,10 +56,10 @@ def test_names_that_mean_nothing_are_reported_at_once() -> None:
         map="town_grid",
         duration=5.0,
         weather=Weather(preset="ClearNon"),
-        ego=Ego(model="vehicle.audi.tx", speed=10.0, start=LanePosition(road="9", lane=-2, s=30.0)),
+        ego=Ego(model="vehicle.audi.tx", speed=10.0, start=LanePositionWord(road="9", lane=-2, s=30.0)),
         actors=(
             Dynamic(id="car", start=RelativeLanePosition(entity="eg0", distance=parse_expression("$gap"))),
-            Dynamic(id="car", start=LanePosition(road="9", lane=-2, s=80.0)),
+            Dynamic(id="car", start=LanePositionWord(road="9", lane=-2, s=80.0)),
         ),
     )
     with pytest.raises(CompileError) as raised:

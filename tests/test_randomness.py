@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from scenario_compiler.engine.opcodes import DRAWS_PER_RUN
-from scenario_compiler.engine.state import make_draws
+from scenario_compiler.engine.columns.opcodes import DRAWS_PER_RUN
+from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.randomness import normal, random_hash, random_unit, uniform
 
 

@@ -18,12 +18,12 @@ from scenario_compiler.cli import make_parser
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.measures import MEASURES
-from scenario_compiler.recording.names import EventKind, StopReason
+from scenario_compiler.recording.names import EVENT_TEXTS, StopReason
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import COLUMNS, Header
 from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
 from scenario_compiler.report.folder import RUN_FILES
-from scenario_compiler.report.reference import EVENTS, STOPS
+from scenario_compiler.report.reference import STOPS
 
 FOLDER = Path(__file__).resolve().parent.parent / "schemas"
 
@@ -85,11 +85,11 @@ def _parsers(parser: argparse.ArgumentParser, before: str = "") -> Iterator[tupl
 
 def test_page_of_the_run_folder_has_every_name() -> None:
     page = PAGES["run-folder.md"]()
-    names = [*RUN_FILES, *TRAJECTORY_COLUMNS, *EventRow.model_fields, *get_args(EventKind), *get_args(StopReason)]
+    names = [*RUN_FILES, *TRAJECTORY_COLUMNS, *EventRow.model_fields, *EVENT_TEXTS, *get_args(StopReason)]
     names += [*Outcome.model_fields, *Plan.model_fields, *Header.model_fields]
     names += [*(one.name for one in MEASURES), *(one.name for one in COLUMNS if one.name != "present")]
     assert [name for name in names if f"`{name}`" not in page and name] == []
-    assert (set(EVENTS), set(STOPS)) == (set(get_args(EventKind)), set(get_args(StopReason)))
+    assert set(STOPS) == set(get_args(StopReason))
 
 
 def test_language_page_explains_every_element_of_the_schema() -> None:

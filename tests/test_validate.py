@@ -24,7 +24,7 @@ from scenario_compiler.validation import (
     validate_files,
 )
 
-HEAVY = ("numpy", "cv2", "numba", "scipy", "matplotlib", "pyarrow", "jinja2", "rich", "concurrent.futures.process")
+HEAVY = ("numpy", "cv2", "scipy", "matplotlib", "pyarrow", "jinja2", "rich", "concurrent.futures.process")
 OBSTACLE = library_folder() / "conflicts" / "obstacle_ahead.xml"
 
 

@@ -23,7 +23,7 @@ from scenario_compiler.runtime import open_world, run
 from scenario_compiler.vocabulary.actions import MessageAction, SpeedAction, WeatherAction
 from scenario_compiler.vocabulary.criteria import NoCollision
 from scenario_compiler.vocabulary.entities import Dynamic, Vehicle
-from scenario_compiler.vocabulary.positions import LanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.storyboard import InitAction, Storyboard
 from scenario_compiler.vocabulary.weather import Weather
@@ -31,8 +31,8 @@ from tests.engine.make import highway
 
 CAR = Vehicle(name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4)
 BOTH = (
-    Dynamic(id="first", model="car", start=LanePosition(road="1", lane=-1, s=50.0)),
-    Dynamic(id="second", model="car", start=LanePosition(road="1", lane=-1, s=80.0)),
+    Dynamic(id="first", model="car", start=LanePositionWord(road="1", lane=-1, s=50.0)),
+    Dynamic(id="second", model="car", start=LanePositionWord(road="1", lane=-1, s=80.0)),
 )
 NOWHERE = Dynamic(id="nowhere", model="car", speed=2.0)
 INIT = (

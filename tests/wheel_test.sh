@@ -12,4 +12,3 @@ for conflict in sensor_failure ramp_blocked road_narrows obstacle_ahead markings
 	"$environment/bin/scenario-compiler" run "$library/conflicts/$conflict.xml" --duration 3 -o "runs/$conflict"
 done
 "$environment/bin/scenario-compiler" map plot town_grid -o town.png
-"$environment/bin/scenario-compiler" prewarm

@@ -21,21 +21,16 @@ from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.engine.forms.compiled import library, why_interpreted
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 
-BREAK_EVEN = 80
-"""Number of variants from which the compiled engine runs them.
-
-To load it takes as long as some ten of them interpreted; to make it for the first time takes a minute.
-"""
-
 PRESENTED = 1_000_000
 """Greatest number of variants whose rows are held in memory, for the report and the choice of traces."""
 
-WORTH_A_WORKER = 2000
-"""Variants of the compiled engine that are worth the start of another process."""
+WORTH_A_WORKER: dict[Form, int] = {"camera": 1, "interpreted": 80, "compiled": 2000}
+"""Variants that are worth the start of another process, by what runs them."""
 
 
 @dataclass(frozen=True)
@@ -210,7 +205,7 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
         check_axes(axes, of_plan, constrained)
     fixed = {name: value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
-    form = form_of(spec, families.base, sampler.total)
+    form = form_of(spec, families.base)
     return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total))
 
 
@@ -236,13 +231,11 @@ def check_axes(
             raise SweepError(f"by {axis.text}, {name} may become {too_far}")
 
 
-def form_of(spec: SweepSpec, base: Family, total: int) -> Form:
-    """Return what runs a sweep's variants: a camera in the loop needs Python, many variants pay for compiling."""
+def form_of(spec: SweepSpec, base: Family) -> Form:
+    """Return what runs a sweep's variants: a camera in the loop needs Python, the others run in the engine alone."""
     if base.plan.perception == "camera":
         return "camera"
-    if spec.form != "auto":
-        return spec.form
-    return "compiled" if total >= BREAK_EVEN else "interpreted"
+    return "interpreted" if spec.interpreted or library() is None else "compiled"
 
 
 def part_size_of(form: Form, total: int) -> int:
@@ -260,25 +253,17 @@ def workers_for(sweep: Sweep, wanted: int | None) -> int:
     if wanted is not None:
         return max(1, min(wanted, most))
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if sweep.form == "compiled":
-        most = min(most, max(1, sweep.sampler.total // WORTH_A_WORKER))
-    elif sweep.form == "interpreted":
-        most = min(most, max(1, sweep.sampler.total // BREAK_EVEN))
-    return max(1, min(cores, most))
+    return max(1, min(cores, most, sweep.sampler.total // WORTH_A_WORKER[sweep.form]))
 
 
-def open_executor(sweep: Sweep, workers: int, say: Callable[[str], None] | None = None) -> Executor:
+def open_executor(sweep: Sweep, workers: int) -> Executor:
     """Return what runs a sweep on this machine: worker processes where a run may hang or there are several."""
     spec = sweep.spec
     if workers == 1 and sweep.form != "camera" and spec.time_limit is None:
-        runner = Runner(sweep.form, spec.seed, say, sweep.trust)
+        runner = Runner(sweep.form, spec.seed, sweep.trust)
         base = sweep.families.base
         runner.add(base.number, base.plan, base.network)
         return Inline(runner)
-    if sweep.form == "compiled":
-        from scenario_compiler.engine.build import warm
-
-        warm(say)
     return Pool(sweep.form, spec.seed, workers, spec.time_limit, trust=sweep.trust)
 
 
@@ -350,7 +335,7 @@ def run_sweep(
         workers: Number of processes; as many as pay when None.
         maps: Folders that maps are looked for in first.
         report: Write report.html too. It and the traces are left out where there are more than `PRESENTED` variants.
-        say: Told what runs the variants, and that the engine is compiled.
+        say: Told what runs the variants.
         sink: Where findings of the scenario go.
 
     Raises:
@@ -386,7 +371,7 @@ def _run_owned(
     if not store.finished:
         cluster = None if scheduler is None else connect(sweep, scheduler)  # or there is nothing to resume
         store.begin()
-        executor = open_executor(sweep, count, say) if cluster is None else cluster
+        executor = open_executor(sweep, count) if cluster is None else cluster
         if say is not None:
             say(describe(sweep, count, scheduler))
         execute(sweep, store, executor, progress)
@@ -416,11 +401,11 @@ def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:
     """Return what runs a sweep, in words."""
     how = {
         "camera": "with a camera in the loop, each in Python",
-        "interpreted": f"interpreted, as fewer than {BREAK_EVEN} do not pay for the compiled engine",
+        "interpreted": "in the interpreted engine",
         "compiled": "in the compiled engine",
     }[sweep.form]
-    if sweep.spec.form == "interpreted" and sweep.form == "interpreted":
-        how = "interpreted"
+    if sweep.form == "interpreted" and not sweep.spec.interpreted:
+        how += f" ({why_interpreted()})"
     where = f"in {workers} processes"
     if workers == 1:
         where = "in a process of their own" if sweep.form == "camera" or sweep.spec.time_limit else "in this process"

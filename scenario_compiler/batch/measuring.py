@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from scenario_compiler.engine.numbers import LARGEST
-from scenario_compiler.engine.opcodes import FAR
-from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD
-from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.engine.columns.numbers import LARGEST
+from scenario_compiler.engine.columns.opcodes import FAR
+from scenario_compiler.engine.columns.trace import SUMMARY, TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.break_off import engine_break_off
+from scenario_compiler.recording.break_off import break_off_text
 from scenario_compiler.recording.criteria import broken_at, limit_of
 from scenario_compiler.recording.measures import MEASURES, measures_of
 from scenario_compiler.recording.names import CAUSES, STOP_REASONS, EventKind
@@ -119,7 +118,7 @@ def from_recording(plan: Plan, recording: Recording) -> tuple[Traces, Ends]:
     crash = next((event for event in recording.events if event.kind == "collision"), None)
     return single, Ends(
         stop_reason=[recording.stop_reason],
-        error=["" if recording.broke_off is None else recording.broke_off.message],
+        error=[_why_broken(recording)],
         cause=[request.cause if request else ""],
         collision_with=[crash.entity if crash else None],
     )
@@ -266,6 +265,12 @@ def _ends(plan: Plan, summaries: Floats, traces: Traces) -> Ends:
     )
 
 
+def _why_broken(recording: Recording) -> str:
+    """Return why a run could not go on; empty where it could."""
+    told = [event.message for event in recording.events if event.kind == "broken_off"]
+    return told[0] if told else ""
+
+
 def _fault(plan: Plan, traces: Traces, run: int, code: int) -> str:
     """Return why the engine ended a run, empty where it did not: of which entity its last row tells."""
     if code == 0:
@@ -275,5 +280,4 @@ def _fault(plan: Plan, traces: Traces, run: int, code: int) -> str:
     wrong = [any(not abs(columns[name][at]) < LARGEST for name in MOTION) for at in range(len(plan.entities))]
     at = wrong.index(True) if True in wrong else -1
     t = float(np.nan_to_num(traces.t[run, last]))
-    why = engine_break_off(code, at, [entity.id for entity in plan.entities], columns, t)
-    return "" if why is None else why.message
+    return break_off_text(code, at, [entity.id for entity in plan.entities], columns, t)

@@ -20,9 +20,10 @@ from scenario_compiler.batch.measuring import Columns, error_columns, from_recor
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.build import Compiled, Interpreted, trace_width
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.columns.trace import trace_width
 from scenario_compiler.engine.program import Numbers, build_program
-from scenario_compiler.engine.state import make_draws, new_state
+from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.recording import Recording
@@ -114,13 +115,11 @@ class Runner:
     Attributes:
         form: What runs them.
         seed: Seed of the runs.
-        say: Told before the engine is compiled for the first time.
         trust: Code that the plans may name as their controllers.
     """
 
     form: Form
     seed: int
-    say: Callable[[str], None] | None = None
     trust: Trust = field(default_factory=Trust)
     _families: dict[int, _Family] = field(default_factory=dict)
 
@@ -137,7 +136,7 @@ class Runner:
         if family not in self._families:
             while len(self._families) >= FAMILIES_KEPT:
                 del self._families[next(iter(self._families))]
-            self._families[family] = _Family(plan, network, self)
+            self._families[family] = _Family(plan, network, self.form, self.trust)
 
     def batches(self, part: Part, begin: Callable[[tuple[Variant, ...]], None] | None = None) -> Iterator[Batch]:
         """Yield the rows of a part's variants, in order; `begin` is called with each batch before it runs."""
@@ -173,22 +172,18 @@ class Runner:
 class _Family:
     """A plan that is ready to run."""
 
-    def __init__(self, plan: Plan, network: Network, runner: Runner) -> None:
-        self.plan, self.network, self.trust = plan, network, runner.trust
+    def __init__(self, plan: Plan, network: Network, form: Form, trust: Trust) -> None:
+        self.plan, self.network, self.form, self.trust = plan, network, form, trust
         self.usual = parameter_values(plan.parameters)
         self.limit = int(plan.duration / plan.step) + 2
         self.trace_rows = self.limit + 1
         self.longest = 0
-        self.engine: Compiled | Interpreted | None = None
-        if runner.form != "camera":
+        self.engine: Simulation | None = None
+        if form != "camera":
             program = build_program(plan, network)
             self.numbers = Numbers(plan, network)
             self.width = trace_width(program)
-            state = new_state(program)
-            if runner.form == "compiled":
-                self.engine = Compiled(network.tables, program, state, runner.say)
-            else:
-                self.engine = Interpreted(network.tables, program, state)
+            self.engine = Simulation(network.tables, program, interpreted=form == "interpreted")
 
     @property
     def together(self) -> int:
@@ -213,7 +208,7 @@ class _Family:
         if longer:
             size = self.together
             return joined([self.rows(batch[start : start + size], seed) for start in range(0, len(batch), size)])
-        traces, ends = from_sweep(self.plan, np.asarray(summaries), np.asarray(flat))
+        traces, ends = from_sweep(self.plan, summaries, flat)
         return outcome_columns(self.plan, traces, ends, parameters)
 
     def expect(self, longest: int) -> None:

@@ -89,7 +89,7 @@ class Search:
             SweepError: The search is not possible as it is asked for.
         """
         sink = Diagnostics() if sink is None else sink
-        self.sweep: Sweep = prepare(target, spec.model_copy(update={"form": "interpreted"}), sink, maps)
+        self.sweep: Sweep = prepare(target, spec, sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}
         self.runner = Runner(self.sweep.form, spec.seed, trust=self.sweep.trust)
         manifest = {**self.sweep.manifest(), "asked": asked}

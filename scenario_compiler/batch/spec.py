@@ -37,9 +37,7 @@ class SweepSpec(BaseModel):
     errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors, `all` for every one.")
     allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that are no errors all the same.")
     time_limit: float | None = Field(default=None, gt=0, description="Greatest time that a variant may take, s.")
-    form: Literal["auto", "interpreted", "compiled"] = Field(
-        default="auto", description="Form of the engine for variants without a camera."
-    )
+    interpreted: bool = Field(default=False, description="Run variants without a camera in the interpreted engine.")
 
     @property
     def overrides(self) -> Overrides:

@@ -13,13 +13,13 @@ import os
 from collections.abc import Sequence
 from typing import NoReturn
 
-from scenario_compiler.cli import authoring, compare, coverage, engine, explain, export, maps, run, sweep, validate
+from scenario_compiler.cli import authoring, compare, coverage, explain, export, maps, run, sweep, validate
 from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
 from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams
 from scenario_compiler.legible import legible
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage, engine)
+GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage)
 """Groups of commands, in the order of the help."""
 
 

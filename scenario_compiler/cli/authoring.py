@@ -17,8 +17,8 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     add_target,
-    at_fault,
     compiled,
+    has_errors,
     inputs_of,
     keep_inputs,
     keep_loaded,
@@ -69,7 +69,7 @@ def list_command(options: argparse.Namespace) -> int:
     if options.html is not None:
         return _write_gallery(options, listed, sink)
     _print_tables(listed, told(options))
-    if not listed and not at_fault(sink, options):
+    if not listed and not has_errors(sink, options):
         tell(f"no conflict and no template in {', '.join(map(str, options.paths))}")
     return AT_FAULT if show(sink, options) else FINE
 

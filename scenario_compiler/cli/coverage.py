@@ -25,7 +25,7 @@ def add(commands: Commands) -> None:
 
 def coverage_command(options: argparse.Namespace) -> int:
     """Print the tables of languages."""
-    from scenario_compiler.coverage.table import table_of
+    from scenario_compiler.coverage import table_of
 
     for language in options.languages:
         if language not in TABLES:

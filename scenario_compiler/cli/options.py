@@ -173,11 +173,6 @@ def judged(found: Iterable[Diagnostic], options: argparse.Namespace) -> list[Dia
     return list(weighed(found, options.error, options.allow, strict=strict))
 
 
-def at_fault(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
-    """Return whether a finding is an error as --error, --allow and --strict want them weighed."""
-    return any(one.severity is Severity.ERROR for one in judged(found, options))
-
-
 def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
     """Print diagnostics, text on stderr and everything else on stdout; return whether one is an error."""
     weighed = judged(found, options)
@@ -185,6 +180,11 @@ def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
     if text:
         put_raw(text, sys.stderr if options.format == "text" else sys.stdout)
     return any(d.severity is Severity.ERROR for d in weighed)
+
+
+def has_errors(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
+    """Return whether one of the diagnostics is an error, by what the command line says of their codes."""
+    return any(d.severity is Severity.ERROR for d in judged(found, options))
 
 
 def told(options: argparse.Namespace) -> TextIO:

@@ -19,8 +19,8 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     add_target,
-    at_fault,
     compiled,
+    has_errors,
     inputs_of,
     keep_inputs,
     new_sink,
@@ -29,8 +29,9 @@ from scenario_compiler.cli.options import (
     told,
     trust_of,
 )
-from scenario_compiler.cli.terminal import put
+from scenario_compiler.cli.terminal import complain, put
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
+from scenario_compiler.engine.forms.compiled import why_interpreted
 from scenario_compiler.files import split_target
 from scenario_compiler.legible import legible
 from scenario_compiler.outputs import whole_folder
@@ -78,6 +79,7 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--world", default="kinematic", metavar="NAME")
     parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
     parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
+    parser.add_argument("--interpreted", action="store_true", help="run the interpreted engine, for a debugger")
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
     add_maps(parser)
@@ -135,9 +137,8 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
 
 def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
-    from scenario_compiler.controllers import ControllerError, refuse_untrusted, report_controller
-    from scenario_compiler.plan.provenance import place_of
-    from scenario_compiler.worlds import WORLDS
+    from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.worlds import WORLDS, WorldError
 
     if options.world not in WORLDS:
         raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
@@ -150,7 +151,7 @@ def run_command(options: argparse.Namespace) -> int:
     planned = _planned(options, sink)
     if planned is not None:
         refuse_untrusted(planned[0], sink, trust_of(options))
-    if planned is None or at_fault(sink, options):
+    if planned is None or has_errors(sink, options):
         show(sink, options)
         return AT_FAULT
     if options.format == "text":  # before a run that may take long; other formats are one document at the end
@@ -162,13 +163,12 @@ def run_command(options: argparse.Namespace) -> int:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
             finished = _finished_run(plan, network, options)
             _write_run(finished, options, draft)
-    except ControllerError as fault:
-        if plan.controller is not None:
-            report_controller(plan.controller.model, fault, place_of(plan, "controller"), sink)
+    except WorldError as fault:
+        sink.add(fault.code, str(fault), FilePlace(split_target(options.target)[0]))
         show(sink, options)
         return AT_FAULT
     print_run(finished, options.output, told(options))
-    note_break_off(finished.recording, options, sink)
+    note_failures(finished.recording, options, sink)
     if show(sink, options):
         return AT_FAULT
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
@@ -180,11 +180,10 @@ def _finished_run(plan: Plan, network: Network, options: argparse.Namespace) -> 
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
-    world = open_world(options.world, plan, network)
-    try:
+    if not options.interpreted and (reason := why_interpreted()):
+        complain(f"the engine runs interpreted: {reason}")
+    with open_world(options.world, plan, network) as world:
         recording = run_with_progress(plan, world, options)
-    finally:
-        world.close()
     return Run(plan, network, recording, judge(plan, recording))
 
 
@@ -205,19 +204,27 @@ def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> No
         draw_route(run.plan, run.network, folder / "route.png")
 
 
-def note_break_off(recording: Recording, options: argparse.Namespace, sink: Diagnostics) -> None:
-    """Report why a run broke off, if it did: at the line of code that is at fault, else of the scenario's file."""
-    why = recording.broke_off
-    code = None if why is None else code_named(why.code)
-    if why is not None and code is not None:
-        sink.add(code, why.message, FilePlace(why.file or split_target(options.target)[0], why.line))
+def note_failures(recording: Recording, options: argparse.Namespace, sink: Diagnostics) -> None:
+    """Report why a run could not go on, for each thing that ended it."""
+    for event in recording.events:
+        code = code_named(event.cause) if event.kind == "broken_off" else None
+        if code is not None:
+            sink.add(code, event.message, FilePlace(split_target(options.target)[0]))
 
 
 def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> Recording:
     """Run a plan, with a progress bar where stderr is a terminal."""
     from scenario_compiler.runtime import run
 
-    start = partial(run, plan, world, options.seed, variant=options.variant, trust=trust_of(options))
+    start = partial(
+        run,
+        plan,
+        world,
+        options.seed,
+        variant=options.variant,
+        interpreted=options.interpreted,
+        trust=trust_of(options),
+    )
     if not sys.stderr.isatty():
         return start()
     from rich.console import Console

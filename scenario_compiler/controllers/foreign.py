@@ -36,13 +36,13 @@ UNKNOWN_CONTROLLER = Code(
     '\n\n    <controller model="lane_detecton"/>     lane_detection, package.module:Class or file.py:Class',
 )
 CONTROLLER_FAILED = Code(
-    "SC508",
+    "SC521",
     "controller-failed",
     "A controller of your own raised an exception, ended the program, or gave a command that is none: when its module "
     "was imported, when it was made, or at a step of the run. The place is the line of the controller's code. The run "
     "ends there, and the recording up to there is kept.\n\n"
-    "    steering.py:31:1: error[SC508]: the controller 'steering:Mine' failed when it was made: FileNotFoundError: "
-    "[Errno 2] No such file or directory: 'model.onnx'\n\n"
+    "    controller 'steering:Mine', steering.py:31: FileNotFoundError: [Errno 2] No such file or directory: "
+    "'model.onnx'\n\n"
     "Mend the controller. A property that its `Params` declare as a `pathlib.Path` starts from the scenario's folder.",
 )
 
@@ -64,6 +64,18 @@ class ControllerError(Exception):
         self.code = code
         self.place = FilePlace("") if place is None else place
 
+    @classmethod
+    def of(cls, name: str, fault: BaseException) -> ControllerError:
+        """Return what a controller raised as its failure, with the file and line of its code that raised it."""
+        what = f"{type(fault).__name__}: {fault}" if str(fault) else type(fault).__name__
+        return cls.at(name, _place_of(fault), what)
+
+    @classmethod
+    def at(cls, name: str, place: FilePlace, what: str) -> ControllerError:
+        """Return the failure of a controller at a place in its code."""
+        where = f", {Path(place.file).name}:{place.line}" if place.file else ""
+        return cls(f"controller '{name}'{where}: {what}", CONTROLLER_FAILED, place)
+
 
 def load_class(name: str, code: CodeName, trust: Trust, named_in: str) -> type[ControllerModel]:
     """Import a class that the user trusts; nobody else may call this.
@@ -78,7 +90,7 @@ def load_class(name: str, code: CodeName, trust: Trust, named_in: str) -> type[C
         ControllerError: There is no such class, or importing it fails.
     """
     file = trust.file_of(code, named_in)
-    with _blamed(name, "when it was imported"):
+    with _blamed(name):
         if file is not None:
             module = _file_module(name, file)
         else:
@@ -140,16 +152,14 @@ def _looked_for_in(folder: Path | None) -> Iterator[None]:
 
 
 @contextmanager
-def _blamed(name: str, when: str) -> Iterator[None]:
+def _blamed(name: str) -> Iterator[None]:
     """Turn what code of the user's raises into a ControllerError; an interruption by the user passes."""
     try:
         yield
     except (ControllerError, KeyboardInterrupt):
         raise
     except BaseException as fault:
-        what = f"{type(fault).__name__}: {fault}" if str(fault) else type(fault).__name__
-        message = f"the controller '{name}' failed {when}: {what}"
-        raise ControllerError(message, CONTROLLER_FAILED, _place_of(fault)) from None
+        raise ControllerError.of(name, fault) from None
 
 
 def _place_of(fault: BaseException) -> FilePlace:
@@ -176,55 +186,54 @@ class ForeignController(ControllerModel):
             ControllerError: It cannot be made.
         """
         self.name = name
-        self._inner = self._ask("when it was made", make)
+        self._inner = self._ask(make)
         super().__init__(self._inner.params)
 
-    def _ask(self, when: str, call: Callable[..., _Answer], *arguments: Any) -> _Answer:
-        with _blamed(self.name, when):
+    def _ask(self, call: Callable[..., _Answer], *arguments: Any) -> _Answer:
+        with _blamed(self.name):
             return call(*arguments)
 
     def reset(self, seed: int) -> None:
         """See ControllerModel."""
-        self._ask("in reset()", self._inner.reset, seed)
+        self._ask(self._inner.reset, seed)
 
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
         """See ControllerModel; a command that is none is a fault too."""
-        when = f"in control() at {sensor_data.t:.6g} s"
-        control: object = self._ask(when, self._inner.control, sensor_data, speed, vehicle)
+        control: object = self._ask(self._inner.control, sensor_data, speed, vehicle)
         if not isinstance(control, Control):
-            raise self._misbehaved(f"{when}: it returned {type(control).__name__}, which is no Control")
+            raise self._misbehaved(f"it returned {type(control).__name__}, which is no Control")
         numbers = {name: getattr(control, name) for name in _NUMBERS}
         for name, value in numbers.items():
             if not isinstance(value, (int, float)) and not hasattr(value, "__float__"):
-                raise self._misbehaved(f"{when}: {name} is {value!r}, which is no number")
+                raise self._misbehaved(f"{name} is {value!r}, which is no number")
             if not math.isfinite(float(value)):
-                raise self._misbehaved(f"{when}: {name} is {float(value)}")
+                raise self._misbehaved(f"{name} is {float(value)}")
         return control
 
     def _misbehaved(self, what: str) -> ControllerError:
         code = type(self._inner).control.__code__
         place = FilePlace(code.co_filename, code.co_firstlineno)
-        return ControllerError(f"the controller '{self.name}' failed {what}", CONTROLLER_FAILED, place)
+        return ControllerError.at(self.name, place, what)
 
     def display_info(self) -> dict[str, str]:
         """See ControllerModel."""
-        return self._ask("in display_info()", self._inner.display_info)
+        return self._ask(self._inner.display_info)
 
     def warning_messages(self) -> list[str]:
         """See ControllerModel."""
-        return self._ask("in warning_messages()", self._inner.warning_messages)
+        return self._ask(self._inner.warning_messages)
 
     def critical_messages(self) -> list[str]:
         """See ControllerModel."""
-        return self._ask("in critical_messages()", self._inner.critical_messages)
+        return self._ask(self._inner.critical_messages)
 
     def initiate_takeover(self) -> bool:
         """See ControllerModel."""
-        return self._ask("in initiate_takeover()", self._inner.initiate_takeover)
+        return self._ask(self._inner.initiate_takeover)
 
     def overlay_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """See ControllerModel."""
-        return self._ask("in overlay_image()", self._inner.overlay_image, image)
+        return self._ask(self._inner.overlay_image, image)
 
 
 _NUMBERS = ("throttle", "steer", "brake", "confidence_left", "confidence_right", "sensor_health")

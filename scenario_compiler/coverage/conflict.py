@@ -7,10 +7,14 @@ said here, by the module that does it and, in the engine, by the opcodes. A test
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from scenario_compiler.coverage.exported import exported
 from scenario_compiler.coverage.table import Table
+from scenario_compiler.engine.moves.table import ACTIONS
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION_NUMBERS
+from scenario_compiler.engine.story.table import CONDITIONS
+from scenario_compiler.engine.story.table import NUMBERS as CONDITION_NUMBERS
 from scenario_compiler.source import catalogs, conflict
 from scenario_compiler.vocabulary import (
     actions,
@@ -68,27 +72,15 @@ def _engine(module: str, *opcodes: str) -> Execution:
     return Execution("engine", f"engine.{module}", opcodes)
 
 
-def _condition(opcode: str) -> Execution:
-    return _engine("conditions", f"CONDITION_{opcode}")
-
-
-def _entity_condition(opcode: str) -> Execution:
-    return _engine("entity_conditions", f"CONDITION_{opcode}")
-
-
-def _world(opcode: str) -> Execution:
-    return _engine("world_actions", f"ACTION_{opcode}")
-
-
 _EXPANDED = Execution("expansion", "source.templates")
 _SAMPLED = Execution("sweep", "batch.distributions")
 _JUDGED = Execution("judgement", "recording.criteria")
 _BOUND = Execution("compilation", "plan.binding")
-_PLACED = _engine("placing", "POSITION_LANE")
-_RANDOM_PLACE = _engine("placing", "POSITION_RANDOM")
-_STORYBOARD = _engine("storyboard", "ELEMENT_EVENT")
+_PLACED = _engine("motion.places", "POSITION_LANE")
+_RANDOM_PLACE = _engine("motion.places", "POSITION_RANDOM")
+_STORYBOARD = _engine("story.storyboard", "ELEMENT_EVENT")
 
-EXECUTION: dict[type[Word], Execution] = {
+OTHERS: dict[type[Word], Execution] = {
     conflict.LibraryElement: Execution("expansion", "source.conflict"),
     conflict.Allow: Execution("compilation", "source.conflict"),
     conflict.Include: Execution("expansion", "source.conflict"),
@@ -104,18 +96,17 @@ EXECUTION: dict[type[Word], Execution] = {
     scenario.Parameter: Execution("engine", "engine.program"),
     scenario.Classification: Execution("report", "report.wording"),
     entities.Vehicle: Execution("compilation", "plan.lower"),
-    entities.Ego: _engine("motion", "MOTION_BICYCLE"),
-    entities.Static: _engine("motion", "MOTION_STATIC"),
-    entities.Dynamic: _engine("motion", "MOTION_SCRIPTED"),
+    entities.Ego: _engine("motion.entities", "MOTION_BICYCLE"),
+    entities.Static: _engine("motion.entities", "MOTION_STATIC"),
+    entities.Dynamic: _engine("motion.entities", "MOTION_SCRIPTED"),
     entities.Row: Execution("expansion", "source.groups"),
     entities.WorkZone: Execution("expansion", "source.groups"),
-    entities.Traffic: _engine("traffic", "MOTION_TRAFFIC", "MOTION_WALKER"),
-    entities.Follow: _engine("following"),
+    entities.Traffic: _engine("traffic.driving", "MOTION_TRAFFIC", "MOTION_WALKER"),
+    entities.Follow: _engine("motion.following"),
     entities.Controller: Execution("run", "controllers"),
     entities.Property: Execution("run", "controllers"),
     sensors.Camera: Execution("camera", "worlds.kinematic"),
-    sensors.Failure: _engine("failures", "ACTION_FAILURE"),
-    markings.Markings: _engine("lane_confidence", "ALL_MARKS"),
+    markings.Markings: _engine("ego.lane_confidence", "ALL_MARKS"),
     markings.SecondaryMarkings: Execution("camera", "worlds.kinematic"),
     markings.LineBeside: Execution("camera", "worlds.kinematic"),
     weather.Weather: Execution("camera", "perception.weather_look"),
@@ -125,124 +116,55 @@ EXECUTION: dict[type[Word], Execution] = {
     positions.NumberedSpawnPoint: _BOUND,
     positions.RandomSpawnPoint: _RANDOM_PLACE,
     positions.RandomPosition: _RANDOM_PLACE,
-    positions.LanePosition: _PLACED,
+    positions.LanePositionWord: _PLACED,
     positions.RoadPosition: _BOUND,
     positions.WorldPosition: _BOUND,
-    positions.RelativeLanePosition: _engine("placing", "POSITION_RELATIVE"),
-    positions.BesidePosition: _engine("placing", "POSITION_BESIDE"),
-    positions.FreePosition: _engine("positions", "POSITION_FREE"),
+    positions.RelativeLanePosition: _engine("motion.places", "POSITION_RELATIVE"),
+    positions.BesidePosition: _engine("motion.places", "POSITION_BESIDE"),
+    positions.FreePosition: _engine("motion.positions", "POSITION_FREE"),
     positions.GeoPosition: _BOUND,
-    positions.LanesAwayPosition: _engine("positions", "POSITION_LANES_AWAY"),
-    positions.RelativeRoadPosition: _engine("positions", "POSITION_RELATIVE_ROAD"),
-    positions.RelativeObjectPosition: _engine("positions", "POSITION_RELATIVE_OBJECT"),
-    positions.RelativeWorldPosition: _engine("positions", "POSITION_RELATIVE_WORLD"),
-    positions.RoutePosition: _engine("positions", "POSITION_LANE", "POSITION_LANES_AWAY"),
-    routes.TrajectoryPosition: _engine("on_tracks", "POSITION_ON_TRAJECTORY"),
-    routes.Route: _engine("routes"),
-    routes.Waypoint: _engine("routes"),
-    routes.InRouteLane: _engine("positions", "POSITION_LANE"),
-    routes.InRouteRoad: _engine("positions", "POSITION_LANE"),
-    routes.InRouteEntity: _engine("positions", "POSITION_LANES_AWAY"),
-    routes.Trajectory: _engine("tracks"),
-    routes.Polyline: _engine("laying", "TRACK_POLYLINE"),
-    routes.Vertex: _engine("laying", "TRACK_POLYLINE"),
-    routes.Clothoid: _engine("laying", "TRACK_CLOTHOIDS"),
-    routes.ClothoidSpline: _engine("laying", "TRACK_CLOTHOIDS"),
-    routes.ClothoidSegment: _engine("laying", "TRACK_CLOTHOIDS"),
-    routes.Nurbs: _engine("laying", "TRACK_NURBS"),
-    routes.ControlPoint: _engine("laying", "TRACK_NURBS"),
-    actions.AssignRouteAction: _engine("routes", "ACTION_ASSIGN_ROUTE"),
-    actions.AcquirePositionAction: _engine("routes", "ACTION_ASSIGN_ROUTE"),
-    actions.RandomRouteAction: _engine("routes", "ACTION_RANDOM_ROUTE"),
-    actions.FollowTrajectoryAction: _engine("trajectories", "ACTION_FOLLOW_TRAJECTORY"),
-    actions.TrajectoryTiming: _engine("tracks"),
+    positions.LanesAwayPosition: _engine("motion.positions", "POSITION_LANES_AWAY"),
+    positions.RelativeRoadPosition: _engine("motion.positions", "POSITION_RELATIVE_ROAD"),
+    positions.RelativeObjectPosition: _engine("motion.positions", "POSITION_RELATIVE_OBJECT"),
+    positions.RelativeWorldPosition: _engine("motion.positions", "POSITION_RELATIVE_WORLD"),
+    positions.RoutePosition: _engine("motion.positions", "POSITION_LANE", "POSITION_LANES_AWAY"),
+    routes.TrajectoryPosition: _engine("motion.on_tracks", "POSITION_ON_TRAJECTORY"),
+    routes.RouteWord: _engine("motion.routes"),
+    routes.Waypoint: _engine("motion.routes"),
+    routes.InRouteLane: _engine("motion.positions", "POSITION_LANE"),
+    routes.InRouteRoad: _engine("motion.positions", "POSITION_LANE"),
+    routes.InRouteEntity: _engine("motion.positions", "POSITION_LANES_AWAY"),
+    routes.Trajectory: _engine("motion.tracks"),
+    routes.Polyline: _engine("motion.laying", "TRACK_POLYLINE"),
+    routes.Vertex: _engine("motion.laying", "TRACK_POLYLINE"),
+    routes.Clothoid: _engine("motion.laying", "TRACK_CLOTHOIDS"),
+    routes.ClothoidSpline: _engine("motion.laying", "TRACK_CLOTHOIDS"),
+    routes.ClothoidSegment: _engine("motion.laying", "TRACK_CLOTHOIDS"),
+    routes.Nurbs: _engine("motion.laying", "TRACK_NURBS"),
+    routes.ControlPoint: _engine("motion.laying", "TRACK_NURBS"),
+    actions.TrajectoryTiming: _engine("motion.tracks"),
     storyboard.When: _STORYBOARD,
     storyboard.Do: _STORYBOARD,
     storyboard.All: Execution("expansion", "source.events"),
     storyboard.AnyOf: Execution("expansion", "source.events"),
-    conditions.SimulationTimeCondition: _condition("TIME"),
-    conditions.TimeHeadwayCondition: _entity_condition("TIME_HEADWAY"),
-    conditions.DistanceCondition: _entity_condition("DISTANCE"),
-    conditions.TimeToCollisionCondition: _entity_condition("TIME_TO_COLLISION"),
-    conditions.SpeedCondition: _entity_condition("SPEED"),
-    conditions.ReachPositionCondition: _entity_condition("REACH_POSITION"),
-    conditions.TraveledDistanceCondition: _entity_condition("TRAVELED_DISTANCE"),
-    conditions.StandstillCondition: _entity_condition("STANDSTILL"),
-    conditions.PositionDistanceCondition: _entity_condition("POSITION_DISTANCE"),
-    conditions.RelativeSpeedCondition: _entity_condition("RELATIVE_SPEED"),
-    conditions.AccelerationCondition: _entity_condition("ACCELERATION"),
-    conditions.CollisionCondition: _entity_condition("COLLISION"),
-    conditions.OffroadCondition: _entity_condition("OFF_ROAD"),
-    conditions.EndOfRoadCondition: _entity_condition("END_OF_ROAD"),
-    conditions.RelativeClearanceCondition: _engine("clearance", "CONDITION_CLEARANCE"),
-    conditions.RelativeLaneRange: _engine("clearance"),
-    conditions.AngleCondition: _entity_condition("ANGLE"),
-    conditions.RelativeAngleCondition: _entity_condition("RELATIVE_ANGLE"),
-    conditions.LaneConfidenceCondition: _condition("LANE_CONFIDENCE"),
-    conditions.SensorHealthCondition: _condition("SENSOR_HEALTH"),
-    conditions.TakeoverStateCondition: _condition("TAKEOVER_STATE"),
-    conditions.EventCondition: _condition("ELEMENT_STATE"),
-    conditions.ElementStateCondition: _engine("conditions", "CONDITION_ELEMENT_STATE", "CONDITION_TRANSITION"),
-    conditions.TimeOfDayCondition: _condition("TIME_OF_DAY"),
-    conditions.VariableCondition: _condition("VARIABLE"),
-    conditions.UserDefinedValueCondition: _condition("USER_VALUE"),
-    conditions.TrafficSignalCondition: _condition("SIGNAL"),
-    conditions.TrafficSignalControllerCondition: _condition("SIGNAL_PHASE"),
-    actions.SpeedAction: _engine("speeds", "ACTION_SPEED"),
-    actions.RelativeSpeedAction: _engine("speeds", "ACTION_RELATIVE_SPEED"),
-    actions.AtRate: _engine("shapes", "DIMENSION_RATE"),
-    actions.OverDistance: _engine("shapes", "DIMENSION_DISTANCE"),
-    actions.Limits: _engine("keeping_distance", "FLAG_LIMITED"),
-    actions.SpeedProfileAction: _engine("speed_profiles", "ACTION_SPEED_PROFILE"),
-    actions.SpeedEntry: _engine("speed_profiles"),
-    actions.LongitudinalDistanceAction: _engine("keeping_distance", "ACTION_KEEP_DISTANCE"),
-    actions.SynchronizeAction: _engine("synchronizing", "ACTION_SYNCHRONIZE"),
-    actions.MasterPosition: _engine("synchronizing"),
-    actions.FinalSpeed: _engine("synchronizing", "FINAL_ABSOLUTE", "FINAL_DELTA", "FINAL_FACTOR"),
-    actions.LaneChangeAction: _engine("lane_changes", "ACTION_LANE_CHANGE"),
-    actions.LaneChangeToAction: _engine("lane_changes", "ACTION_LANE_CHANGE_TO"),
-    actions.LaneOffsetAction: _engine("lane_offsets", "ACTION_LANE_OFFSET"),
-    actions.LimitedLaneOffsetAction: _engine("lane_offsets", "ACTION_LIMITED_LANE_OFFSET"),
-    actions.LateralDistanceAction: _engine("keeping_aside", "ACTION_KEEP_LATERAL_DISTANCE"),
-    actions.FollowPathAction: _engine("actions", "ACTION_FOLLOW_PATH"),
-    Path: _engine("actions", "ACTION_FOLLOW_PATH"),
-    PathPoint: _engine("own_path"),
-    actions.TeleportAction: _engine("appearing", "ACTION_TELEPORT"),
-    actions.AddEntityAction: _engine("appearing", "ACTION_ADD_ENTITY"),
-    actions.DeleteEntityAction: _engine("appearing", "ACTION_DELETE_ENTITY"),
-    actions.VisibilityAction: _engine("presence", "ACTION_VISIBILITY"),
-    actions.ConnectTrailerAction: _engine("trailers", "ACTION_CONNECT_TRAILER"),
-    actions.DisconnectTrailerAction: _engine("trailers", "ACTION_DISCONNECT_TRAILER"),
-    actions.SensorNoiseAction: _engine("starts", "ACTION_SENSOR_NOISE"),
-    actions.EndFailureAction: _engine("starts", "ACTION_END_FAILURE"),
-    actions.WeatherAction: _engine("starts", "ACTION_WEATHER"),
-    actions.MessageAction: _engine("starts", "ACTION_MESSAGE"),
-    actions.StopAction: _engine("starts", "ACTION_STOP"),
-    actions.SetVariableAction: _world("SET_VARIABLE"),
-    actions.ModifyVariableAction: _world("MODIFY_VARIABLE"),
-    actions.TrafficSignalStateAction: _world("SIGNAL_STATE"),
-    actions.TrafficSignalControllerAction: _world("SIGNAL_PHASE"),
-    actions.EnvironmentAction: _engine("surroundings", "ACTION_ENVIRONMENT"),
-    actions.CommandAction: _world("COMMAND"),
-    actions.TrafficSwarmAction: _engine("swarms", "ACTION_TRAFFIC_SWARM"),
-    actions.TrafficSourceAction: _engine("sources", "ACTION_TRAFFIC_SOURCE"),
-    actions.TrafficSinkAction: _engine("sources", "ACTION_TRAFFIC_SINK"),
+    conditions.RelativeLaneRange: _engine("story.clearance"),
+    actions.AtRate: _engine("motion.shapes", "DIMENSION_RATE"),
+    actions.OverDistance: _engine("motion.shapes", "DIMENSION_DISTANCE"),
+    actions.Limits: _engine("moves.keeping_distance", "FLAG_LIMITED"),
+    actions.SpeedEntry: _engine("moves.speed_profiles"),
+    actions.MasterPosition: _engine("moves.synchronizing"),
+    actions.FinalSpeed: _engine("moves.synchronizing", "FINAL_ABSOLUTE", "FINAL_DELTA", "FINAL_FACTOR"),
+    PathPoint: _engine("moves.follow_path"),
     actions.TrafficKind: Execution("compilation", "plan.keeping"),
     actions.SpeedRange: Execution("compilation", "plan.keeping"),
-    actions.StopTrafficAction: _world("STOP_TRAFFIC"),
-    actions.ActivateControllerAction: _engine("controllers", "ACTION_ACTIVATE_CONTROLLER"),
-    actions.AssignControllerAction: _engine("controllers", "ACTION_ASSIGN_CONTROLLER"),
     actions.ControllerProperty: _engine("program"),
-    actions.OverrideControllerAction: _engine("controllers", "ACTION_OVERRIDE_CONTROLLER"),
-    actions.LightAction: _world("LIGHT"),
-    actions.AnimationAction: _world("ANIMATION"),
-    variables.Variable: _engine("variables"),
-    signals.SignalController: _engine("signals"),
-    signals.SignalPhase: _engine("signals"),
-    signals.SignalState: _engine("signals"),
-    takeover.Takeover: _engine("takeover", "TAKEOVER_REQUEST", "TAKEOVER_MINIMUM_RISK"),
+    variables.Variable: _engine("moves.variables"),
+    signals.SignalController: _engine("moves.signals"),
+    signals.SignalPhase: _engine("moves.signals"),
+    signals.SignalState: _engine("moves.signals"),
+    takeover.Takeover: _engine("ego.takeover", "TAKEOVER_REQUEST", "TAKEOVER_MINIMUM_RISK"),
     takeover.Cause: _engine(
-        "takeover",
+        "ego.takeover",
         "CAUSE_CONTROLLER",
         "CAUSE_SENSOR_HEALTH",
         "CAUSE_LANE_CONFIDENCE",
@@ -250,7 +172,7 @@ EXECUTION: dict[type[Word], Execution] = {
         "CAUSE_LANE_ENDS",
     ),
     takeover.Driver: Execution("expansion", "source.expansion"),
-    takeover.DriverModel: _engine("takeover", "DRIVER_LOGNORMAL", "DRIVER_FIXED"),
+    takeover.DriverModel: _engine("ego.takeover", "DRIVER_LOGNORMAL", "DRIVER_FIXED"),
     takeover.Message: Execution("run", "runtime.messages"),
     criteria.NoCollision: _JUDGED,
     criteria.StayOnRoad: _JUDGED,
@@ -273,6 +195,22 @@ EXECUTION: dict[type[Word], Execution] = {
     variation.Grid: _SAMPLED,
     variation.Constraint: Execution("sweep", "batch.sampling"),
 }
+
+
+def _declared() -> dict[type[Word], Execution]:
+    """Return what executes actions and conditions, by their entries in the engine."""
+    found: dict[type[Word], Execution] = {}
+    for word in (*get_args(actions.Action), Path):
+        if word.tag() in ACTION_NUMBERS:
+            found[word] = Execution("engine", ACTIONS[ACTION_NUMBERS[word.tag()]].module)
+    for word in get_args(conditions.Condition):
+        if word.tag() in CONDITION_NUMBERS:
+            found[word] = Execution("engine", CONDITIONS[CONDITION_NUMBERS[word.tag()]].module)
+    return found
+
+
+EXECUTION: dict[type[Word], Execution] = {**OTHERS, **_declared()}
+"""What executes each word."""
 
 
 def conflict_table() -> Table:

@@ -53,7 +53,7 @@ ELEMENTS: dict[type[Word], str] = {
     signals.SignalController: "<TrafficSignalController>",
     signals.SignalPhase: "<Phase>",
     signals.SignalState: "<TrafficSignalState>",
-    routes.Route: "<Route>",
+    routes.RouteWord: "<Route>",
     routes.Waypoint: "<Waypoint>",
     routes.InRouteLane: "<FromLaneCoordinates>",
     routes.InRouteRoad: "<FromRoadCoordinates>",

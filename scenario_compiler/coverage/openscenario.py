@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from scenario_compiler.coverage.conflict import EXECUTION, MOST_PARENTS, NOT_YET, Execution
 from scenario_compiler.coverage.table import Table
-from scenario_compiler.engine.program.actions import ACTIONS as ACTION_ROWS
-from scenario_compiler.engine.program.conditions import CONDITIONS as CONDITION_ROWS
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION_NUMBERS
 from scenario_compiler.engine.program.positions import POSITIONS as POSITION_ROWS
+from scenario_compiler.engine.story.table import NUMBERS as CONDITION_NUMBERS
 from scenario_compiler.openscenario.actions import ACTIONS
 from scenario_compiler.openscenario.conditions import BY_ENTITY, BY_VALUE
 from scenario_compiler.openscenario.positions import POSITIONS
@@ -45,7 +45,7 @@ class Home:
         return f"{self.written} {self.expanded} {self.unwritten}".split()
 
 
-_STORYBOARD = Execution("engine", "engine.storyboard")
+_STORYBOARD = Execution("engine", "engine.story.storyboard")
 _SAMPLED = Execution("sweep", "batch.sampling")
 
 HOMES = (
@@ -53,12 +53,13 @@ HOMES = (
     Home("parameters", Execution("expansion", "openscenario.parameters"),
          "ParameterDeclarations ParameterDeclaration",
          "ValueConstraintGroup ValueConstraint ParameterAssignments ParameterAssignment"),
-    Home("variables", Execution("engine", "engine.variables"),
+    Home("variables", Execution("engine", "engine.moves.variables"),
          "VariableDeclarations VariableDeclaration", "MonitorDeclarations MonitorDeclaration"),
     Home("catalogs", Execution("expansion", "openscenario.catalogs"),
-         "CatalogLocations", "CatalogLocation Directory Catalog CatalogReference"),
+         "CatalogLocations", "CatalogLocation Directory CatalogReference"),
+    Home("catalog_files", Execution("expansion", "openscenario.catalog_files"), "Catalog"),
     Home("road_network", Execution("compilation", "plan.maps"), "RoadNetwork File"),
-    Home("road_network", Execution("engine", "engine.signals"),
+    Home("road_network", Execution("engine", "engine.moves.signals"),
          "TrafficSignals TrafficSignalController Phase TrafficSignalState"),
     Home("entities", Execution("compilation", "plan.lower"),
          "Entities ScenarioObject ObjectController Controller",
@@ -243,9 +244,9 @@ def _executed(element: Element) -> str:
 
 
 def _executed_word(word: type[Word]) -> str:
-    rows = {**ACTION_ROWS, **CONDITION_ROWS, **POSITION_ROWS}
     execution = EXECUTION.get(word)
-    has_row = word in rows or (execution is not None and execution.stage == "compilation")
+    numbered = word.tag() in ACTION_NUMBERS or word.tag() in CONDITION_NUMBERS
+    has_row = numbered or word in POSITION_ROWS or (execution is not None and execution.stage == "compilation")
     return execution.text() if execution is not None and has_row else NOT_YET
 
 

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-
-from scenario_compiler.coverage import TABLES
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,13 +31,6 @@ class Table:
     def records(self) -> list[dict[str, str]]:
         """Return each row as column and text."""
         return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
-
-
-def table_of(language: str) -> Table:
-    """Return the table of a language of `TABLES`."""
-    module, _, function = TABLES[language].partition(":")
-    make: Callable[[], Table] = getattr(importlib.import_module(module), function)
-    return make()
 
 
 def as_markdown(table: Table) -> str:

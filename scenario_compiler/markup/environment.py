@@ -92,7 +92,7 @@ class Environment:
 
 
 @dataclass(frozen=True)
-class Reading:
+class ReadingContext:
     """What a word is read with: its document, what names mean, where faults go, and the use that brought it in."""
 
     document: Document

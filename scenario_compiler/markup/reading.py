@@ -13,7 +13,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Place, did_you_mean
 from scenario_compiler.markup import codes
-from scenario_compiler.markup.environment import Reading
+from scenario_compiler.markup.environment import ReadingContext
 from scenario_compiler.markup.values import SPACE, UnreadError, read_attribute
 from scenario_compiler.vocabulary.grammar import ChildRule, grammar_of
 from scenario_compiler.vocabulary.traversal import AnyWord
@@ -25,7 +25,7 @@ _SCHEMA_HINTS = (
 )
 
 
-def read_word(element: etree._Element, word: type[AnyWord], reading: Reading) -> AnyWord | None:
+def read_word(element: etree._Element, word: type[AnyWord], reading: ReadingContext) -> AnyWord | None:
     """Return the word that the element spells; None when something that it cannot do without is missing or wrong.
 
     A part that it can do without and that is at fault is reported and left out, so that later stages can still look
@@ -56,7 +56,7 @@ def _add_default(fields: dict[str, Any], word: type[Word], rule: ChildRule, orig
         fields[rule.field] = factory().written_at(origin)
 
 
-def read_attributes(element: etree._Element, word: type[Word], reading: Reading) -> dict[str, Any] | None:
+def read_attributes(element: etree._Element, word: type[Word], reading: ReadingContext) -> dict[str, Any] | None:
     """Return the values of the word's attributes by field; None when a required one is missing or wrong."""
     grammar = grammar_of(word)
     fields: dict[str, Any] = {}
@@ -92,7 +92,7 @@ def read_attributes(element: etree._Element, word: type[Word], reading: Reading)
 
 
 def place_children(
-    element: etree._Element, word: type[Word], reading: Reading
+    element: etree._Element, word: type[Word], reading: ReadingContext
 ) -> Iterator[tuple[ChildRule, list[etree._Element]]]:
     """Yield every rule of the word's children with the elements that follow it; report children that fit none."""
     _report_text(element, reading)
@@ -140,7 +140,7 @@ def _repeated(parent: etree._Element, first: etree._Element, second: etree._Elem
 
 
 def _unwrapped(
-    parent: etree._Element, rule: ChildRule, elements: list[etree._Element], reading: Reading
+    parent: etree._Element, rule: ChildRule, elements: list[etree._Element], reading: ReadingContext
 ) -> list[etree._Element]:
     """Return the elements that spell words, out of their wrapper; report what is missing or too much."""
     if not elements:
@@ -171,7 +171,7 @@ def _unwrapped(
     return inner
 
 
-def _report_missing(parent: etree._Element, tags: tuple[str, ...], description: str, reading: Reading) -> None:
+def _report_missing(parent: etree._Element, tags: tuple[str, ...], description: str, reading: ReadingContext) -> None:
     reading.sink.add(
         codes.MISSING_ELEMENT,
         f"<{parent.tag}> needs {_choice(tags)}",
@@ -180,7 +180,9 @@ def _report_missing(parent: etree._Element, tags: tuple[str, ...], description: 
     )
 
 
-def _report_unknown_child(parent: etree._Element, child: etree._Element, known: list[str], reading: Reading) -> None:
+def _report_unknown_child(
+    parent: etree._Element, child: etree._Element, known: list[str], reading: ReadingContext
+) -> None:
     hint = did_you_mean(str(child.tag), known) if known else f"<{parent.tag}> holds no elements"
     reading.sink.add(
         codes.UNKNOWN_ELEMENT,
@@ -190,7 +192,7 @@ def _report_unknown_child(parent: etree._Element, child: etree._Element, known: 
     )
 
 
-def _report_text(element: etree._Element, reading: Reading) -> None:
+def _report_text(element: etree._Element, reading: ReadingContext) -> None:
     pieces = [element.text, *(child.tail for child in element)]
     stray = next((piece.strip(SPACE) for piece in pieces if piece and piece.strip(SPACE)), "")
     if stray:

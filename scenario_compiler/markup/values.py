@@ -10,7 +10,7 @@ from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Place, d
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value, parse_expression
 from scenario_compiler.markup import codes
-from scenario_compiler.markup.environment import Reading, UndeterminedError, UnknownNameError
+from scenario_compiler.markup.environment import ReadingContext, UndeterminedError, UnknownNameError
 from scenario_compiler.markup.names import UNKNOWN_PARAMETER
 from scenario_compiler.markup.units import in_unit
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule
@@ -34,7 +34,7 @@ class UnreadError(Exception):
     """An attribute has no value: the fault has been reported, or the value is not determined."""
 
 
-def read_attribute(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> FieldValue:
+def read_attribute(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> FieldValue:
     """Return the value of an attribute's text, in SI units; report and raise UnreadError when it has none."""
     try:
         expression = reading.environment.symbolic(text)
@@ -51,7 +51,7 @@ def read_attribute(text: str, rule: AttributeRule, reading: Reading, origin: Ori
 
 
 def _number(
-    text: str, expression: Expression | None, rule: AttributeRule, reading: Reading, origin: Origin
+    text: str, expression: Expression | None, rule: AttributeRule, reading: ReadingContext, origin: Origin
 ) -> float | Expression:
     quantity = QUANTITIES.get(rule.spelling.quantity)
     factor = quantity.factor if quantity else 1.0
@@ -66,7 +66,7 @@ def _number(
     return expression if factor == 1.0 else parse_expression(f"radians({expression.text})")
 
 
-def _structural(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> FieldValue:
+def _structural(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> FieldValue:
     if rule.spelling.separated:
         words = [word for word in _SPACES.split(text) if word]
         if not words:
@@ -75,7 +75,7 @@ def _structural(text: str, rule: AttributeRule, reading: Reading, origin: Origin
     return _single(text, rule, reading, origin)
 
 
-def _single(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> Structural:
+def _single(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> Structural:
     stripped = text.strip(SPACE)
     if rule.kind == "fixed_number":
         number = _literal_number(text, rule, reading, origin)
@@ -104,14 +104,14 @@ def _single(text: str, rule: AttributeRule, reading: Reading, origin: Origin) ->
     return text
 
 
-def _literal_number(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> float:
+def _literal_number(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> float:
     stripped = text.strip(SPACE)
     if not _NUMBER.match(stripped):
         _wrong(text, rule, reading, origin)
     return float(stripped)
 
 
-def _wrong(text: str, rule: AttributeRule, reading: Reading, origin: Origin) -> NoReturn:
+def _wrong(text: str, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> NoReturn:
     expected, hint = _expected(text, rule)
     reading.sink.add(
         codes.WRONG_VALUE, f"'{text}' is not {expected} ({rule.name}: {rule.description})", origin, hint=hint
@@ -140,7 +140,7 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
     return f"a number{unit}", hint
 
 
-def _check_limits(number: float, rule: AttributeRule, reading: Reading, origin: Origin) -> None:
+def _check_limits(number: float, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> None:
     fault = outside(number, rule.spelling)
     if fault:
         reading.sink.add(
@@ -176,7 +176,7 @@ def report_expression(error: ExpressionError, text: str, sink: Diagnostics, orig
     sink.add(code, str(error), place, hint=hint)
 
 
-def bound_value(text: str, reading: Reading, origin: Place) -> Expression | Value | None:
+def bound_value(text: str, reading: ReadingContext, origin: Place) -> Expression | Value | None:
     """Return what a text of any type stands for: an expression's value or form, or the text itself; None if faulty."""
     try:
         expression = reading.environment.symbolic(text)

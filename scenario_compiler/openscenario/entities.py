@@ -11,8 +11,7 @@ from scenario_compiler.markup import names
 from scenario_compiler.openscenario.actions.control import read_controller
 from scenario_compiler.openscenario.catalogs import given
 from scenario_compiler.openscenario.codes import EXTERNAL_OBJECT, NO_OBJECT
-from scenario_compiler.openscenario.node import Node
-from scenario_compiler.openscenario.reading import Known, ObjectType
+from scenario_compiler.openscenario.node import Known, Node, ObjectType
 from scenario_compiler.openscenario.vehicles import OBJECTS, read_vehicle, usual_car
 from scenario_compiler.vocabulary.actions import ConnectTrailerAction
 from scenario_compiler.vocabulary.entities import Dynamic, Vehicle

@@ -16,7 +16,7 @@ from scenario_compiler.openscenario.distributions import read_variation
 from scenario_compiler.openscenario.entities import read_entities
 from scenario_compiler.openscenario.files import VERSIONS, beside, is_file, read_forgiving, read_version
 from scenario_compiler.openscenario.held import OpenScenario, Variation
-from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.parameters import (
     declared_name,
     declared_parameters,
@@ -24,7 +24,6 @@ from scenario_compiler.openscenario.parameters import (
     parameter_word,
     report_unknown,
 )
-from scenario_compiler.openscenario.reading import Reading
 from scenario_compiler.openscenario.restoring import restored
 from scenario_compiler.openscenario.road_network import read_map, read_signal_controllers
 from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
@@ -125,7 +124,7 @@ def _where(one: Diagnostic) -> tuple[str, int, int]:
 
 def _root(document: Document, sink: Diagnostics) -> Node:
     """Return the file's first element, read as the version that its header names."""
-    reading = Reading(document, sink, VERSIONS[-1])
+    reading = FileContext(document, sink, VERSIONS[-1])
     root = Node(document.root, reading, Scope())
     header = root.child("FileHeader")
     if header is None:

@@ -38,8 +38,8 @@ from scenario_compiler.vocabulary.positions import (
     InRouteRoad,
     Nurbs,
     Polyline,
-    Route,
     RoutePosition,
+    RouteWord,
     Trajectory,
     TrajectoryPosition,
     Vertex,
@@ -54,7 +54,7 @@ def _point(tag: str = "Position", *, required: bool = True) -> Child:
 
 _STRATEGY = replace(choice(Waypoint, "strategy", "routeStrategy", "shortest"), always=True)
 WAYPOINT = regular("Waypoint", Waypoint, _STRATEGY, _point())
-ROUTE = regular("Route", Route, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1, wanted=2))
+ROUTE = regular("Route", RouteWord, text("name"), boolean("closed"), Children("waypoints", WAYPOINT, least=1, wanted=2))
 
 
 class _CurvatureRate:
@@ -162,7 +162,7 @@ TRAJECTORY = regular(
 )
 
 
-def read_route(node: Node) -> Route | None:
+def read_route(node: Node) -> RouteWord | None:
     """Return the route that an element holds or that its catalog reference names; report when there is none."""
     found = given(node, "Route")
     if found is None and node.child("CatalogReference") is None:
@@ -178,7 +178,7 @@ def read_trajectory(node: Node) -> Trajectory | None:
     return None if found is None else TRAJECTORY.read(with_parameters(found))
 
 
-def write_route(word: Route, output: Output) -> etree._Element:
+def write_route(word: RouteWord, output: Output) -> etree._Element:
     """Return the <Route> of a route."""
     return ROUTE.write(word, output)
 

@@ -1,4 +1,4 @@
-"""One element of an OpenSCENARIO file with the parameters in scope: its attributes as values, its children as nodes.
+"""One element of an OpenSCENARIO file with the parameters in scope, and what the elements of a file are read with.
 
 A fault is reported once, with its place, and a usable default is returned, so that reading goes on.
 """
@@ -6,19 +6,22 @@ A fault is reported once, with its place, and a usable default is returned, so t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias, TypeVar
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, TypeAlias, TypeVar
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, Place, Related, Severity, did_you_mean
-from scenario_compiler.document import Origin
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Related, Severity, did_you_mean
+from scenario_compiler.document import Document, Origin
 from scenario_compiler.expressions import Expression, ExpressionError
 from scenario_compiler.markup import codes
 from scenario_compiler.markup.names import UNKNOWN_ENTITY
 from scenario_compiler.markup.values import report_expression
+from scenario_compiler.openscenario.catalog_files import CatalogFolders
 from scenario_compiler.openscenario.codes import ONE_ENTITY
-from scenario_compiler.openscenario.reading import Reading
 from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
+from scenario_compiler.structure.walk import local_name
 
 _TRUE, _FALSE = ("true", "1"), ("false", "0")
 _Chosen = TypeVar("_Chosen", bound=str)
@@ -26,6 +29,62 @@ _Value = TypeVar("_Value")
 
 Real: TypeAlias = float
 """A float, named otherwise where `Node.float` hides it."""
+
+
+ObjectType = Literal["vehicle", "pedestrian", "miscellaneous", "external"]
+
+
+@dataclass
+class Known:
+    """What names of one scenario mean; filled as the file is read, top to bottom.
+
+    Attributes:
+        entities: Type of each entity, in document order.
+        selections: Members of each EntitySelection.
+        catalogs: The catalogs in the folders that the scenario lists.
+        entries: The entries of catalogs that references led to.
+        places: Where each entity and each selection is named.
+    """
+
+    entities: dict[str, ObjectType] = field(default_factory=dict)
+    selections: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    catalogs: CatalogFolders | None = None
+    entries: dict[etree._Element, Node] = field(default_factory=dict)
+    places: dict[str, Place] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class FileContext:
+    """What the elements of one file are read with.
+
+    Attributes:
+        document: The file.
+        sink: Where faults go.
+        version: revMajor and revMinor of the file.
+        known: What names mean.
+        used: Attributes that were asked for, by element; an element that is no key was never looked at.
+        within: The catalog reference that brought the file in.
+    """
+
+    document: Document
+    sink: Diagnostics
+    version: tuple[int, int]
+    known: Known = field(default_factory=Known)
+    used: dict[etree._Element, set[str]] = field(default_factory=dict)
+    within: Place | None = None
+
+    @property
+    def folder(self) -> Path:
+        """Folder that relative paths in the file start from."""
+        return self.document.folder
+
+    def origin(self, element: etree._Element, attribute: str | None = None) -> Origin:
+        """Return the place of an element or attribute."""
+        return self.document.origin(element, attribute, self.within)
+
+    def of(self, document: Document, version: tuple[int, int], within: Place | None) -> FileContext:
+        """Return what the elements of another file, brought in by this one, are read with."""
+        return replace(self, document=document, version=version, within=within)
 
 
 class Node:
@@ -40,7 +99,7 @@ class Node:
 
     __slots__ = ("element", "opened", "reading", "scope")
 
-    def __init__(self, element: etree._Element, reading: Reading, scope: Scope, *, opened: bool = False) -> None:
+    def __init__(self, element: etree._Element, reading: FileContext, scope: Scope, *, opened: bool = False) -> None:
         """Take note that the element is looked at."""
         self.element = element
         self.opened = opened
@@ -251,8 +310,3 @@ class Node:
         message = f"'{text}' is not {expected} ({self.tag}/{attribute})"
         self.report(codes.WRONG_VALUE, message, attribute, hint, severity)
         return default
-
-
-def local_name(element: etree._Element) -> str:
-    """Return an element's name without its namespace."""
-    return str(element.tag).rpartition("}")[2]

@@ -30,7 +30,7 @@ from scenario_compiler.openscenario.spelling import (
 from scenario_compiler.vocabulary.positions import (
     FreePosition,
     GeoPosition,
-    LanePosition,
+    LanePositionWord,
     LanesAwayPosition,
     Point,
     RelativeObjectPosition,
@@ -55,7 +55,7 @@ POSITION_NOT_HERE = Code(
     "A position on a route or a trajectory stands where another route or trajectory, a synchronisation or the place of "
     "a new entity is described. There a position has to be on the map, in the world or beside an entity:\n\n"
     "    <Vertex><Position><TrajectoryPosition .../></Position></Vertex>\n\n"
-    "Write a LanePosition, RoadPosition, WorldPosition or one of the relative positions.",
+    "Write a LanePositionWord, RoadPosition, WorldPosition or one of the relative positions.",
     Severity.WARNING,
 )
 
@@ -165,7 +165,7 @@ POINTS = Forms(
         Form("WorldPosition", FreePosition, _read_world, _write_world),
         regular(
             "LanePosition",
-            LanePosition,
+            LanePositionWord,
             text("road", "roadId"),
             integer("lane", "laneId"),
             number("s"),

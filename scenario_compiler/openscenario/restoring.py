@@ -13,7 +13,7 @@ from typing import Any
 from lxml import etree
 
 from scenario_compiler.document import Document
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.markup.values import UnreadError, read_attribute
 from scenario_compiler.openscenario.node import Node
@@ -86,10 +86,10 @@ class _Restoration:
             for element in tree.findall("exact"):
                 self._keep(element, self.reading(tree))
 
-    def reading(self, tree: etree._Element) -> Reading:
-        return Reading(Document(self.path, "", tree), self.sink, self.environment)
+    def reading(self, tree: etree._Element) -> ReadingContext:
+        return ReadingContext(Document(self.path, "", tree), self.sink, self.environment)
 
-    def _keep(self, element: etree._Element, reading: Reading) -> None:
+    def _keep(self, element: etree._Element, reading: ReadingContext) -> None:
         of = element.get("of", "")
         names = {"init": ("number",), "action": ("element",)}.get(of, ("element", "group", "condition"))
         key = (of, *(element.get(name, "") for name in names))

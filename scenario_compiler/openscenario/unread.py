@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from lxml import etree
 
 from scenario_compiler.openscenario.codes import NOT_READ
-from scenario_compiler.openscenario.node import Node, local_name
+from scenario_compiler.openscenario.node import Node
+from scenario_compiler.structure.walk import local_name
 
 DESCRIPTIONS = ("FileHeader", "License", "Properties", "File")
 """Elements that describe: what they say has no effect and is not meant to have one."""

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from scenario_compiler.diagnostics import Severity, did_you_mean
 from scenario_compiler.markup import codes as form
 from scenario_compiler.openscenario.codes import NO_VEHICLE_SIZE
-from scenario_compiler.openscenario.node import Node
-from scenario_compiler.openscenario.reading import ObjectType
+from scenario_compiler.openscenario.node import Node, ObjectType
 from scenario_compiler.vocabulary.entities import Category, Vehicle
 
 OBJECTS: dict[str, ObjectType] = {"Vehicle": "vehicle", "Pedestrian": "pedestrian", "MiscObject": "miscellaneous"}

@@ -17,7 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenario_compiler.engine.camera_health import noise_health
+from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.birds_eye import X_FROM, BirdsEye, Ridges
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (

@@ -27,7 +27,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.engine.camera_health import blur_health, dirt_health, noise_health, tones_health
+from scenario_compiler.engine.ego.camera_health import blur_health, dirt_health, noise_health, tones_health
 from scenario_compiler.perception.confidence import noise_of
 
 Image = NDArray[np.uint8]

@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.engine.visibility import haze_extinction, paint_contrast
+from scenario_compiler.engine.ego.visibility import haze_extinction, paint_contrast
 
 
 class WeatherNumbers(Protocol):

@@ -24,7 +24,7 @@ from scenario_compiler.vocabulary.positions import (
     BoundPosition,
     FreePosition,
     GeoPosition,
-    LanePosition,
+    LanePositionWord,
     LanesAwayPosition,
     NumberedSpawnPoint,
     Position,
@@ -168,7 +168,7 @@ class Binder:
         `center` is the distance from the reference point to the box's centre of the entity that stands there, m: a
         position in CARLA's frame speaks of the centre.
         """
-        if isinstance(position, LanePosition):
+        if isinstance(position, LanePositionWord):
             return self._on_lane(position)
         if isinstance(position, AT_USE):
             return position
@@ -184,7 +184,7 @@ class Binder:
             return self._bind_random(position)
         return self._bind_world(position, center)
 
-    def _on_lane(self, position: LanePosition) -> LanePosition | None:
+    def _on_lane(self, position: LanePositionWord) -> LanePositionWord | None:
         s = self._on_length(position, self.value(position.s, position))
         if s is None:
             return None
@@ -209,7 +209,7 @@ class Binder:
             changes["s"] = s
         return position.model_copy(update=changes) if changes else position
 
-    def _on_length(self, position: LanePosition | RoadPosition, s: float) -> float | None:
+    def _on_length(self, position: LanePositionWord | RoadPosition, s: float) -> float | None:
         """Return s of a position on its road; None, reported, for what the road does not have.
 
         Where beyond the end is forgiven, the end.
@@ -240,7 +240,7 @@ class Binder:
             return False
         return True
 
-    def _bind_road(self, position: RoadPosition) -> LanePosition | None:
+    def _bind_road(self, position: RoadPosition) -> LanePositionWord | None:
         s, t = self._on_length(position, self.value(position.s, position)), self.value(position.t, position)
         if s is None:
             return None
@@ -278,7 +278,8 @@ class Binder:
     def _map_points(self) -> dict[str, Position]:
         points = read_spawn_points(self.network.path, self.sink)
         return {
-            name: LanePosition.model_construct(road=one.road, lane=one.lane, s=one.s) for name, one in points.items()
+            name: LanePositionWord.model_construct(road=one.road, lane=one.lane, s=one.s)
+            for name, one in points.items()
         }
 
     def _bind_spawn_point(self, position: SpawnPoint | NumberedSpawnPoint, center: float) -> BoundPosition | None:
@@ -318,7 +319,7 @@ class Binder:
             drawn = int(uniform(position.seed, 0, "spawn_point") * len(listed))
             return self._bind_listed(listed[drawn], position, center)
         bound = [self._bind_listed(one, position, center) for one in listed]
-        places = tuple(one for one in bound if isinstance(one, LanePosition))
+        places = tuple(one for one in bound if isinstance(one, LanePositionWord))
         return AnyOfPosition(places=places).written_at(position.origin) if len(places) == len(listed) else None
 
     def _bind_random(self, position: RandomPosition) -> RandomPosition | None:
@@ -330,7 +331,7 @@ class Binder:
             return None
         return position
 
-    def _bind_world(self, position: WorldPosition, center: float) -> LanePosition | None:
+    def _bind_world(self, position: WorldPosition, center: float) -> LanePositionWord | None:
         x, y, yaw = (self.value(n, position) for n in (position.x, position.y, position.yaw))
         written, heading = (x, y), yaw
         if position.frame == "carla":
@@ -366,9 +367,9 @@ class Binder:
         turned = abs(wrap(heading - self.travel_heading(lane)))
         return (not drivable, turned > math.pi / 4, abs(lane.offset))
 
-    def _facing(self, lane: FoundLane, heading: float, position: Position) -> LanePosition:
+    def _facing(self, lane: FoundLane, heading: float, position: Position) -> LanePositionWord:
         turn = wrap(heading - self.travel_heading(lane))
-        return LanePosition.model_construct(
+        return LanePositionWord.model_construct(
             road=lane.road, lane=lane.lane, s=lane.s, offset=lane.offset, turn=turn
         ).written_at(position.origin)
 
@@ -385,7 +386,7 @@ class Binder:
 
         `starts` are the entities' lanes so far. None for one relative to an entity that is drawn, and for any other.
         """
-        if isinstance(position, LanePosition):
+        if isinstance(position, LanePositionWord):
             s, offset = self.value(position.s, position), self.value(position.offset, position)
             lane: FoundLane | None = FoundLane(position.road, position.lane, s, offset)
         elif isinstance(position, BesidePosition):
@@ -398,7 +399,7 @@ class Binder:
             return None
         pose = self.network.lane_pose(lane.road, lane.lane, lane.s, lane.offset)
         heading = self.travel_heading(lane) + self.value(position.turn, position)
-        if isinstance(position, LanePosition) and position.heading is not None:
+        if isinstance(position, LanePositionWord) and position.heading is not None:
             heading = self.value(position.heading, position)
         return lane, _start_pose(pose, heading)
 
@@ -465,7 +466,7 @@ def travel_direction(network: Network, road: str, lane: int) -> int:
     return lane_direction(network.tables, network.road_index(road), lane)
 
 
-def is_bound(network: Network, position: LanePosition, s: float) -> bool:
+def is_bound(network: Network, position: LanePositionWord, s: float) -> bool:
     """Return whether the map has a position's road and, at s, its lane; binding has reported one that it has not."""
     if position.road not in network.road_ids or not 0.0 <= s <= network.road(position.road).length:
         return False

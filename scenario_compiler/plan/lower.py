@@ -32,7 +32,7 @@ from scenario_compiler.vocabulary.positions import (
     BoundPosition,
     ControlPoint,
     GeoPosition,
-    LanePosition,
+    LanePositionWord,
     NumberedSpawnPoint,
     Position,
     RandomPosition,
@@ -81,7 +81,7 @@ Perception = Literal["camera", "ideal"]
 
 
 @dataclass
-class Draft:
+class PlanDraft:
     """A plan in the making."""
 
     scenario: Scenario
@@ -92,7 +92,7 @@ class Draft:
     entities: list[Entity] = field(default_factory=list)
     standings: dict[str, Standing] = field(default_factory=dict)
     unresolved: set[str] = field(default_factory=set)
-    destination: LanePosition | None = None
+    destination: LanePositionWord | None = None
     route: tuple[RouteLeg, ...] = ()
     storyboard: Storyboard = field(default_factory=Storyboard.model_construct)
     takeover: Takeover = field(default_factory=Takeover.model_construct)
@@ -124,7 +124,7 @@ def lower(
     """
     named = {} if scenario.spawn_points is None else {p.name: p.position for p in scenario.spawn_points.points}
     binder = Binder(network, values, sink, named, forgiving=scenario.ego is None)
-    draft = Draft(scenario, network, sink, binder, whole)
+    draft = PlanDraft(scenario, network, sink, binder, whole)
     for run_pass in PASSES:
         run_pass(draft)
     ego = scenario.ego
@@ -159,7 +159,7 @@ def lower(
     return plan
 
 
-def bind_entities(draft: Draft) -> None:
+def bind_entities(draft: PlanDraft) -> None:
     """Bind every entity's start to a lane, in document order: an entity may stand relative to an earlier one.
 
     One whose start is at fault keeps it as it was written, so that no check takes it for one without.
@@ -184,7 +184,7 @@ def written_entities(scenario: Scenario) -> tuple[Ego | Static | Dynamic, ...]:
     return scenario.actors if scenario.ego is None else (scenario.ego, *scenario.actors)
 
 
-def resolve_starts(draft: Draft, starts: Mapping[str, BoundPosition]) -> None:
+def resolve_starts(draft: PlanDraft, starts: Mapping[str, BoundPosition]) -> None:
     """Find every start's lane and pose, those that stand relative to another entity after that one."""
     waiting = dict(starts)
     while waiting:
@@ -227,13 +227,13 @@ def make_entity(entity: Ego | Static | Dynamic, start: BoundPosition | Position 
     )
 
 
-def plan_routes(draft: Draft) -> None:
+def plan_routes(draft: PlanDraft) -> None:
     """Bind the destinations and find the ways to them."""
     ego = draft.scenario.ego
     if ego is not None and ego.destination is not None:
         goal, draft.route = find_way(draft, ego.id, ego.destination)
         if goal is not None:
-            draft.destination = LanePosition.model_construct(
+            draft.destination = LanePositionWord.model_construct(
                 road=goal.road, lane=goal.lane, s=goal.s, offset=goal.offset
             )
     routes = {
@@ -246,7 +246,7 @@ def plan_routes(draft: Draft) -> None:
     ]
 
 
-def find_way(draft: Draft, entity: str, written: Position) -> tuple[FoundLane | None, tuple[RouteLeg, ...]]:
+def find_way(draft: PlanDraft, entity: str, written: Position) -> tuple[FoundLane | None, tuple[RouteLeg, ...]]:
     """Return where a destination lies and the way to it from where an entity starts; report what is not there."""
     bound = bind_fixed(draft, written)
     placed = next((one.start for one in draft.entities if one.id == entity), None)
@@ -270,7 +270,7 @@ def find_way(draft: Draft, entity: str, written: Position) -> tuple[FoundLane | 
     )
 
 
-def bind_fixed(draft: Draft, position: Position) -> BoundPosition | None:
+def bind_fixed(draft: PlanDraft, position: Position) -> BoundPosition | None:
     """Bind a position that must be the same in every run."""
     bound = draft.binder.bind(position, 0.0)
     if isinstance(bound, RandomPosition | AnyOfPosition):
@@ -286,24 +286,24 @@ POSITIONS = (
     NumberedSpawnPoint,
     RandomSpawnPoint,
     RandomPosition,
-    LanePosition,
+    LanePositionWord,
     GeoPosition,
 )
 """Positions that are not bound to the map before `bind_fixed`."""
 
 
-def bind_corner(draft: Draft, corner: Vertex | ControlPoint) -> Vertex | ControlPoint:
+def bind_corner(draft: PlanDraft, corner: Vertex | ControlPoint) -> Vertex | ControlPoint:
     """Bind a corner of a trajectory; one whose author gave no heading gets none from its road or the world's axes."""
     position = corner.position
     aligned = isinstance(position, WorldPosition) and position.yaw == 0.0
     along = isinstance(position, RoadPosition) and position.turn == 0.0 and position.heading is None
     bound = bind_fixed(draft, position) if aligned or along else None
-    if not isinstance(bound, LanePosition):
+    if not isinstance(bound, LanePositionWord):
         return corner
     return corner.model_copy(update={"position": bound.model_copy(update={"turn": 0.0})})
 
 
-def bind_storyboard(draft: Draft) -> None:
+def bind_storyboard(draft: PlanDraft) -> None:
     """Bind the positions of conditions, actions and paths."""
 
     def bind(word: Word) -> Word:
@@ -317,12 +317,12 @@ def bind_storyboard(draft: Draft) -> None:
     ]
 
 
-def place_by_init(draft: Draft) -> None:
+def place_by_init(draft: PlanDraft) -> None:
     """Find where the entities stand that the init puts somewhere."""
     draft.standings = after_init(draft.binder, draft.storyboard, draft.standings)
 
 
-def add_traffic(draft: Draft) -> None:
+def add_traffic(draft: PlanDraft) -> None:
     """Add the entities of background traffic."""
     vehicles = {vehicle.name: vehicle for vehicle in draft.scenario.vehicles}
     for traffic in draft.scenario.traffic:
@@ -338,12 +338,12 @@ def add_traffic(draft: Draft) -> None:
         draft.entities.extend(entities)
 
 
-def check_markings(draft: Draft) -> None:
+def check_markings(draft: PlanDraft) -> None:
     """Report paint where the map has no place for it."""
     check_paint(draft.binder, draft.scenario)
 
 
-def check_spawn_points(draft: Draft) -> None:
+def check_spawn_points(draft: PlanDraft) -> None:
     """Report spawn points of the scenario's own that nothing uses and that lie nowhere."""
     listed = () if draft.scenario.spawn_points is None else draft.scenario.spawn_points.points
     ego = draft.scenario.ego
@@ -359,14 +359,14 @@ def _spot(one: Diagnostic) -> tuple[Code, str, int, int]:
     return one.code, one.place.file, one.place.line, one.place.column
 
 
-def complete_policy(draft: Draft) -> None:
+def complete_policy(draft: PlanDraft) -> None:
     """Fill in the numbers of the takeover policy that the author left out."""
     draft.takeover = complete_takeover(draft.scenario.takeover)
     if draft.whole:
         check_criteria(draft.scenario, draft.takeover, draft.sink)
 
 
-def fill_duration(draft: Draft) -> None:
+def fill_duration(draft: PlanDraft) -> None:
     """Give the run an end."""
     if draft.scenario.duration is not None:
         draft.duration = draft.scenario.duration
@@ -381,14 +381,14 @@ def _is_written(place: Place, attribute: str) -> bool:
     return isinstance(place, Origin) and attribute in place.element.attrib
 
 
-def add_kept_vehicles(draft: Draft) -> None:
+def add_kept_vehicles(draft: PlanDraft) -> None:
     """Add the vehicles of actions on traffic; sources have as many as the run's duration asks for."""
     vehicles = draft.scenario.vehicles
     kept = kept_entities(draft.storyboard, vehicles, draft.entities, draft.duration, draft.sink)
     draft.entities.extend(list(kept))
 
 
-def keep_open_parameters(draft: Draft) -> None:
+def keep_open_parameters(draft: PlanDraft) -> None:
     """Keep the parameters that numbers still depend on."""
     scenario = draft.scenario
     words: list[Word] = [draft.storyboard, draft.takeover, *scenario.criteria]
@@ -402,7 +402,7 @@ def keep_open_parameters(draft: Draft) -> None:
     draft.parameters = tuple(p for p in scenario.parameters if p.name in open_names)
 
 
-def note_origins(draft: Draft) -> None:
+def note_origins(draft: PlanDraft) -> None:
     """Remember where the author wrote the parts of the plan that later stages speak of."""
     parts: dict[str, Word] = {f"entities/{e.id}": e for e in written_entities(draft.scenario)}
     parts["scenario"] = draft.scenario
@@ -414,7 +414,7 @@ def note_origins(draft: Draft) -> None:
             draft.origins[key] = origin_at(word.origin)
 
 
-PASSES: tuple[Callable[[Draft], None], ...] = (
+PASSES: tuple[Callable[[PlanDraft], None], ...] = (
     bind_entities,
     plan_routes,
     bind_storyboard,

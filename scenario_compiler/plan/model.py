@@ -15,7 +15,7 @@ from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
-from scenario_compiler.vocabulary.positions import BoundPosition, LanePosition
+from scenario_compiler.vocabulary.positions import BoundPosition, LanePositionWord
 from scenario_compiler.vocabulary.scenario import Classification, Parameter
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.signals import SignalController
@@ -109,7 +109,7 @@ class Plan(PlanPart):
         default=None, description="What drives the ego vehicle; none without an automated vehicle."
     )
     perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
-    destination: LanePosition | None = Field(default=None, description="Where the run ends.")
+    destination: LanePositionWord | None = Field(default=None, description="Where the run ends.")
     route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
     markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")
     secondary_markings: tuple[SecondaryMarkings | LineBeside, ...] = Field(

@@ -7,12 +7,12 @@ import io
 from collections.abc import Iterable
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.recording.decimals import shortest, to_the_nanosecond
-from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.names import EVENT_TEXTS, EventKind
 
 
 class EventRow(BaseModel):
@@ -21,7 +21,7 @@ class EventRow(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     t: float = Field(description="Time, s.")
-    kind: EventKind = Field(description="What happened.")
+    kind: EventKind = Field(description="What happened.", json_schema_extra={"enum": [*EVENT_TEXTS]})
     entity: str = Field(default="", description="Id of the entity concerned; at a collision, of the one that was hit.")
     cause: str = Field(
         default="", description="Why: the cause of a warning or request, the kind of a failure, who stopped."
@@ -31,6 +31,13 @@ class EventRow(BaseModel):
         description="What the driver was told, an event of the storyboard or an entity by name, or a sentence.",
     )
     value: float | None = Field(default=None, description="A number that belongs to it, SI unit.")
+
+    @field_validator("kind")
+    @classmethod
+    def _is_known(cls, kind: str) -> str:
+        if kind not in EVENT_TEXTS:
+            raise ValueError(f"there is no kind of event '{kind}'")
+        return kind
 
 
 def write_events(events: Iterable[EventRow], path: Path) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scenario_compiler.engine.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
+from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.names import EventKind

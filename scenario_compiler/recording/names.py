@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, TypeAlias
 
-from scenario_compiler.engine import opcodes
+from scenario_compiler.engine.columns import opcodes
+from scenario_compiler.engine.columns.events import EVENTS
+from scenario_compiler.engine.moves.table import ACTIONS
 from scenario_compiler.vocabulary.sensors import FailureKind
 
 StateName = Literal[
@@ -12,22 +14,17 @@ StateName = Literal[
 ]
 """States of the takeover."""
 
-EventKind = Literal[
-    "activation", "warning", "warning_over", "request", "escalation", "response", "hand_back", "minimum_risk",
-    "standstill", "collision", "contact", "merge", "merge_aborted", "brake", "evade", "sensor_noise", "failure",
-    "failure_end", "weather", "hazard_lights", "storyboard_start", "storyboard_end", "message", "light",
-    "command", "signal", "stop",
-]  # fmt: skip
-"""Kinds of events. Activation, request (transition demand), response (override), minimum-risk manoeuvre and
-collision are occurrences that UN R157, 8.2.1, has a data storage system record; the others are ours."""
+EventKind: TypeAlias = str
+"""Kind of an event, one of EVENT_TEXTS."""
 
 StopReason = Literal[
-    "", "duration", "trigger", "destination", "standstill", "collision", "error", "controller_failed", "user"
+    "", "duration", "trigger", "destination", "standstill", "collision", "error", "world_lost",
+    "controller_failed", "user",
 ]  # fmt: skip
 """Why a run ended; empty while it goes on, `user` when a person or a program ended it."""
 
-BROKEN: frozenset[StopReason] = frozenset(("error", "controller_failed"))
-"""Reasons of runs that broke off."""
+BROKEN_OFF: frozenset[StopReason] = frozenset({"error", "world_lost", "controller_failed"})
+"""Reasons of runs that could not go on."""
 
 TAKEOVER_STATES: dict[int, StateName] = {
     opcodes.TAKEOVER_AUTOMATED: "automated",
@@ -49,34 +46,15 @@ CAUSES: dict[int, str] = {
     opcodes.CAUSE_LANE_ENDS: "lane_ends",
 }
 
-EVENT_KINDS: dict[int, EventKind] = {
-    opcodes.EVENT_ACTIVATION: "activation",
-    opcodes.EVENT_WARNING: "warning",
-    opcodes.EVENT_WARNING_OVER: "warning_over",
-    opcodes.EVENT_REQUEST: "request",
-    opcodes.EVENT_ESCALATION: "escalation",
-    opcodes.EVENT_RESPONSE: "response",
-    opcodes.EVENT_HAND_BACK: "hand_back",
-    opcodes.EVENT_MINIMUM_RISK: "minimum_risk",
-    opcodes.EVENT_STANDSTILL: "standstill",
-    opcodes.EVENT_COLLISION: "collision",
-    opcodes.EVENT_MERGE: "merge",
-    opcodes.EVENT_MERGE_ABORTED: "merge_aborted",
-    opcodes.EVENT_BRAKE: "brake",
-    opcodes.EVENT_EVADE: "evade",
-    opcodes.EVENT_SENSOR_NOISE: "sensor_noise",
-    opcodes.EVENT_STORYBOARD_START: "storyboard_start",
-    opcodes.EVENT_STORYBOARD_END: "storyboard_end",
-    opcodes.EVENT_FAILURE: "failure",
-    opcodes.EVENT_FAILURE_END: "failure_end",
-    opcodes.EVENT_WEATHER: "weather",
-    opcodes.EVENT_MESSAGE: "message",
-    opcodes.EVENT_LIGHT: "light",
-    opcodes.EVENT_COMMAND: "command",
-    opcodes.EVENT_SIGNAL: "signal",
-    opcodes.EVENT_HAZARD_LIGHTS: "hazard_lights",
-    opcodes.EVENT_CONTACT: "contact",
+EVENT_TEXTS: dict[EventKind, str] = {
+    **dict(EVENTS.values()),
+    **{entry.told.event: entry.told.text for entry in ACTIONS if entry.told is not None},
+    "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`.",
+    "lane_invasion": "The world's own sensor reports that the ego vehicle crosses a mark; `message` is its type.",
+    "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` says why.",
+    "stop": "The run ends; `message` is the reason.",
 }
+"""Every kind of event, and what it tells: the engine's own, its actions', the worlds', and the loop's."""
 
 FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_NOISE: "noise",

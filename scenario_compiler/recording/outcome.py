@@ -13,11 +13,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.break_off import BreakOff
 from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
 from scenario_compiler.recording.decimals import to_the_nanosecond
 from scenario_compiler.recording.measures import MEASURES, Measure, measures_of
-from scenario_compiler.recording.names import BROKEN, BY_HAND, STATE_AFTER, StateName, StopReason
+from scenario_compiler.recording.names import BROKEN_OFF, BY_HAND, STATE_AFTER, StateName, StopReason
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import MEANINGS, Resolution, resolutions
 from scenario_compiler.recording.traces import Traces, traces_of
@@ -67,7 +66,6 @@ class Outcome(_Part):
     collision_with: str | None = Field(default=None, description="Id of the first entity that was hit.")
     stop_reason: StopReason = Field(description="Why the run ended.")
     error: int = Field(default=0, description="The engine's fault code; 0 for none.")
-    broke_off: BreakOff | None = Field(default=None, description="Why the run broke off; null for one that did not.")
     duration: float = Field(description="Time of the last row, s.")
     criteria: tuple[CriterionResult, ...] = Field(description="How the run fares by each criterion of the plan.")
     timeline: tuple[Interval, ...] = Field(
@@ -85,7 +83,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
     criteria = tuple(judge_criterion(criterion, recording, traces) for criterion in plan.criteria)
     header = recording.header
     passed = all(one.passed for one in criteria)
-    broken = recording.stop_reason in BROKEN or recording.error != 0
+    broken = recording.stop_reason in BROKEN_OFF or recording.error != 0
     request = next((event for event in recording.events if event.kind == "request"), None)
     crash = next((event for event in recording.events if event.kind == "collision"), None)
     return Outcome(
@@ -99,7 +97,6 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
         collision_with=crash.entity if crash else None,
         stop_reason=recording.stop_reason,
         error=recording.error,
-        broke_off=recording.broke_off,
         duration=float(recording.t[-1]) if len(recording.t) else 0.0,
         criteria=criteria,
         timeline=timeline(recording) if automated else (),

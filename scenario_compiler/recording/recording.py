@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenario_compiler.engine.opcodes import FAR
-from scenario_compiler.recording.break_off import BreakOff
+from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import EventKind, StopReason
 
@@ -41,7 +40,7 @@ class Header(BaseModel):
     perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
     world: str = Field(default="kinematic", description="Name of the world that the run took place in.")
     versions: dict[str, str] = Field(
-        default={}, description="Versions of what the result depends on: this package, Python and libraries."
+        default={}, description="Versions of what the result depends on: this package, Python, libraries, the world."
     )
     processor: str = Field(
         default="",
@@ -110,7 +109,6 @@ class Recording:
         frames: First-person pictures, ordered by time.
         stop_reason: Why it ended.
         error: The engine's fault code; 0 for none.
-        broke_off: Why it broke off; None for a run that did not.
     """
 
     header: Header
@@ -136,6 +134,8 @@ class Recording:
     off: Annotated[
         Floats, Column("entity", "m", "Distance left of the lane's centre in the road's s direction.", trajectory=True)
     ]
+    pitch: Annotated[Floats, Column("entity", "rad", "Pitch, positive with the nose down.")]
+    roll: Annotated[Floats, Column("entity", "rad", "Roll, positive with the left side up.")]
     throttle: Annotated[Floats, Column("entity", "1", "Throttle, 0 to 1.")]
     steer: Annotated[Floats, Column("entity", "rad", "Angle of the front wheels, positive to the left.")]
     brake: Annotated[Floats, Column("entity", "1", "Brake, 0 to 1.")]
@@ -162,7 +162,6 @@ class Recording:
     frames: tuple[Frame, ...] = ()
     stop_reason: StopReason = ""
     error: int = 0
-    broke_off: BreakOff | None = None
 
     @cached_property
     def trajectory_hash(self) -> str:
@@ -181,7 +180,7 @@ class Recording:
         """Compare everything, bit for bit but for NaN."""
         if not isinstance(other, Recording):
             return NotImplemented
-        plain = ("header", "roads", "events", "frames", "stop_reason", "error", "broke_off")
+        plain = ("header", "roads", "events", "frames", "stop_reason", "error")
         return all(getattr(self, name) == getattr(other, name) for name in plain) and all(
             np.array_equal(getattr(self, c.name), getattr(other, c.name), equal_nan=c.kind == "float") for c in COLUMNS
         )
@@ -243,11 +242,15 @@ class RecordingBuilder:
         """Take down an event."""
         self._events.append(EventRow(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value))
 
+    def add(self, row: EventRow) -> None:
+        """Take down an event as it is."""
+        self._events.append(row)
+
     def frame(self, t: float, label: str, png: bytes) -> None:
         """Take down a first-person picture."""
         self._frames.append(Frame(t, label, png))
 
-    def finish(self, stop_reason: StopReason, error: int = 0, broke_off: BreakOff | None = None) -> Recording:
+    def finish(self, stop_reason: StopReason, error: int = 0) -> Recording:
         """Return the recording of all rows so far; events of one instant stay as they came."""
         arrays = {column.name: self._array(column) for column in COLUMNS}
         absent = ~arrays["present"]
@@ -269,7 +272,6 @@ class RecordingBuilder:
             frames=tuple(sorted(self._frames, key=lambda frame: frame.t)),
             stop_reason=stop_reason,
             error=error,
-            broke_off=broke_off,
         )
 
     def _array(self, column: Column) -> NDArray[Any]:

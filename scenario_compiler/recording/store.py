@@ -18,7 +18,6 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from scenario_compiler.outputs import write_whole
-from scenario_compiler.recording.break_off import BreakOff
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
 from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
@@ -93,7 +92,6 @@ def _metadata(recording: Recording) -> dict[bytes, bytes]:
         "frames": [{"t": frame.t, "label": frame.label} for frame in recording.frames],
         "stop_reason": recording.stop_reason,
         "error": recording.error,
-        "broke_off": None if recording.broke_off is None else recording.broke_off.model_dump(mode="json"),
         "trajectory_hash": recording.trajectory_hash,
     }
     pictures = {
@@ -147,12 +145,7 @@ def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes
         for number, one in enumerate(about["frames"])
     )
     events = tuple(EventRow.model_validate(event) for event in about["events"])
-    why = about["broke_off"]
-    end = {
-        "stop_reason": about["stop_reason"],
-        "error": about["error"],
-        "broke_off": None if why is None else BreakOff.model_validate(why),
-    }
+    end = {"stop_reason": about["stop_reason"], "error": about["error"]}
     return Recording(header=header, roads=roads, **arrays, events=events, frames=frames, **end)
 
 

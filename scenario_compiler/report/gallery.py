@@ -19,7 +19,7 @@ from scenario_compiler.report.preview import start_of, way_ahead
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose
 from scenario_compiler.worlds.kinematic import KinematicWorld
-from scenario_compiler.worlds.model import Snapshot
+from scenario_compiler.worlds.model import EntityState, Snapshot
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,10 +83,7 @@ def start_picture(plan: Plan, network: Network) -> bytes:
     snapshot = Snapshot(
         t=0.0,
         frame=0,
-        present=(True,) * len(poses),
-        poses=tuple(Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0) for one in poses),
-        speeds=(0.0,) * len(poses),
-        sigma=0.0,
+        entities=tuple(EntityState(True, True, Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0)) for one in poses),
     )
     world.reset(snapshot, 1)
     picture = world.picture(snapshot)

@@ -9,41 +9,10 @@ from pydantic import BaseModel
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.measures import MEASURES
-from scenario_compiler.recording.names import EventKind, StopReason
+from scenario_compiler.recording.names import EVENT_TEXTS, StopReason
 from scenario_compiler.recording.outcome import Interval, MeasureValue, Outcome
 from scenario_compiler.recording.recording import COLUMNS, Header
 from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
-
-EVENTS: Mapping[EventKind, str] = {
-    "activation": "The automation drives again after a hand-back.",
-    "warning": "The driver is warned; `cause` says why.",
-    "warning_over": "The warning's reason is gone.",
-    "request": "A takeover is requested; `cause` says why.",
-    "escalation": "The request is made urgent; `cause` as above.",
-    "response": "The driver takes over.",
-    "hand_back": "The driver hands back to the automation.",
-    "minimum_risk": "The minimum-risk manoeuvre begins; `cause` as above.",
-    "standstill": "The automated vehicle stands; `cause` is `driver` where a driver stopped it.",
-    "collision": "Two boxes touch: the automated vehicle's, or the first entity's, and that of `entity`.",
-    "contact": "Two others touch, one of them for the first time: `entity`, and the one that `message` names.",
-    "merge": "A move to the lane beside begins.",
-    "merge_aborted": "That move is broken off.",
-    "brake": "The driver brakes before what blocks the path.",
-    "evade": "The driver evades what blocks the path.",
-    "sensor_noise": "The camera's noise changes.",
-    "failure": "A failure of the camera begins; `cause` is its kind.",
-    "failure_end": "It ends.",
-    "weather": "The weather begins to change.",
-    "hazard_lights": "`value` 1: on, 0: off.",
-    "storyboard_start": "An event of the storyboard begins: `message` is its name, `entity` who does it if one does.",
-    "storyboard_end": "It ends.",
-    "message": "The driver is told `message`; `cause` is the modality.",
-    "light": "A light of `entity`: `cause` which, `message` what it does.",
-    "command": "A command, or an animation: `cause` which, `message` what it says.",
-    "signal": "A traffic signal or its controller: `cause` which, `message` its state or phase.",
-    "stop": "The run ends; `message` is the reason.",
-}
-"""What each kind of event tells."""
 
 STOPS: Mapping[StopReason, str] = {
     "duration": "The scenario's duration, or `--duration`, was reached.",
@@ -52,6 +21,8 @@ STOPS: Mapping[StopReason, str] = {
     "standstill": "It has stood for a while after a minimum-risk manoeuvre, or a driver's stop.",
     "collision": "It has stood for a while after a collision.",
     "error": "The engine broke off; `error` in outcome.json says why.",
+    "world_lost": "The world could not go on, such as a server that ended; the event `broken_off` says why.",
+    "controller_failed": "The controller failed; the event `broken_off` says where.",
     "user": "A person or a program ended it.",
     "": "Unknown: a trajectory of another program.",
 }
@@ -144,7 +115,7 @@ def run_folder_page() -> str:
         _fields(Header),
         "## events.csv\n",
         _fields(EventRow, "column"),
-        _table(("kind", "tells"), ((f"`{kind}`", text) for kind, text in EVENTS.items())),
+        _table(("kind", "tells"), ((f"`{kind}`", text) for kind, text in EVENT_TEXTS.items())),
         _OF_EVENTS,
         "## outcome.json\n",
         _fields(Outcome),

@@ -77,14 +77,15 @@ def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: floa
         dy = y - n.piece_y[piece]
         u = dx * c + dy * w
         v = dy * c - dx * w
-        if kind == LINE:
-            return start + u, v
         k = n.piece_k[piece]
+        if kind == LINE or k == 0.0:
+            return start + u, v
         across = 1.0 - k * v
         q = sqrt(k * k * u * u + across * across)
         d = atan2(k * u, across) / k
         turn = TAU / abs(k)
-        d = d + turn * floor((0.5 * (low + high) - start - d) / turn + 0.5)
+        if turn > 0.0:
+            d = d + turn * floor((0.5 * (low + high) - start - d) / turn + 0.5)
         return start + d, (2.0 * v - k * (u * u + v * v)) / (1.0 + q)
     s = 0.5 * (low + high)
     margin = high - low + 1.0

@@ -226,7 +226,7 @@ class Junction:
 
 
 @dataclass(frozen=True, slots=True)
-class Controller:
+class SignalGroup:
     """A controller: (signal id, type) of the signals that it switches."""
 
     id: str
@@ -256,7 +256,7 @@ class RoadModel:
     signals: tuple[Signal, ...]
     structures: tuple[Structure, ...]
     junctions: tuple[Junction, ...]
-    controllers: tuple[Controller, ...]
+    controllers: tuple[SignalGroup, ...]
     lanes: tuple[LaneDetails, ...]
 
 
@@ -453,9 +453,9 @@ class _ModelReader:
         )
 
 
-def _controller(element: etree._Element) -> Controller:
+def _controller(element: etree._Element) -> SignalGroup:
     controls = ((one.get("signalId", ""), one.get("type", "")) for one in element.iterfind("control"))
-    return Controller(element.get("id", ""), element.get("name", ""), tuple(controls))
+    return SignalGroup(element.get("id", ""), element.get("name", ""), tuple(controls))
 
 
 def _user_data(element: etree._Element) -> tuple[UserData, ...]:

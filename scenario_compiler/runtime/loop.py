@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 from scenario_compiler.controllers import (
@@ -15,41 +16,40 @@ from scenario_compiler.controllers import (
     VehicleState,
     create_controller,
 )
-from scenario_compiler.engine.camera_health import BLUR_AT_ONE
-from scenario_compiler.engine.following import leader_gap
-from scenario_compiler.engine.opcodes import (
-    ELEMENT_EVENT,
-    FAILURE_BLACKOUT,
-    FAILURE_BLUR,
-    FAILURE_DIRT,
-    FAR,
-    SEEN_IN_PICTURES,
-    STOP_NONE,
-)
-from scenario_compiler.engine.presence import there_for
-from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.sensor import look_ahead
-from scenario_compiler.engine.slots import K_FIELD_OF_VIEW, K_SENSOR_RANGE
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import State, make_draws
+from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
+from scenario_compiler.engine.forms.failure import EngineError
+from scenario_compiler.engine.program.build import lowered
+from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.break_off import QUANTITIES, BreakOff, engine_break_off
-from scenario_compiler.recording.names import BY_HAND, CAUSES, EVENT_KINDS, FAILURES, STOP_REASONS
+from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
+from scenario_compiler.recording.names import STOP_REASONS, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network, Pose
-from scenario_compiler.runtime.action_events import OF_ACTIONS, action_text, actions_of
-from scenario_compiler.runtime.messages import messages
+from scenario_compiler.runtime.failures import ENGINE_BROKE_OFF
+from scenario_compiler.runtime.log import EventLog
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
-from scenario_compiler.runtime.route_ahead import route_ahead
 from scenario_compiler.trust import Trust
-from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.scenario import parameter_values
-from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.weather import weather_of
-from scenario_compiler.worlds import WORLDS, CameraFaults, Snapshot, World
+from scenario_compiler.worlds import (
+    WORLDS,
+    CameraFaults,
+    EgoCommand,
+    EgoState,
+    EntityState,
+    Snapshot,
+    World,
+    WorldError,
+    WorldOptions,
+)
 
-ENTITY_COLUMNS = ("present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "throttle", "steer", "brake")
+ENTITY_COLUMNS = (
+    *("present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off"),
+    *("pitch", "roll", "throttle", "steer", "brake"),
+)
 RUN_COLUMNS = {
     "takeover_state": "takeover_state",
     "cause": "cause",
@@ -62,13 +62,32 @@ RUN_COLUMNS = {
 }
 """Recorded column to the engine's."""
 
+BRAKE_LIGHTS = 1.3
+"""Deceleration from which the brake lights of a vehicle that is not driven by commands are on, m/s2: that from which UN
+R13-H (5.2.22.4) has them on when a vehicle brakes without its driver's pedal.
+"""
+
 LANE_COLUMNS = tuple(f"{side}_{name}" for side in ("left", "right") for name in ("y0", "slope", "curvature"))
 
 
-def open_world(name: str, plan: Plan, network: Network) -> World:
-    """Open a world by its name in WORLDS; KeyError when there is none of that name."""
+def open_world(name: str, plan: Plan, network: Network, **options: object) -> World:
+    """Open a world; use it in a `with` statement, so that it gives back what it holds.
+
+    Args:
+        name: Its name in WORLDS.
+        plan: The plan that it is for.
+        network: The plan's map.
+        **options: Options of the world, as its `Options` model declares them.
+
+    Raises:
+        KeyError: There is no world of that name.
+        pydantic.ValidationError: An option is wrong.
+        WorldError: The world cannot be opened.
+    """
     module, _, attribute = WORLDS[name].partition(":")
-    world: World = getattr(importlib.import_module(module), attribute)(plan, network)
+    found = getattr(importlib.import_module(module), attribute)
+    given: WorldOptions = found.Options.model_validate(options)
+    world: World = found(plan, network, given)
     return world
 
 
@@ -78,29 +97,27 @@ def run(
     seed: int = 1,
     *,
     variant: int = 0,
+    interpreted: bool = False,
     progress: Callable[[float], None] | None = None,
     trust: Trust | None = None,
 ) -> Recording:
     """Execute a plan in a world.
+
+    A run that cannot go on, because the world is lost, the controller fails or the engine has no result, ends there:
+    the recording says so by its stop reason and its last event, and holds everything until then.
 
     Args:
         plan: The plan.
         world: A world opened for the plan; it can be used for several runs.
         seed: Seed of all that is drawn.
         variant: Index of the variant, which the draws depend on too.
+        interpreted: Whether the engine runs interpreted although its machine code is there.
         progress: Called with the time, s, after every step.
         trust: Code of the user's own that the plan may name as its controller.
-
-    Raises:
-        ControllerError: The controller cannot be had, so there is no run. One that fails later ends the run, and the
-            recording says why.
     """
-    execution = _Execution(plan, world, seed, variant, trust)
+    execution = _Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust)
     while execution.going:
-        try:
-            execution.advance()
-        except ControllerError as fault:
-            return execution.break_off(fault)
+        execution.advance()
         if progress is not None:
             progress(execution.state.clock[0])
     return execution.finish()
@@ -110,115 +127,165 @@ def faults_of(state: State) -> CameraFaults:
     """Return what is wrong with the camera beside its noise, from the engine's state."""
     now = state.failure_now
     return CameraFaults(
-        dark=now[FAILURE_BLACKOUT],
-        blur=BLUR_AT_ONE * now[FAILURE_BLUR],
-        dirt=now[FAILURE_DIRT],
+        dark=now[op.FAILURE_BLACKOUT],
+        blur=BLUR_AT_ONE * now[op.FAILURE_BLUR],
+        dirt=now[op.FAILURE_DIRT],
         missing=state.missing[0] == 1,
         frozen=state.frozen[0] == 1,
     )
 
 
-CAUSED = frozenset({"warning", "request", "escalation", "minimum_risk"})
-"""Kinds of events that have a cause."""
-
-NAMED = frozenset({"storyboard_start", "storyboard_end"})
-"""Kinds of events that tell of an event of the storyboard."""
-
-
-def named_events(plan: Plan, program: Program) -> dict[int, tuple[str, str]]:
-    """Return the name of each event of the storyboard, and who does it where that is one, by the event's element."""
-    elements = (at for at, kind in enumerate(program.element_kind) if kind == ELEMENT_EVENT)
-    events = (
-        (event.name, group.actors[0] if len(group.actors) == 1 else "") for group, event in plan.storyboard.events()
-    )
-    return dict(zip(elements, events, strict=True))
-
-
 class _Execution:
     """One run under way."""
 
-    def __init__(self, plan: Plan, world: World, seed: int, variant: int, trust: Trust | None) -> None:
+    def __init__(
+        self, plan: Plan, world: World, seed: int, variant: int, *, interpreted: bool, trust: Trust | None
+    ) -> None:
         self.plan = plan
         self.world = world
-        self.tables = world.network.tables
-        self.program = build_program(plan, world.network)
-        self.state = new_state(self.program)
+        self.lowered = lowered(plan, world.network, posed=world.moves_ego)
+        self.program = self.lowered.program
+        self.simulation = Simulation(world.network.tables, self.program, interpreted=interpreted)
+        self.state = self.simulation.state
         self.weather_changes = self.program.weather_count[0] > 1
-        self.told = [word for word in walk(plan.storyboard) if isinstance(word, MessageAction)]
-        self.named = named_events(plan, self.program)
-        self.actions = list(actions_of(plan))
-        self.state.draw[:] = make_draws(seed, variant)
+        self.log = EventLog(plan, self.program)
         self.controller: ControllerModel | None = None
-        if plan.controller is not None and plan.perception == "camera":
-            self.controller = create_controller(plan.controller, trust)
-            self.controller.reset(seed)
         self.control: Control | None = None
         self.seen: SensorData | None = None
         self.lanes = {name: [math.nan] for name in LANE_COLUMNS}
-        self.logged = 0
         self.pictured: set[str] = set()
-        reset(self.tables, self.program, self.state)
-        world.reset(self.snapshot(), seed)
+        self.broken: StopReason = ""
+        self.simulation.reset(make_draws(seed, variant))
         self.builder = RecordingBuilder(self._header(seed, variant), world.network.road_ids, self._columns())
+        with self._noticing_failures():
+            if plan.controller is not None and plan.perception == "camera":
+                with self._of_controller():
+                    self.controller = create_controller(plan.controller, trust)
+                    self.controller.reset(seed)
+            world.reset(self.snapshot(), seed)
         self.builder.append(self.state.clock[0])
         self._note_events()
 
     @property
     def going(self) -> bool:
         """Whether the run goes on."""
-        return self.state.stop[0] == STOP_NONE
+        return not self.broken and not self.simulation.over
 
     def advance(self) -> None:
         """Let the controller act where a control step is due, then step the engine and the world."""
-        if self.state.frame[0] % self.plan.control_every == 0 and self.controller is not None:
-            self._let_control(self.controller)
-        before = self.state.clock[0]
-        step(self.tables, self.program, self.state)
-        if self.state.clock[0] > before:
-            self.world.step(self.snapshot())
-            self.builder.append(self.state.clock[0])
-        self._note_events()
+        with self._noticing_failures():
+            if self.state.frame[0] % self.plan.control_every == 0 and self.controller is not None:
+                self._let_control(self.controller)
+            if self.simulation.begin():
+                self.simulation.move()
+                self._step_world()
+                self.simulation.end()
+                self.builder.append(self.state.clock[0])
+            self._note_events()
+
+    def _step_world(self) -> None:
+        st = self.state
+        command = EgoCommand(0.0, 0.0, 0.0)
+        ego = self.program.ego[0]
+        if ego >= 0:
+            command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego])
+        moved = self.world.step(self.snapshot(), command)
+        if moved is not None:
+            self._pose_ego(ego, moved)
+        for event in self.world.events():
+            self.builder.event(event.t, event.kind, entity=event.entity, message=event.message)
+
+    def _pose_ego(self, ego: int, moved: EgoState) -> None:
+        st, pose = self.state, moved.pose
+        st.x[ego], st.y[ego], st.z[ego] = pose.x, pose.y, pose.z
+        st.h[ego], st.pitch[ego], st.roll[ego] = pose.heading, pose.pitch, pose.roll
+        st.v[ego], st.steer[ego] = moved.speed, moved.steering
+        st.throttle[ego], st.brake[ego] = moved.throttle, moved.brake
+
+    @contextmanager
+    def _noticing_failures(self) -> Iterator[None]:
+        """End the run where the world, the controller or the engine fails, and note it as its last event."""
+        try:
+            yield
+        except WorldError as error:
+            self._break_off("world_lost", error.code.id, str(error))
+        except ControllerError as error:
+            self._break_off("controller_failed", error.code.id, str(error))
+        except EngineError as error:
+            self._break_off("error", ENGINE_BROKE_OFF.id, str(error))
+
+    def _break_off(self, reason: StopReason, code: str, message: str) -> None:
+        self.broken = reason
+        self.builder.event(self.state.clock[0], "broken_off", cause=code, message=message)
+
+    @contextmanager
+    def _of_controller(self) -> Iterator[None]:
+        """Make whatever a controller raises a failure of the controller."""
+        try:
+            yield
+        except ControllerError:
+            raise
+        except (Exception, SystemExit) as error:
+            name = "" if self.plan.controller is None else self.plan.controller.model
+            raise ControllerError.of(name, error) from error
 
     def snapshot(self) -> Snapshot:
         """Return the entities' states now."""
         st = self.state
-        poses = map(Pose, st.x, st.y, st.z, st.h, st.pitch, st.roll)
-        weather = weather_of(st.weather) if self.weather_changes else None
-        present = tuple(there_for(st, i, SEEN_IN_PICTURES) == 1 for i in range(len(st.present)))
-        moving = tuple(poses), tuple(st.v)
-        return Snapshot(st.clock[0], st.frame[0], present, *moving, st.sigma[0], faults_of(st), weather)
+        entities = tuple(
+            EntityState(
+                there=st.present[i] == 1,
+                shown=st.present[i] == 1 and st.visible[i] & op.SEEN_IN_PICTURES != 0,
+                pose=Pose(st.x[i], st.y[i], st.z[i], st.h[i], st.pitch[i], st.roll[i]),
+                speed=st.v[i],
+                steering=st.steer[i],
+                throttle=st.throttle[i],
+                brake=st.brake[i],
+                braking=st.brake[i] > 0.0 or st.a[i] < -BRAKE_LIGHTS,
+            )
+            for i in range(len(st.present))
+        )
+        return Snapshot(
+            st.clock[0],
+            st.frame[0],
+            entities,
+            st.sigma[0],
+            faults_of(st),
+            weather_of(st.weather) if self.weather_changes else None,
+            self._signals(),
+            st.hazard_lights[0] == 1,
+        )
+
+    def _signals(self) -> tuple[tuple[str, str], ...]:
+        """Return the state of each traffic signal that the scenario names."""
+        texts = self.lowered.texts
+        states = zip(self.lowered.signals, self.state.signal_state, strict=True)
+        return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
     def finish(self) -> Recording:
         """Return the recording."""
         st = self.state
-        reason = STOP_REASONS[st.stop[0]]
+        reason = self.broken or STOP_REASONS[st.stop[0]]
+        if st.flag[0]:
+            columns = {name: getattr(st, name) for name in QUANTITIES}
+            ids = [entity.id for entity in self.plan.entities]
+            why = break_off_text(st.flag[0], st.flag_at[0], ids, columns, st.clock[0])
+            self.builder.event(st.clock[0], "broken_off", cause=BROKE_OFF.id, message=why)
         self.builder.event(st.clock[0], "stop", message=reason)
-        columns = {name: getattr(st, name) for name in QUANTITIES}
-        ids = [entity.id for entity in self.plan.entities]
-        why = engine_break_off(st.flag[0], st.flag_at[0], ids, columns, st.clock[0])
-        return self.builder.finish(reason, st.flag[0], why)
-
-    def break_off(self, fault: ControllerError) -> Recording:
-        """Return the recording up to where the controller failed."""
-        self.builder.event(self.state.clock[0], "stop", message="controller_failed")
-        why = BreakOff(code=fault.code.id, message=str(fault), file=fault.place.file, line=fault.place.line)
-        return self.builder.finish("controller_failed", broke_off=why)
+        return self.builder.finish(reason, st.flag[0])
 
     def _let_control(self, controller: ControllerModel) -> None:
         st, ego = self.state, self.plan.ego.vehicle
-        const = self.program.const
-        look_ahead(self.tables, self.program, st, 0, const[K_SENSOR_RANGE], const[K_FIELD_OF_VIEW])
-        gap, lead = leader_gap(self.program, st, 0, 0.0, 1, -FAR)
+        outlook = self.simulation.look_out()
         seen = self.seen
         if seen is None or st.frame[0] % self.program.image_every[0] == 0:
             seen = self.world.observe(self.snapshot())
-        route, junction = route_ahead(self.tables, self.program, st)
-        self.seen = replace(
+        self.seen = seen = replace(
             seen,
-            lead_gap=None if gap >= FAR else gap,
-            lead_speed=0.0 if gap >= FAR else lead,
-            route=route,
-            junction=junction,
+            lead_gap=None if outlook.gap >= op.FAR else outlook.gap,
+            lead_speed=0.0 if outlook.gap >= op.FAR else outlook.lead_speed,
+            route=outlook.way,
+            junction=None if outlook.junction >= op.FAR else outlook.junction,
         )
         vehicle = VehicleState(
             x=st.x[0],
@@ -232,11 +299,14 @@ class _Execution:
             desired_speed=st.target_speed[0],
             period=self.plan.step * self.plan.control_every,
         )
-        self.control = control = controller.control(self.seen, st.v[0], vehicle)
+        with self._of_controller():
+            control = controller.control(seen, st.v[0], vehicle)
+            asks = int(controller.initiate_takeover())
+        self.control = control
         st.auto_throttle[0], st.auto_steer[0], st.auto_brake[0] = control.throttle, control.steer, control.brake
         st.conf_left[0], st.conf_right[0] = control.confidence_left, control.confidence_right
         st.health[0] = control.sensor_health
-        st.auto_request[0] = int(controller.initiate_takeover())
+        st.auto_request[0] = asks
         for column in LANE_COLUMNS:
             side, _, name = column.partition("_")
             boundary = getattr(control.lanes, side, None)
@@ -244,48 +314,11 @@ class _Execution:
 
     def _note_events(self) -> None:
         """Take down what the engine logged since the last time, and what the driver is told of it."""
-        st = self.state
-        kept = min(st.log_count[0], len(st.log_kind))
-        for at in range(self.logged, kept):
-            kind, value = EVENT_KINDS[st.log_kind[at]], st.log_value[at]
-            cause = self._cause(kind, value)
-            if kind in NAMED:
-                name, entity = self.named[int(value)]
-                self.builder.event(st.log_time[at], kind, entity=entity, message=name)
-            elif kind == "contact":
-                one, other = divmod(int(value), len(self.plan.entities))
-                struck = self.plan.entities
-                self.builder.event(st.log_time[at], kind, entity=struck[one].id, message=struck[other].id)
-            elif kind in OF_ACTIONS:
-                action, entity = self.actions[int(value)]
-                about, text = action_text(action)
-                self.builder.event(st.log_time[at], kind, entity=entity, cause=about, message=text)
-            elif kind != "message":
-                told = value if kind == "hazard_lights" else None
-                self.builder.event(st.log_time[at], kind, entity=self._entity(kind, value), cause=cause, value=told)
-            for modality, text in self._messages(kind, cause, value):
-                self.builder.event(st.log_time[at], "message", cause=modality, message=text)
-            self._picture(st.log_time[at], kind, cause)
-        self.logged = kept
-
-    def _cause(self, kind: str, value: float) -> str:
-        """Return why something happened: the cause of a request, the kind of a failure, who stopped; else empty."""
-        if kind == "standstill":
-            return BY_HAND if value > 0.0 else ""
-        if kind in ("failure", "failure_end"):
-            return FAILURES[int(value)]
-        return CAUSES[self.state.cause[0]] if kind in CAUSED else ""
-
-    def _messages(self, kind: str, cause: str, value: float) -> list[tuple[str, str]]:
-        """Return (modality, text) of what the driver is told: by the policy, or by an action."""
-        if kind == "message":
-            action = self.told[int(value)]
-            return [(modality, action.text) for modality in action.modality]
-        return messages(self.plan.takeover, kind, cause)
-
-    def _entity(self, kind: str, value: float) -> str:
-        """Return whom an event concerns: at a collision what was hit, else the vehicle that reports are about."""
-        return self.plan.entities[int(value) if kind == "collision" else 0].id if self.plan.entities else ""
+        for row in self.log.news(self.state):
+            self.builder.add(row)
+            for told in self.log.messages(row):
+                self.builder.add(told)
+            self._picture(row.t, row.kind, row.cause)
 
     def _header(self, seed: int, variant: int) -> Header:
         return Header(
@@ -298,7 +331,7 @@ class _Execution:
             entities=tuple(entity.id for entity in self.plan.entities),
             perception=self.plan.perception,
             world=self.world.name,
-            versions=versions(),
+            versions={**versions(), **self.world.versions},
             processor=processor(),
         )
 

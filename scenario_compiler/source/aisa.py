@@ -16,7 +16,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
 from scenario_compiler.expressions import Expression, Value, format_value, parse_expression
 from scenario_compiler.markup import names
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.resources import PUBLISHED_AS
@@ -195,7 +195,7 @@ def filed_scenario(
     One without a start has the usual one; where there is none, that is an error.
     """
     element = config.scenarios[name]
-    reading = Reading(config.document, sink, Environment())
+    reading = ReadingContext(config.document, sink, Environment())
     origin = reading.origin(element)
     known = KNOWN.get(name, _Known(""))
     values = _attributes(element, arguments, reading)
@@ -251,7 +251,7 @@ def filed_scenario(
     ).written_at(origin)
 
 
-def _attributes(element: etree._Element, arguments: Mapping[str, str], reading: Reading) -> dict[str, Value]:
+def _attributes(element: etree._Element, arguments: Mapping[str, str], reading: ReadingContext) -> dict[str, Value]:
     """Return the values of the scenario's attributes, those given on the command line before the file's."""
     known = (*_PARAMETERS, *_SETTINGS)
     report_unknown_arguments(arguments, [one.name for one in known], reading.sink)
@@ -271,11 +271,11 @@ def _attributes(element: etree._Element, arguments: Mapping[str, str], reading: 
     return values
 
 
-def _place_of(name: str, element: etree._Element, arguments: Mapping[str, str], reading: Reading) -> Place:
+def _place_of(name: str, element: etree._Element, arguments: Mapping[str, str], reading: ReadingContext) -> Place:
     return COMMAND_LINE if name in arguments else reading.origin(element, name)
 
 
-def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: Reading) -> dict[str, Waypoint]:
+def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: ReadingContext) -> dict[str, Waypoint]:
     """Return the waypoints by name; where a start is set, the file's destination no longer counts."""
     set_here = {name: str(values[name]) for name in ("start", "dest") if values.get(name)}
     read = (read_word(one, Waypoint, reading) for one in element.iterfind("waypoints/waypoint"))
@@ -309,7 +309,7 @@ def report_off_map(
     known, element = KNOWN.get(name, _Known("")), config.scenarios[name]
     if known.off_map is None:
         return False
-    reading = Reading(config.document, Diagnostics(), Environment())
+    reading = ReadingContext(config.document, Diagnostics(), Environment())
     start = _waypoints(element, {}, reading).get("start")
     on_custom_map = arguments.get("town", element.get("town")) in CUSTOM_MAP
     without = "--set obstacles=false" if known.obstacles and "obstacles" not in arguments else ""
@@ -324,7 +324,7 @@ def report_off_map(
     return bool(without)
 
 
-def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: Reading) -> None:
+def _note_unused(element: etree._Element, values: Mapping[str, Value], reading: ReadingContext) -> None:
     """Say what the toolkit reads and never uses."""
     for one in element.iterfind("object"):
         kind = one.get("type", "")

@@ -11,7 +11,7 @@ from typing import Literal
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
 from scenario_compiler.document import read_document
 from scenario_compiler.markup import names
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import place_children, read_attributes, read_word
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.takeover import DriverModel
@@ -55,7 +55,7 @@ class Catalogs:
         return replace(self, complete=False)
 
 
-def read_catalog(reading: Reading) -> Catalogs:
+def read_catalog(reading: ReadingContext) -> Catalogs:
     """Return what a `<catalog>` file holds; report entries that have a name twice."""
     root = reading.document.root
     read_attributes(root, CatalogElement, reading)
@@ -100,5 +100,5 @@ def _load(folder: Path) -> tuple[Catalogs, tuple[Diagnostic, ...]]:
     for path in sorted(folder.glob("*.xml")):
         document = read_document(path, sink)
         if document is not None:
-            catalogs = catalogs.extended(read_catalog(Reading(document, sink, Environment())))
+            catalogs = catalogs.extended(read_catalog(ReadingContext(document, sink, Environment())))
     return catalogs, tuple(sink.found)

@@ -18,7 +18,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, Place, Severity, all_codes, code_named, did_you_mean
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.markup import names
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.resources import portable
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
@@ -230,9 +230,9 @@ class Part:
         """Its name."""
         return str(self.element.get("name", ""))
 
-    def reading(self, sink: Diagnostics, environment: Environment, within: Place | None = None) -> Reading:
+    def reading(self, sink: Diagnostics, environment: Environment, within: Place | None = None) -> ReadingContext:
         """Return how to read it with these meanings of names."""
-        return Reading(self.document, sink, environment, within or self.within)
+        return ReadingContext(self.document, sink, environment, within or self.within)
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,7 @@ class Library:
 
 def read_library(document: Document, sink: Diagnostics) -> Library:
     """Return what a `<scenarios>` file holds, with what it includes."""
-    reading = Reading(document, sink, Environment())
+    reading = ReadingContext(document, sink, Environment())
     read_attributes(document.root, LibraryElement, reading)
     includes: list[etree._Element] = []
     allowed: set[str] = set()
@@ -285,7 +285,7 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
     return Library(document, parts["scenario"], parts["template"], own, catalogs, complete, frozenset(allowed))
 
 
-def _allowed(element: etree._Element, reading: Reading) -> Iterator[str]:
+def _allowed(element: etree._Element, reading: ReadingContext) -> Iterator[str]:
     """Yield the code of an `<allow>`; report one that there is not, or an error, which cannot be allowed."""
     allow = read_word(element, Allow, reading)
     if allow is None:
@@ -301,7 +301,7 @@ def _allowed(element: etree._Element, reading: Reading) -> Iterator[str]:
         yield allow.code
 
 
-def _add_part(parts: dict[str, Part], part: Part, reading: Reading) -> None:
+def _add_part(parts: dict[str, Part], part: Part, reading: ReadingContext) -> None:
     if part.name in parts:
         reading.sink.add(
             names.DUPLICATE_NAME,
@@ -312,13 +312,13 @@ def _add_part(parts: dict[str, Part], part: Part, reading: Reading) -> None:
     parts.setdefault(part.name, part)
 
 
-def _name_of(part: Part, reading: Reading) -> Place:
+def _name_of(part: Part, reading: ReadingContext) -> Place:
     return reading.origin(part.element, "name" if "name" in part.element.attrib else None)
 
 
 def _bring_in(
     element: etree._Element,
-    reading: Reading,
+    reading: ReadingContext,
     templates: dict[str, Part],
     catalogs: Catalogs,
     seen: set[str],
@@ -344,7 +344,7 @@ def _bring_in(
             hint = f"write {portable(include.file)}" if "\\" in include.file else one.hint
             reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}': {one.message}", place, hint=hint)
         return catalogs.with_a_gap()
-    inside = Reading(document, reading.sink, Environment(), place)
+    inside = ReadingContext(document, reading.sink, Environment(), place)
     if document.root.tag == CatalogElement.tag():
         return catalogs.extended(read_catalog(inside))
     if document.root.tag != LibraryElement.tag():

@@ -13,7 +13,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, did_you_mean
 from scenario_compiler.expressions import Value, format_value, parse_expression
 from scenario_compiler.markup import names
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import Catalogs
 from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
@@ -25,7 +25,7 @@ from scenario_compiler.source.parameters import (
     default_value,
     read_parameters,
 )
-from scenario_compiler.source.templates import Expander, Scope, template_parameters
+from scenario_compiler.source.templates import Expander, TemplateScope, template_parameters
 from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
@@ -100,7 +100,7 @@ def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
     values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
     reading = part.reading(sink, _environment(declared, values, set(values)))
     expander = surroundings.expander(trial=True)
-    scope = Scope(part.name, Scope())
+    scope = TemplateScope(part.name, TemplateScope())
     expander.add_template(part, reading, scope)
     actors = [actor for actor, _ in expander.contents.actors]
     catalog_vehicles(actors, surroundings.catalogs, sink)
@@ -118,12 +118,12 @@ class _Attempt:
     """One reading of a scenario with one environment."""
 
     part: Part
-    reading: Reading
+    reading: ReadingContext
     around: Around
 
     def __post_init__(self) -> None:
         self.sink = self.reading.sink
-        self.scope = Scope()
+        self.scope = TemplateScope()
         self.expander = self.around.expander()
         self.words: dict[str, Any] = {}
 

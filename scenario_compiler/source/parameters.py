@@ -12,7 +12,7 @@ from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, format_value
 from scenario_compiler.markup import codes, names
-from scenario_compiler.markup.environment import Binding, Environment, Reading
+from scenario_compiler.markup.environment import Binding, Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, read_word
 from scenario_compiler.markup.values import COMMAND_LINE, bound_value, outside
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER
@@ -36,7 +36,7 @@ class Declared:
     all_read: bool = True
 
 
-def read_parameters(element: etree._Element, reading: Reading) -> Declared:
+def read_parameters(element: etree._Element, reading: ReadingContext) -> Declared:
     """Return the parameters that an element declares; report a name that is declared twice."""
     known: dict[str, Parameter] = {}
     sink, before = reading.sink, reading.sink.reported
@@ -95,7 +95,7 @@ def default_value(parameter: Parameter, sink: Diagnostics) -> Value | None:
     return typed(parameter.default, parameter, parameter.place_of("default"), sink)
 
 
-def bind_use(declared: Declared, given: Mapping[str, str], reading: Reading, use: Word) -> Environment:
+def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingContext, use: Word) -> Environment:
     """Return what the parameters of a template mean in one use of it.
 
     Args:
@@ -139,7 +139,7 @@ def bind_use(declared: Declared, given: Mapping[str, str], reading: Reading, use
     return Environment(bindings, outer.values, frozenset(undetermined), not declared.all_read, outer.structural)
 
 
-def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: Reading) -> Binding | None:
+def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: ReadingContext) -> Binding | None:
     if not isinstance(bound, Expression):
         return typed(format_value(bound), parameter, place, reading.sink)
     values = reading.environment.values

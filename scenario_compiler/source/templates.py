@@ -15,7 +15,7 @@ from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_yo
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import Value
 from scenario_compiler.markup import names
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.conflict import (
     MOST_ROUNDS,
@@ -41,7 +41,7 @@ from scenario_compiler.vocabulary.word import ENTITY_ID, Word
 
 
 @dataclass
-class Scope:
+class TemplateScope:
     """The ids that the items of a scenario, or of one use of a template, can name.
 
     Attributes:
@@ -56,7 +56,7 @@ class Scope:
     """
 
     name: str = ""
-    parent: Scope | None = None
+    parent: TemplateScope | None = None
     ids: dict[str, str] = field(default_factory=dict)
     all_read: bool = True
     uses: set[str] = field(default_factory=set)
@@ -118,7 +118,7 @@ class Scope:
 
     def resolve(self, name: str) -> str | None:
         """Return the id in the whole scenario that a name means here: the nearest scope that knows it decides."""
-        scope: Scope | None = self
+        scope: TemplateScope | None = self
         while scope is not None:
             if name in scope.ids:
                 return scope.ids[name]
@@ -174,7 +174,7 @@ class Scope:
 
     def _event(self, name: str) -> str | None:
         """Return the name in the whole scenario that the name of an event means here."""
-        scope: Scope | None = self
+        scope: TemplateScope | None = self
         while scope is not None:
             if name in scope.events:
                 return scope.events[name]
@@ -185,7 +185,7 @@ class Scope:
         something_unread = any(one.code.id.startswith("SC1") for one in sink)
         if self._complete() and not something_unread:
             known: set[str] = set()
-            scope: Scope | None = self
+            scope: TemplateScope | None = self
             while scope is not None:
                 known.update(scope.events)
                 scope = scope.parent
@@ -201,11 +201,11 @@ class Scope:
 class Contents:
     """What the items of a scenario come to, in document order, each with the scope that its references mean."""
 
-    actors: list[tuple[Static | Dynamic, Scope]] = field(default_factory=list)
+    actors: list[tuple[Static | Dynamic, TemplateScope]] = field(default_factory=list)
     traffic: dict[str, Traffic] = field(default_factory=dict)
     markings: list[Markings] = field(default_factory=list)
-    lines: list[tuple[SecondaryMarkings | LineBeside, Scope]] = field(default_factory=list)
-    happenings: list[tuple[str, EntityWhen | When, Scope]] = field(default_factory=list)
+    lines: list[tuple[SecondaryMarkings | LineBeside, TemplateScope]] = field(default_factory=list)
+    happenings: list[tuple[str, EntityWhen | When, TemplateScope]] = field(default_factory=list)
     count: int = 0
     depth: int = 0
 
@@ -259,8 +259,8 @@ class Expander:
         self,
         rule: ChildRule,
         elements: Sequence[etree._Element],
-        reading: Reading,
-        scope: Scope,
+        reading: ReadingContext,
+        scope: TemplateScope,
         chain: tuple[str, ...] = (),
     ) -> None:
         """Read and add the items of a scenario or template; `chain` names the templates around them."""
@@ -282,8 +282,8 @@ class Expander:
         self,
         element: etree._Element,
         word: type[Word],
-        reading: Reading,
-        scope: Scope,
+        reading: ReadingContext,
+        scope: TemplateScope,
         chain: tuple[str, ...],
     ) -> None:
         item = read_word(element, word, reading)
@@ -306,7 +306,7 @@ class Expander:
         else:
             self._lose(element, scope)
 
-    def _counted(self, element: etree._Element, reading: Reading) -> bool:
+    def _counted(self, element: etree._Element, reading: ReadingContext) -> bool:
         """Count an item; return whether it may be added, and report the first that is too many."""
         self.contents.count += 1
         if self.contents.count == self.most + 1 and not self.trial:
@@ -319,7 +319,9 @@ class Expander:
             reading.sink.add(names.TOO_MANY_ITEMS, message, reading.origin(element))
         return False
 
-    def _add_branch(self, element: etree._Element, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
+    def _add_branch(
+        self, element: etree._Element, reading: ReadingContext, scope: TemplateScope, chain: tuple[str, ...]
+    ) -> None:
         """Add the items of an `<if>` that its test asks for; look through the others for what is wrong in any case."""
         test = (read_attributes(element, If, reading) or {}).get("test")
         for rule, elements in place_children(element, If, reading):
@@ -338,8 +340,8 @@ class Expander:
         wanted: bool,
         rule: ChildRule,
         elements: Sequence[etree._Element],
-        reading: Reading,
-        scope: Scope,
+        reading: ReadingContext,
+        scope: TemplateScope,
         chain: tuple[str, ...],
     ) -> None:
         if wanted:
@@ -356,8 +358,8 @@ class Expander:
         self,
         element: etree._Element,
         word: type[Word],
-        reading: Reading,
-        scope: Scope,
+        reading: ReadingContext,
+        scope: TemplateScope,
         chain: tuple[str, ...],
     ) -> None:
         """Add the items of a `<repeat>` or `<for>` as often as it says, each round with ids of its own."""
@@ -381,16 +383,16 @@ class Expander:
         variable = fields.get("variable", "index")
         for number, value in enumerate(values, start=1):
             inside = replace(reading, environment=reading.environment.with_value(variable, value))
-            self.add_items(rule, elements, inside, Scope(f"{name}.{number}", scope), chain)
+            self.add_items(rule, elements, inside, TemplateScope(f"{name}.{number}", scope), chain)
 
-    def _lose(self, element: etree._Element, scope: Scope) -> None:
+    def _lose(self, element: etree._Element, scope: TemplateScope) -> None:
         """Remember what an item that cannot be read would have brought."""
         if element.tag in (Static.tag(), Dynamic.tag()) and re.fullmatch(ENTITY_ID, element.get("id", "")):
             self.unread.add(scope.declare(str(element.get("id"))))
         elif element.tag not in (Markings.tag(), SecondaryMarkings.tag(), LineBeside.tag()):
             scope.all_read = False
 
-    def _add_actor(self, actor: Static | Dynamic, scope: Scope, sink: Diagnostics) -> None:
+    def _add_actor(self, actor: Static | Dynamic, scope: TemplateScope, sink: Diagnostics) -> None:
         if actor.id in scope.ids:
             scope.report_taken("entity", actor.id, actor.place_of("id"), sink)
             return
@@ -400,7 +402,7 @@ class Expander:
         if isinstance(actor, Dynamic):
             self.contents.happenings.extend((actor.id, scope.name_event(when, sink), scope) for when in actor.whens)
 
-    def _add_traffic(self, traffic: Traffic, scope: Scope, sink: Diagnostics) -> None:
+    def _add_traffic(self, traffic: Traffic, scope: TemplateScope, sink: Diagnostics) -> None:
         full = scope.in_full(traffic.id)
         if full in self.contents.traffic:
             scope.report_taken("traffic", traffic.id, traffic.place_of("id"), sink)
@@ -408,7 +410,7 @@ class Expander:
         scope.places[("traffic", traffic.id)] = traffic.place_of("id")
         self.contents.traffic[full] = traffic.model_copy(update={"id": full}).written_at(traffic.origin)
 
-    def _add_use(self, use: Use, reading: Reading, scope: Scope, chain: tuple[str, ...]) -> None:
+    def _add_use(self, use: Use, reading: ReadingContext, scope: TemplateScope, chain: tuple[str, ...]) -> None:
         template = self.find(use, reading.sink)
         if template is None:
             scope.all_read = False
@@ -419,14 +421,16 @@ class Expander:
             reading.sink.add(names.TEMPLATE_CYCLE, f"{uses}: it never ends", use.origin)
             return
         name = scope.name_use(use, reading.sink)
-        inner = Scope(name, scope)
+        inner = TemplateScope(name, scope)
         if identity not in self.declared:
             self.declared[identity] = template_parameters(template, reading.sink)
         environment = bind_use(self.declared[identity], use.arguments, reading, use)
         inside = template.reading(reading.sink, environment, use.origin)
         self.add_template(template, inside, inner, (*chain, identity))
 
-    def add_template(self, template: Part, reading: Reading, scope: Scope, chain: tuple[str, ...] = ()) -> None:
+    def add_template(
+        self, template: Part, reading: ReadingContext, scope: TemplateScope, chain: tuple[str, ...] = ()
+    ) -> None:
         """Read and add the items of a template."""
         placed = place_children(template.element, TemplateElement, reading)
         rule, found = next((rule, found) for rule, found in placed if rule.field == "items")

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from types import TracebackType
+from typing import TYPE_CHECKING, ClassVar
+
+from typing_extensions import Self
 
 from scenario_compiler.controllers.model import CameraMounting, SensorData
 from scenario_compiler.frames import center_from_reference
@@ -18,7 +21,7 @@ from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.weather import Weather
 from scenario_compiler.vocabulary.word import number_value
-from scenario_compiler.worlds.model import Snapshot
+from scenario_compiler.worlds.model import EgoCommand, EgoState, Snapshot, WorldEvent, WorldOptions
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,10 +56,13 @@ KINDS: dict[Category, Kind] = {
 class KinematicWorld:
     """The built-in world; see `World`."""
 
-    name = "kinematic"
+    name: ClassVar[str] = "kinematic"
+    Options: ClassVar[type[WorldOptions]] = WorldOptions
+    moves_ego = False
 
-    def __init__(self, plan: Plan, network: Network) -> None:
+    def __init__(self, plan: Plan, network: Network, options: WorldOptions | None = None) -> None:
         """Prepare a world for a plan on its map; the camera's scene is made when it is first needed."""
+        del options
         self.plan = plan
         self.network = network
         self._seed = 1
@@ -102,13 +108,33 @@ class KinematicWorld:
             snapshot.poses[0], self._boxes(snapshot), self._weather(snapshot), 0.0, snapshot.frame
         )
 
-    def step(self, snapshot: Snapshot) -> None:
+    @property
+    def versions(self) -> dict[str, str]:
+        """None beside the package's own."""
+        return {}
+
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
         """Leave the motion to the engine."""
-        del snapshot
+        del snapshot, command
+        return None
+
+    def events(self) -> Sequence[WorldEvent]:
+        """Nothing: the engine notices what happens."""
+        return ()
 
     def close(self) -> None:
         """Drop the camera's scene."""
         self._camera = self._viewer = None
+
+    def __enter__(self) -> Self:
+        """Return the world."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Drop the camera's scene."""
+        self.close()
 
     def _weather(self, snapshot: Snapshot) -> Weather:
         return self.plan.weather if snapshot.weather is None else snapshot.weather
@@ -127,11 +153,11 @@ class KinematicWorld:
         from scenario_compiler.perception.solids import Box
 
         boxes = []
-        placed = zip(self.plan.entities, snapshot.poses, snapshot.present, strict=True)
-        for entity, pose, present in list(placed)[1:]:
-            if not present:
+        placed = list(zip(self.plan.entities, snapshot.entities, strict=True))
+        for entity, state in placed[1:]:
+            if not state.shown:
                 continue
-            vehicle = entity.vehicle
+            vehicle, pose = entity.vehicle, state.pose
             x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
             paint = PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)]
             size = (vehicle.length, vehicle.width, vehicle.height)

@@ -1,13 +1,22 @@
 """The interface of a world: where the ego vehicle moves and its camera sees.
 
-The engine moves the entities and tells the world where they are.
+The engine moves everything else and tells the world where it is. One step is: the engine begins it (storyboard,
+commands), moves all that it moves, the world steps, and the engine takes stock. So when a world steps, all others are
+where they will be at the end of the step.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from types import TracebackType
+from typing import TYPE_CHECKING, ClassVar, Literal, Protocol
 
+from pydantic import BaseModel, ConfigDict
+from typing_extensions import Self
+
+from scenario_compiler.diagnostics import Code
+from scenario_compiler.roads.positions import Pose
 from scenario_compiler.vocabulary.weather import Weather
 
 if TYPE_CHECKING:
@@ -15,7 +24,35 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from scenario_compiler.controllers.model import SensorData
-    from scenario_compiler.roads import Network, Pose
+    from scenario_compiler.roads import Network
+
+WORLD_LOST = Code(
+    "SC520",
+    "world-lost",
+    "The world that a run took place in could not go on: its server ended, did not answer in time, or answered with an "
+    "error. What was recorded until then is kept, and the run's stop reason is `world_lost`. Start the server again, "
+    "and look at what it printed."
+    "\n\n    scenario-compiler run conflict.xml --world carla --carla-port 2000",
+)
+
+
+class WorldError(Exception):
+    """A world cannot be opened, or cannot go on.
+
+    Attributes:
+        code: The diagnostic code that explains it.
+    """
+
+    def __init__(self, message: str, code: Code = WORLD_LOST) -> None:
+        """Keep the message and the code."""
+        super().__init__(message)
+        self.code = code
+
+
+class WorldOptions(BaseModel):
+    """Options of a world; subclasses declare fields, which are checked before the world is opened."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,35 +75,124 @@ class CameraFaults:
 
 
 @dataclass(frozen=True, slots=True)
+class EntityState:
+    """An entity at one instant.
+
+    Attributes:
+        there: Whether it is in the world, so that it can be hit.
+        shown: Whether pictures show it; only what is there is shown.
+        pose: Pose of its reference point, OpenDRIVE axes, m and rad.
+        speed: Speed, m/s, signed along its heading.
+        steering: Angle of the front wheels, rad, positive to the left.
+        throttle: 0 to 1, of a vehicle that is driven by commands.
+        brake: 0 to 1, likewise.
+        braking: Whether its brake lights are on.
+    """
+
+    there: bool
+    shown: bool
+    pose: Pose
+    speed: float = 0.0
+    steering: float = 0.0
+    throttle: float = 0.0
+    brake: float = 0.0
+    braking: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Snapshot:
     """The state of a run at one instant, as the engine knows it.
 
     Attributes:
         t: Time, s.
         frame: Number of the time step.
-        present: Whether each entity is in the world and pictures show it, in the plan's order.
-        poses: Pose of each entity's reference point, in the plan's order, OpenDRIVE axes, m and rad.
-        speeds: Speed of each entity, m/s, signed along its heading.
+        entities: Every entity, in the plan's order.
         sigma: Standard deviation of the camera's noise, grey levels.
         faults: What else is wrong with the camera.
         weather: The weather now; None while it is the plan's.
+        signals: State of each traffic signal that the scenario names, in the order of its words; empty for unknown.
+        hazard_lights: Whether the ego's hazard lights flash.
     """
 
     t: float
     frame: int
-    present: tuple[bool, ...]
-    poses: tuple[Pose, ...]
-    speeds: tuple[float, ...]
-    sigma: float
+    entities: tuple[EntityState, ...]
+    sigma: float = 0.0
     faults: CameraFaults = CameraFaults()
     weather: Weather | None = None
+    signals: tuple[tuple[str, str], ...] = ()
+    hazard_lights: bool = False
+
+    @property
+    def poses(self) -> tuple[Pose, ...]:
+        """The pose of each entity, in the plan's order."""
+        return tuple(entity.pose for entity in self.entities)
+
+
+@dataclass(frozen=True, slots=True)
+class EgoCommand:
+    """What the ego vehicle is told to do in a step.
+
+    Attributes:
+        throttle: 0 to 1.
+        steer: -1 to 1 of its greatest steering angle, positive to the left.
+        brake: 0 to 1.
+    """
+
+    throttle: float
+    steer: float
+    brake: float
+
+
+@dataclass(frozen=True, slots=True)
+class EgoState:
+    """What the ego vehicle has become in a world that moves it.
+
+    Attributes:
+        pose: Pose of its reference point, OpenDRIVE axes, m and rad.
+        speed: Speed, m/s, signed along its heading.
+        steering: Angle of the front wheels, rad, positive to the left.
+        throttle: The throttle that took effect, 0 to 1.
+        brake: The brake that took effect, 0 to 1.
+    """
+
+    pose: Pose
+    speed: float
+    steering: float
+    throttle: float
+    brake: float
+
+
+@dataclass(frozen=True, slots=True)
+class WorldEvent:
+    """Something that a world's own sensors noticed.
+
+    Attributes:
+        kind: What happened.
+        t: Time, s.
+        entity: Id of the entity that was touched; empty for none of the plan's.
+        message: What the world says of it.
+    """
+
+    kind: Literal["world_collision", "lane_invasion"]
+    t: float
+    entity: str = ""
+    message: str = ""
 
 
 class World(Protocol):
-    """A world that a plan is executed in."""
+    """A world that a plan is executed in; a context manager that gives back what it holds."""
 
-    name: str
+    name: ClassVar[str]
+    Options: ClassVar[type[WorldOptions]]
+    moves_ego: bool
+    """Whether the world's own physics moves the ego vehicle."""
     network: Network
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Versions of what the world is made of: client, server, map."""
+        ...
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
         """Put every entity where the run begins."""
@@ -80,10 +206,24 @@ class World(Protocol):
         """Return a driver's view for people to look at, (height, width, 3) uint8, BGR."""
         ...
 
-    def step(self, snapshot: Snapshot) -> None:
-        """Move every entity on to where the engine has moved it."""
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
+        """Do a step: the others are where the snapshot says; return the ego's new state where the world moves it."""
+        ...
+
+    def events(self) -> Sequence[WorldEvent]:
+        """Return what the world has noticed since the last call."""
         ...
 
     def close(self) -> None:
-        """Give back what the world holds."""
+        """Give back what the world holds; may be called twice."""
+        ...
+
+    def __enter__(self) -> Self:
+        """Return the world."""
+        ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the world."""
         ...

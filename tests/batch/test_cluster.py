@@ -62,7 +62,7 @@ def test_a_cluster_gives_the_local_table_though_a_worker_is_killed(
         vary=("distance=uniform(10, 350)", "preset=choice(urgent, absent)"),
         samples=300,
         perception="ideal",
-        form="interpreted",
+        interpreted=True,
     )
     run_sweep(conflict, spec, tmp_path / "local", workers=1, report=False)
     killed: list[int] = []

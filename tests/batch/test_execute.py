@@ -35,9 +35,9 @@ def _spec(**settings: object) -> SweepSpec:
     return SweepSpec.model_validate({"vary": VARY, "samples": 40, "perception": "ideal", **settings})
 
 
-@pytest.mark.parametrize("form", ["interpreted", "compiled"])
-def test_a_row_says_what_the_outcome_of_its_run_says(conflict: Path, tmp_path: Path, form: str) -> None:
-    spec = _spec(samples=12, form=form, seed=5)
+@pytest.mark.parametrize("interpreted", [True, False])
+def test_a_row_says_what_the_outcome_of_its_run_says(conflict: Path, tmp_path: Path, interpreted: bool) -> None:
+    spec = _spec(samples=12, interpreted=interpreted, seed=5)
     run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=False)
     rows, about = read_results(tmp_path / "sweep")
     sweep = prepare(conflict, spec, Diagnostics())
@@ -75,10 +75,11 @@ def test_library_conflicts_run_compiled_as_interpreted(target: str, tmp_path: Pa
     least = {one.name: max(0.9 * float(str(one.default)), limits(one).minimum or 0.0) for one in numbers}
     vary = tuple(f"{one.name}=uniform({least[one.name]}, {one.default})" for one in numbers)
     tables = []
-    for form in ("interpreted", "compiled"):
-        spec = SweepSpec.model_validate({"vary": vary, "samples": 2, "perception": "ideal", "form": form})
-        run_sweep(target, spec, tmp_path / form, workers=1, report=False)
-        tables.append(read_results(tmp_path / form)[0])
+    for interpreted in (True, False):
+        spec = SweepSpec(vary=vary, samples=2, perception="ideal", interpreted=interpreted)
+        folder = tmp_path / str(interpreted)
+        run_sweep(target, spec, folder, workers=1, report=False)
+        tables.append(read_results(folder)[0])
     assert tables[0] == tables[1]
 
 
@@ -99,7 +100,7 @@ def test_an_interrupted_sweep_is_resumed_to_the_same_bytes(conflict: Path, tmp_p
         if progress.done >= 20:
             raise StopError
 
-    spec = _spec(samples=40)
+    spec = _spec(samples=40, interpreted=True)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     with contextlib.suppress(StopError):
         run_sweep(conflict, spec, tmp_path / "parts", workers=1, progress=stop, report=False)
@@ -109,7 +110,7 @@ def test_an_interrupted_sweep_is_resumed_to_the_same_bytes(conflict: Path, tmp_p
     with pytest.raises(SweepError, match="--resume"):
         run_sweep(conflict, spec, tmp_path / "parts", workers=1, report=False)
     with pytest.raises(SweepError, match="another sweep: it differs in spec"):
-        run_sweep(conflict, _spec(seed=2), tmp_path / "parts", workers=1, resume=True, report=False)
+        run_sweep(conflict, _spec(seed=2, interpreted=True), tmp_path / "parts", workers=1, resume=True, report=False)
     seen: list[Progress] = []
     run_sweep(conflict, spec, tmp_path / "parts", workers=1, resume=True, progress=seen.append, report=False)
     assert seen[0].resumed == 32

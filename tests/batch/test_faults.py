@@ -101,7 +101,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
     assert (result.form, result.failed) == ("camera", 3)
     assert rows["error"] == [
         "",
-        "the controller 'misbehaving:Misbehaving' failed in control() at 0 s: ValueError: too fast for me",
+        "controller 'misbehaving:Misbehaving', misbehaving.py:20: ValueError: too fast for me",
         "it took longer than 5 s",
         "the process ended with code 9",
         "",
@@ -110,7 +110,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
 
 
 def test_a_full_disk_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec(samples=64)
+    spec = _spec(samples=64, interpreted=True)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     done = subprocess.run(
         [sys.executable, "-c", FULL_DISK, str(conflict), str(tmp_path / "full")],
@@ -133,7 +133,7 @@ from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal")
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
 
 def fill(progress):
     if progress.done == 32:
@@ -164,14 +164,24 @@ def small_disk(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("60k", "/s/results.parquet")])
+@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("200k", "/s/results.parquet")])
 def test_a_full_tmpfs_keeps_what_was_finished(
     size: str, fails: str, conflict: Path, tmp_path: Path, small_disk: Path
 ) -> None:
-    spec = _spec()
+    spec = _spec(samples=2000)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     sweep = [sys.executable, "-m", "scenario_compiler", "sweep", str(conflict), *("--vary", spec.vary[0])]
-    sweep += ["--samples", "64", "--perception", "ideal", "--workers", "1", "--no-report", "-o", str(small_disk / "s")]
+    sweep += [
+        "--samples",
+        "2000",
+        "--perception",
+        "ideal",
+        "--workers",
+        "1",
+        "--no-report",
+        "-o",
+        str(small_disk / "s"),
+    ]
     disk = shlex.quote(str(small_disk))
     script = [
         f"mount -t tmpfs -o size={size} tmpfs {disk}",
@@ -195,14 +205,14 @@ def _bytes_of(folder: Path) -> bytes:
 @pytest.fixture
 def half(conflict: Path, tmp_path: Path) -> Path:
     """Folder of a sweep that was interrupted when two of its four parts were there; `whole` beside it has all."""
-    run_sweep(conflict, _spec(), tmp_path / "whole", workers=1, report=False)
+    run_sweep(conflict, _spec(interpreted=True), tmp_path / "whole", workers=1, report=False)
 
     def interrupt(progress: Progress) -> None:
         if progress.done == 32:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_sweep(conflict, _spec(), tmp_path / "half", workers=1, progress=interrupt, report=False)
+        run_sweep(conflict, _spec(interpreted=True), tmp_path / "half", workers=1, progress=interrupt, report=False)
     assert len(list((tmp_path / "half" / "parts").iterdir())) == 2
     return tmp_path / "half"
 
@@ -226,7 +236,7 @@ DAMAGES: dict[str, Callable[[Path], object]] = {
 def test_a_damaged_part_is_done_again(conflict: Path, half: Path, damage: str) -> None:
     DAMAGES[damage](half / "parts" / "00000001.parquet")
     told: list[str] = []
-    run_sweep(conflict, _spec(), half, workers=1, resume=True, report=False, say=told.append)
+    run_sweep(conflict, _spec(interpreted=True), half, workers=1, resume=True, report=False, say=told.append)
     assert told[0] == "damaged, and made again: 00000001.parquet"
     assert _bytes_of(half) == _bytes_of(half.parent / "whole")
 
@@ -236,12 +246,12 @@ def test_a_damaged_table_is_made_again(conflict: Path, half: Path, damage: str) 
     whole = half.parent / "whole"
     good = _bytes_of(whole)
     DAMAGES[damage](whole / "results.parquet")
-    run_sweep(conflict, _spec(), whole, workers=1, resume=True, report=False)
+    run_sweep(conflict, _spec(interpreted=True), whole, workers=1, resume=True, report=False)
     assert _bytes_of(whole) == good
 
 
 def test_a_damaged_evaluation_of_a_search_is_done_again(conflict: Path, tmp_path: Path) -> None:
-    spec = SweepSpec(vary=("distance=uniform(20, 350)",), perception="ideal")
+    spec = SweepSpec(vary=("distance=uniform(20, 350)",), perception="ideal", interpreted=True)
     search = partial(find_boundary, conflict, spec, tmp_path / "found", when="final_speed < -5", tolerance=100.0)
     with pytest.raises(SweepError, match="no boundary"):
         search()
@@ -255,13 +265,13 @@ def test_a_damaged_evaluation_of_a_search_is_done_again(conflict: Path, tmp_path
 def test_a_sweep_is_resumed_from_any_folder(conflict: Path, half: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(half)
     target = Path("..") / conflict.name
-    run_sweep(target, _spec(), Path(), workers=1, resume=True, report=False)
+    run_sweep(target, _spec(interpreted=True), Path(), workers=1, resume=True, report=False)
     assert _bytes_of(half) == _bytes_of(half.parent / "whole")
 
 
 def test_another_sweep_is_not_resumed(conflict: Path, half: Path) -> None:
     with pytest.raises(SweepError, match="holds another sweep: it differs in spec"):
-        run_sweep(conflict, _spec(seed=2), half, workers=1, resume=True, report=False)
+        run_sweep(conflict, _spec(interpreted=True, seed=2), half, workers=1, resume=True, report=False)
 
 
 @pytest.mark.parametrize("resume", [False, True])
@@ -273,7 +283,7 @@ def test_a_second_sweep_in_one_folder_is_refused_at_once(conflict: Path, tmp_pat
             told = [sys.executable, "-c", SECOND, str(conflict), str(folder), str(resume)]
             refused.append(subprocess.run(told, capture_output=True, text=True, timeout=120, check=False).stdout)
 
-    run_sweep(conflict, _spec(), folder, workers=1, progress=try_the_same, report=False)
+    run_sweep(conflict, _spec(interpreted=True), folder, workers=1, progress=try_the_same, report=False)
     expected = f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "holds a sweep already"
     assert expected in refused[0]
     assert sorted(path.name for path in folder.iterdir()) == ["results.parquet", "sweep.json"]
@@ -286,7 +296,7 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal")
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
 try:
     run_sweep(sys.argv[1], spec, Path(sys.argv[2]), workers=1, report=False, resume=sys.argv[3] == "True")
 except SweepError as refused:
@@ -299,13 +309,13 @@ def test_two_sweeps_that_begin_together_do_not_mix(conflict: Path, tmp_path: Pat
     both = [subprocess.Popen(words, stdout=subprocess.PIPE, text=True) for _ in range(2)]
     told = [one.communicate(timeout=120)[0] for one in both]
     assert sum("another sweep is writing" in text or "holds a sweep already" in text for text in told) == 1
-    run_sweep(conflict, _spec(), tmp_path / "whole", workers=1, report=False)
+    run_sweep(conflict, _spec(interpreted=True), tmp_path / "whole", workers=1, report=False)
     assert _bytes_of(tmp_path / "both") == _bytes_of(tmp_path / "whole")
 
 
 @pytest.mark.slow
 def test_kill_9_keeps_what_was_finished(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec(samples=640, form="interpreted")
+    spec = _spec(samples=640, interpreted=True)
     run_sweep(conflict, spec, tmp_path / "whole", workers=1, report=False)
     folder = tmp_path / "killed"
     script = KILLED.format(target=str(conflict), folder=str(folder))
@@ -325,7 +335,7 @@ from pathlib import Path
 from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
 
-spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", form="interpreted")
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", interpreted=True)
 run_sweep("{target}", spec, Path("{folder}"), workers=1, report=False)
 """
 
@@ -333,5 +343,5 @@ run_sweep("{target}", spec, Path("{folder}"), workers=1, report=False)
 @pytest.mark.slow
 def test_a_sweep_needs_little_memory(conflict: Path, tmp_path: Path) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    run_sweep(conflict, _spec(samples=10_000, form="compiled"), tmp_path / "sweep", workers=1, report=False)
+    run_sweep(conflict, _spec(samples=10_000), tmp_path / "sweep", workers=1, report=False)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 500_000

@@ -16,10 +16,10 @@ from pathlib import Path
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.opcodes import FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.state import make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 
 STEP = 0.05
 LONGEST = 60.0

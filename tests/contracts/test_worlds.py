@@ -10,7 +10,7 @@ import pytest
 
 from scenario_compiler import Plan, compile_scenario, load_network, open_world, run
 from scenario_compiler.roads import Pose
-from scenario_compiler.worlds import WORLDS, Snapshot, World
+from scenario_compiler.worlds import WORLDS, EntityState, Snapshot, World
 
 CONFLICT = Path(__file__).parent.parent.parent / "library" / "conflicts" / "obstacle_ahead.xml"
 
@@ -30,7 +30,7 @@ def world(request: pytest.FixtureRequest, plan: Plan) -> Iterator[World]:
 def snapshot_of(plan: Plan, frame: int = 0, sigma: float = 0.0) -> Snapshot:
     starts = [plan.derived[entity.id] for entity in plan.entities]
     poses = tuple(Pose(at.x, at.y, at.z, at.heading, 0.0, 0.0) for at in starts)
-    return Snapshot(frame * plan.step, frame, (True,) * len(poses), poses, tuple(0.0 for _ in poses), sigma)
+    return Snapshot(frame * plan.step, frame, tuple(EntityState(True, True, pose) for pose in poses), sigma)
 
 
 def test_it_is_called_by_its_name(world: World) -> None:
@@ -64,9 +64,8 @@ def test_noise_and_the_seed_make_a_difference(world: World, plan: Plan) -> None:
 def test_it_shows_the_entities(world: World, plan: Plan) -> None:
     world.reset(snapshot_of(plan), 1)
     there = snapshot_of(plan)
-    away = Snapshot(
-        there.t, there.frame, there.present, (there.poses[0], *(Pose(1e5, 1e5, 0, 0, 0, 0),) * 2), there.speeds, 0.0
-    )
+    far = EntityState(True, True, Pose(1e5, 1e5, 0, 0, 0, 0))
+    away = Snapshot(there.t, there.frame, (there.entities[0], far, far))
     assert not np.array_equal(world.observe(there).image, world.observe(away).image)
 
 

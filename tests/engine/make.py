@@ -6,11 +6,14 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
-from scenario_compiler.engine.tables import Program, validate
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION
+from scenario_compiler.engine.program.checking import check_program
+from scenario_compiler.engine.story.step import reset, step
+from scenario_compiler.engine.story.table import NUMBERS as CONDITION
 from scenario_compiler.roads import Network, load_network
 
 ROAD = """<road name="" id="{id}" length="{length}" junction="-1">
@@ -251,7 +254,7 @@ class Draft:
 
     def at_time(self, time: float, **details: object) -> int:
         """Return a trigger on the simulation time."""
-        self.condition(op.CONDITION_TIME, time, **details)  # type: ignore[arg-type]
+        self.condition(CONDITION["time"], time, **details)  # type: ignore[arg-type]
         return self.trigger()
 
     def element(
@@ -351,18 +354,19 @@ class Draft:
 
     def speed(self, entity: int, target: float, value: float, **details: int) -> int:
         """Append a change of speed."""
-        return self.action(op.ACTION_SPEED, entity, target=target, value=value, **details)
+        return self.action(ACTION["speed"], entity, target=target, value=value, **details)
 
     def lane_change(
         self, entity: int, lanes: int, value: float, shape: int = op.SHAPE_SINUSOIDAL, **details: int
     ) -> int:
         """Append a change of lane, positive to the left."""
-        return self.action(op.ACTION_LANE_CHANGE, entity, value=value, lanes=lanes, shape=shape, **details)
+        return self.action(ACTION["lane_change"], entity, value=value, lanes=lanes, shape=shape, **details)
 
     def done(self) -> Program:
         """Return the program, validated."""
         self.program.road_count[0] = len(self.network.road_ids)
-        validate(self.program, len(self.network.road_ids))
+        self.program.road_count[0] = len(self.network.road_ids)
+        check_program(self.program)
         return self.program
 
     def start(self, seed: int = 1) -> Run:

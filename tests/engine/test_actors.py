@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from tests.engine.test_traffic import compiled_text
 
 HEAD = """<scenarios version="1"><scenario name="actors" map="town_grid" duration="40">

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.collision import update_boxes
-from scenario_compiler.engine.distances import (
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.motion.collision import update_boxes
+from scenario_compiler.engine.motion.distances import (
     box_distance,
     distance_between,
     distance_to,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.lane_confidence import ideal_confidence, looked_at_sides
-from scenario_compiler.engine.path import advance_routed, set_path
-from scenario_compiler.engine.sensor import LANE_END_HORIZON, find_lane_end
-from scenario_compiler.engine.state import State, new_state
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import State, new_state
+from scenario_compiler.engine.ego.lane_confidence import ideal_confidence, looked_at_sides
+from scenario_compiler.engine.ego.sensor import LANE_END_HORIZON, find_lane_end
+from scenario_compiler.engine.motion.path import advance_routed, set_path
 from scenario_compiler.randomness import uniform
 from scenario_compiler.resources import find_map
 from scenario_compiler.roads import Network, load_network

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from scenario_compiler.engine.build import Compiled, Interpreted
-from scenario_compiler.engine.opcodes import FAULT_NONE
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.vocabulary.actions import FollowTrajectoryAction, TeleportAction
 from scenario_compiler.vocabulary.actions.motion import TrajectoryTiming
 from scenario_compiler.vocabulary.positions import FreePosition, Polyline, Trajectory, Vertex
 from scenario_compiler.vocabulary.storyboard import InitAction, Storyboard
+from tests.engine.both import run_both
 from tests.engine.make import highway
 from tests.engine.test_positions import EGO, at_time, board, planned
 
@@ -73,9 +73,5 @@ def test_both_forms_leave_the_same_bytes(timing: TrajectoryTiming | None) -> Non
     network = highway()
     plan, _ = planned(network, {"b": EGO}, board(at_time(0.5, 0, follow(timing, 15.0))), speed=SPEED)
     program = build_program(plan, network)
-    traces = []
-    for form in (Interpreted, Compiled):
-        engine = form(network.tables, program, new_state(program))
-        _, trace = engine.sweep([list(program.const)], [make_draws(1)], 40, 41)
-        traces.append([float(value).hex() for value in trace[0]])
-    assert traces[0] == traces[1]
+    both = run_both(network.tables, program, [list(program.const)], [make_draws(1)], 40)
+    assert both.interpreted == both.compiled

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.collision import overlap
-from scenario_compiler.engine.step import begin_step, finish_step
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.motion.collision import overlap
+from scenario_compiler.engine.story.step import begin_step, end_step, move_step
 from scenario_compiler.roads.lanes import lane_pose, lane_row
 from tests.engine.make import CAR, Draft, bend, highway, lane, network_of, road
 from tests.roads.make import road as road_of
@@ -120,8 +120,9 @@ def test_a_posed_ego_is_moved_from_outside() -> None:
     run = draft.start()
     for k in range(1, 21):
         assert begin_step(run.n, run.p, run.st) == 1
+        move_step(run.n, run.p, run.st)
         run.st.x[0], run.st.y[0], run.st.v[0] = 50.0 + 0.5 * k, -1.75 - 0.1 * k, 10.0
-        finish_step(run.n, run.p, run.st)
+        end_step(run.n, run.p, run.st)
     assert [run.st.s[0], run.st.lane[0], run.st.off[0]] == pytest.approx([60.0, -2, 1.5])
 
 
@@ -219,7 +220,8 @@ def test_what_is_kept_of_a_place_is_what_the_map_says(s: float, speed: float) ->
     st, rows = run.st, set()
     while st.clock[0] < 13.0:
         begin_step(run.n, run.p, st)
-        finish_step(run.n, run.p, st)
+        move_step(run.n, run.p, st)
+        end_step(run.n, run.p, st)
         pose = lane_pose(run.n, 0, -1, st.s[0], st.kept_off[0])
         assert pose == (st.x[0], st.y[0], st.z[0], st.h[0], st.pitch[0], st.roll[0])
         assert st.here_row[0] == lane_row(run.n, 0, -1, st.s[0])

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from array import array
-from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from math import pi, sqrt
@@ -14,13 +12,13 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.build import Compiled, Interpreted
-from scenario_compiler.engine.opcodes import FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
+from tests.engine.both import run_both
 
 HERE = Path(__file__).parent
 STEP = 0.05
@@ -212,19 +210,10 @@ def rows_of(program: Program) -> list[list[float]]:
     return rows
 
 
-def bytes_of(numbers: Sequence[float]) -> bytes:
-    """Return the bytes of numbers; those that are none are all the same, whichever sign a processor gives them."""
-    return array("d", [math.nan if math.isnan(value) else value for value in numbers]).tobytes()
-
-
 @pytest.mark.parametrize("name", ["speeds", "lanes", "distances", "meeting", "automation"])
 def test_both_forms_leave_the_same_bytes(name: str) -> None:
     _, network, program = compiled_plan(name)
     rows = rows_of(program)
     draws = [make_draws(1, k) for k in range(len(rows))]
-    interpreted = Interpreted(network.tables, program, new_state(program))
-    compiled = Compiled(network.tables, program, new_state(program))
-    _, mine = interpreted.sweep(rows, draws, 150, 151)
-    _, theirs = compiled.sweep(rows, draws, 150, 151)
-    same = [bytes_of(a) == bytes_of(b) for a, b in zip(mine, theirs, strict=True)]
-    assert same == [True] * len(rows)
+    both = run_both(network.tables, program, rows, draws, 150)
+    assert both.interpreted == both.compiled

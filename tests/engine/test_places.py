@@ -10,15 +10,15 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.build import Compiled, Interpreted
-from scenario_compiler.engine.opcodes import FAULT_NONE, SEEN_BY_SENSORS, STOP_NONE
-from scenario_compiler.engine.presence import there_for
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE, SEEN_BY_SENSORS, STOP_NONE
+from scenario_compiler.engine.columns.presence import there_for
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.ego.sensor import open_eye, sees
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.sensor import open_eye, sees
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
+from tests.engine.both import run_both
 
 HERE = Path(__file__).parent
 STEP = 0.05
@@ -113,8 +113,5 @@ def test_entities_come_hide_tow_and_go() -> None:
 def test_both_forms_leave_the_same_bytes(name: str) -> None:
     _, network, program = compiled_plan(name)
     rows, draws = [list(program.const)], [make_draws(1, 0)]
-    interpreted = Interpreted(network.tables, program, new_state(program))
-    compiled = Compiled(network.tables, program, new_state(program))
-    _, mine = interpreted.sweep(rows, draws, 100, 101)
-    _, theirs = compiled.sweep(rows, draws, 100, 101)
-    assert [value.hex() for value in mine[0]] == [float(value).hex() for value in theirs[0]]
+    both = run_both(network.tables, program, rows, draws, 100)
+    assert both.interpreted == both.compiled

@@ -7,11 +7,10 @@ from math import atan2, cos, hypot, pi, sin
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
-from scenario_compiler.engine.build import Compiled, Interpreted
-from scenario_compiler.engine.opcodes import FAULT_OFF_ROAD_START
+from scenario_compiler.engine.columns.opcodes import FAULT_OFF_ROAD_START
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
@@ -28,7 +27,7 @@ from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
 from scenario_compiler.vocabulary.entities import Dynamic, Vehicle
 from scenario_compiler.vocabulary.positions import (
     FreePosition,
-    LanePosition,
+    LanePositionWord,
     LanesAwayPosition,
     Position,
     RelativeObjectPosition,
@@ -51,14 +50,15 @@ from scenario_compiler.vocabulary.storyboard import (
     TriggerCondition,
 )
 from scenario_compiler.vocabulary.weather import Weather
+from tests.engine.both import run_both
 from tests.engine.make import highway, lane, network_of, road
 from tests.roads.test_lane_end import SECTIONS
 
 CAR = Vehicle(
     name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4, hitch=-1.0, coupler=3.0, max_speed=80.0
 )
-EGO = LanePosition(road="1", lane=-1, s=100.0)
-ONCOMING = LanePosition(road="1", lane=1, s=100.0)
+EGO = LanePositionWord(road="1", lane=-1, s=100.0)
+ONCOMING = LanePositionWord(road="1", lane=1, s=100.0)
 
 
 def at_time(time: float, number: int, *actions: Action, actor: str = "b") -> Event:
@@ -131,7 +131,7 @@ def teleported(network: Network, other: Position, position: Position) -> tuple[S
         (ONCOMING, RelativeWorldPosition(entity="a", dx=5.0, dy=100.0, heading=0.3), 105.0, 101.75, 0.3),
         (EGO, FreePosition(x=50.0, y=-5.0, heading=0.2), 50.0, -5.0, 0.2),
         (EGO, FreePosition(x=50.0, y=50.0, heading=4.0), 50.0, 50.0, 4.0),
-        (EGO, LanePosition(road="1", lane=1, s=60.0, heading=0.5), 60.0, 1.75, 0.5),
+        (EGO, LanePositionWord(road="1", lane=1, s=60.0, heading=0.5), 60.0, 1.75, 0.5),
         (EGO, RoadPosition(road="1", s=60.0, t=1.75), 60.0, 1.75, 0.0),
         (EGO, RoadPosition(road="1", s=60.0, t=1.75, heading=0.5), 60.0, 1.75, 0.5),
         (
@@ -200,8 +200,8 @@ def test_a_bridge_is_chosen_by_height() -> None:
 
 def test_positions_beyond_what_the_road_has_are_forgiven_without_an_automated_vehicle() -> None:
     starts: dict[str, Position | None] = {
-        "far": LanePosition(road="1", lane=-1, s=9000.0),
-        "wide": LanePosition(road="1", lane=-9, s=20.0),
+        "far": LanePositionWord(road="1", lane=-1, s=9000.0),
+        "wide": LanePositionWord(road="1", lane=-9, s=20.0),
         "there": RoadPosition(road="1", s=-3.0, t=1.0),
     }
     plan, sink = planned(highway(), starts, Storyboard())
@@ -225,7 +225,7 @@ def test_a_position_beside_an_entity_off_the_road_is_a_fault() -> None:
 
 def test_a_teleport_keeps_the_speed_and_is_no_distance_covered() -> None:
     network = highway()
-    event = at_time(0.2, 0, TeleportAction(position=LanePosition(road="1", lane=-2, s=500.0)))
+    event = at_time(0.2, 0, TeleportAction(position=LanePositionWord(road="1", lane=-2, s=500.0)))
     plan, _ = planned(network, {"b": EGO}, board(event), speed=10.0)
     program = build_program(plan, network)
     state, _ = begun(network, plan)
@@ -293,7 +293,7 @@ def test_a_trailer_that_is_connected_later_swings_to_its_hitch() -> None:
 
 def test_where_a_lane_ends_the_nearest_one_goes_on() -> None:
     network = network_of(SECTIONS)
-    plan, _ = planned(network, {"b": LanePosition(road="1", lane=-2, s=95.0)}, Storyboard(), speed=20.0)
+    plan, _ = planned(network, {"b": LanePositionWord(road="1", lane=-2, s=95.0)}, Storyboard(), speed=20.0)
     program = build_program(plan, network)
     state, _ = begun(network, plan)
     for _ in range(8):
@@ -305,17 +305,12 @@ def test_where_a_lane_ends_the_nearest_one_goes_on() -> None:
 def test_both_forms_leave_the_same_bytes_at_a_lanes_end() -> None:
     network = network_of(SECTIONS)
     starts: dict[str, Position | None] = {
-        "right": LanePosition(road="1", lane=-2, s=95.0),
-        "left": LanePosition(road="1", lane=1, s=10.0),
+        "right": LanePositionWord(road="1", lane=-2, s=95.0),
+        "left": LanePositionWord(road="1", lane=1, s=10.0),
         "free": FreePosition(x=100.0, y=-1.0, z=0.5, heading=2.0),
     }
     late = at_time(0.5, 0, TeleportAction(position=RelativeRoadPosition(entity="left", ds=5.0, dt=-9.0, turn=1.0)))
     plan, _ = planned(network, starts, board(late, actor="free"), speed=20.0)
     program = build_program(plan, network)
-    traces = []
-    for form in (Interpreted, Compiled):
-        _, trace = form(network.tables, program, new_state(program)).sweep(
-            [list(program.const)], [make_draws(1, 0)], 60, 61
-        )
-        traces.append([float(value).hex() for value in trace[0]])
-    assert traces[0] == traces[1]
+    both = run_both(network.tables, program, [list(program.const)], [make_draws(1, 0)], 60)
+    assert both.interpreted == both.compiled

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.distances import road_distance_between
-from scenario_compiler.engine.sensor import look_ahead
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.ego.sensor import look_ahead
+from scenario_compiler.engine.motion.distances import road_distance_between
 from tests.engine.make import CAR, Draft, highway
 
 

@@ -10,10 +10,10 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.opcodes import STOP_TRIGGER
+from scenario_compiler.engine.columns.opcodes import STOP_TRIGGER
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 
 
 @pytest.mark.parametrize(("file", "dt"), [("dt050.csv.gz", 0.05), ("dt010.csv.gz", 0.01)])

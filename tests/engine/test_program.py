@@ -7,17 +7,18 @@ from typing import get_args
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.build import Interpreted
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.columns.trace import SUMMARY, SUMMARY_SIZE
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.program import build_program, rows
-from scenario_compiler.engine.program.actions import ACTIONS, add_action
-from scenario_compiler.engine.program.conditions import CONDITIONS as CONDITION_ROWS
-from scenario_compiler.engine.program.draft import Draft as ProgramDraft
+from scenario_compiler.engine.program.checking import check_program
+from scenario_compiler.engine.program.plan_builder import PlanBuilder
 from scenario_compiler.engine.program.positions import POSITIONS, add_position
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.sweep import SUMMARY, SUMMARY_SIZE
-from scenario_compiler.engine.tables import validate
+from scenario_compiler.engine.program.storyboard import add_action
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.engine.story.table import NUMBERS as CONDITION
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.plan.model import Entity, MapReference, Plan
 from scenario_compiler.roads import Network
@@ -38,7 +39,7 @@ from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import Markings
 from scenario_compiler.vocabulary.positions import (
     BoundPosition,
-    LanePosition,
+    LanePositionWord,
     RelativeLanePosition,
     RoadPosition,
 )
@@ -58,7 +59,6 @@ from scenario_compiler.vocabulary.storyboard import (
 )
 from scenario_compiler.vocabulary.takeover import Cause, DriverModel, Takeover
 from scenario_compiler.vocabulary.weather import Weather
-from scenario_compiler.vocabulary.word import Word
 from tests.engine.make import Draft, highway
 
 CAR = Vehicle(name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4)
@@ -68,7 +68,7 @@ CONDITIONS: tuple[Condition, ...] = (
     DistanceCondition(entity="other", to="ego", below=50.0),
     TimeToCollisionCondition(entity="other", to="ego", below=4.0),
     SpeedCondition(entity="ego", rule="greaterThan", value=5.0),
-    ReachPositionCondition(entity="ego", position=LanePosition(road="1", lane=-1, s=150.0)),
+    ReachPositionCondition(entity="ego", position=LanePositionWord(road="1", lane=-1, s=150.0)),
     TraveledDistanceCondition(entity="ego", distance=20.0),
     LaneConfidenceCondition(below=0.5),
     TakeoverStateCondition(state="request"),
@@ -104,7 +104,7 @@ def plan_on(network: Network) -> Plan:
                 id="ego",
                 kind="ego",
                 vehicle=CAR,
-                start=LanePosition(road="1", lane=-1, s=50.0),
+                start=LanePositionWord(road="1", lane=-1, s=50.0),
                 speed=speed,
                 desired_speed=speed,
             ),
@@ -121,7 +121,7 @@ def plan_on(network: Network) -> Plan:
                 id="blocker",
                 kind="static",
                 vehicle=CAR,
-                start=LanePosition(road="1", lane=-1, s=300.0, turn=1.5),
+                start=LanePositionWord(road="1", lane=-1, s=300.0, turn=1.5),
                 speed=0.0,
                 desired_speed=0.0,
             ),
@@ -129,7 +129,7 @@ def plan_on(network: Network) -> Plan:
         camera=Camera(),
         controller=Controller(),
         perception="ideal",
-        destination=LanePosition(road="1", lane=-1, s=900.0),
+        destination=LanePositionWord(road="1", lane=-1, s=900.0),
         markings=(Markings(road="1", s_from=100.0, s_to=200.0, quality=0.5),),
         storyboard=board,
         takeover=Takeover(
@@ -149,12 +149,12 @@ def test_every_number_of_a_plan_has_its_slot() -> None:
     assert p.cause_order == [op.CAUSE_PATH_BLOCKED]
     assert sorted(p.condition_op) == sorted(
         (
-            *(op.CONDITION_TIME, op.CONDITION_TIME_HEADWAY, op.CONDITION_DISTANCE, op.CONDITION_TIME_TO_COLLISION),
-            *(op.CONDITION_SPEED, op.CONDITION_REACH_POSITION, op.CONDITION_TRAVELED_DISTANCE),
-            *(op.CONDITION_LANE_CONFIDENCE, op.CONDITION_TAKEOVER_STATE),
+            *(CONDITION["time"], CONDITION["time_gap"], CONDITION["distance"], CONDITION["time_to_collision"]),
+            *(CONDITION["speed"], CONDITION["reached"], CONDITION["traveled"]),
+            *(CONDITION["lane_confidence"], CONDITION["takeover_state"]),
         )
     )
-    assert p.action_op == [op.ACTION_SPEED, op.ACTION_LANE_CHANGE, op.ACTION_SENSOR_NOISE]
+    assert p.action_op == [ACTION["speed"], ACTION["lane_change"], ACTION["sensor_noise"]]
     assert p.action_entity == [1, 1, 0]
     assert p.entity_order == [0, 2, 1]
     assert p.element_end == [8, 8, 8, 8, 8, 6, 7, 8]
@@ -178,11 +178,11 @@ def test_a_sweep_over_a_plan_runs_every_row() -> None:
     plan = plan_on(network)
     samples = rows(plan, network, [{"v": v} for v in (5.0, 7.0, 9.0)])
     p = build_program(plan, network)
-    engine = Interpreted(network.tables, p, new_state(p))
+    engine = Simulation(network.tables, p, interpreted=True)
     draws = [make_draws(1, k) for k in range(3)]
     summaries, traces = engine.sweep(samples, draws, 400)
     assert [len(row) for row in summaries] == [SUMMARY_SIZE] * 3 == [len(SUMMARY)] * 3
-    assert traces == [[], [], []]
+    assert traces.shape == (3, 0)
     assert all(row[SUMMARY.index("flag")] == op.FAULT_NONE for row in summaries)
     _, traces = engine.sweep(samples, draws, 400, 401)
     assert len({tuple(trace) for trace in traces}) == 3
@@ -195,7 +195,7 @@ def test_a_posed_ego_is_left_to_another_program() -> None:
 
 def test_a_plan_for_another_map_is_refused(tmp_path: Path) -> None:
     network = highway()
-    plan = plan_on(network).model_copy(update={"destination": LanePosition(road="9", lane=-1, s=1.0)})
+    plan = plan_on(network).model_copy(update={"destination": LanePositionWord(road="9", lane=-1, s=1.0)})
     with pytest.raises(KeyError):
         build_program(plan, network)
 
@@ -219,7 +219,7 @@ def test_an_index_outside_its_column_is_found(column: str, value: int) -> None:
     draft.program.road_count[0] = 1
     getattr(draft.program, column)[-1] = value
     with pytest.raises(ValueError, match=column):
-        validate(draft.program, 1)
+        check_program(draft.program)
 
 
 def test_an_int_among_the_numbers_is_found() -> None:
@@ -228,20 +228,27 @@ def test_an_int_among_the_numbers_is_found() -> None:
     draft.program.road_count[0] = 1
     draft.program.const[0] = 1
     with pytest.raises(ValueError, match="const"):
-        validate(draft.program, 1)
+        check_program(draft.program)
 
 
-@pytest.mark.parametrize(
-    ("words", "table"), [(Action, ACTIONS), (Condition, CONDITION_ROWS), (BoundPosition, POSITIONS)]
-)
-def test_a_word_of_the_storyboard_has_a_row(words: object, table: dict[type[Word], object]) -> None:
-    assert [word for word in get_args(words) if word not in table] == []
+@pytest.mark.parametrize(("words", "numbers"), [(Action, ACTION), (Condition, CONDITION)])
+def test_a_word_of_the_storyboard_has_an_entry(words: object, numbers: dict[str, int]) -> None:
+    assert [word for word in get_args(words) if word.tag() not in numbers] == []
+
+
+def test_a_position_has_a_row() -> None:
+    assert [word for word in get_args(BoundPosition) if word not in POSITIONS] == []
+
+
+def test_every_entry_is_of_a_word() -> None:
+    assert set(ACTION) == {word.tag() for word in get_args(Action)} | {"path"}
+    assert set(CONDITION) == {word.tag() for word in get_args(Condition)}
 
 
 def test_a_word_without_a_row_is_named() -> None:
     network = highway()
-    draft = ProgramDraft(plan_on(network), network)
+    draft = PlanBuilder(plan_on(network), network)
     with pytest.raises(ValueError, match="position <road>"):
         add_position(draft, RoadPosition(road="1", s=1.0, t=0.0))
-    with pytest.raises(ValueError, match="action <weather>"):
-        add_action(draft, Weather(), 0)
+    with pytest.raises(ValueError, match="no action for <road>"):
+        add_action(draft, RoadPosition(road="1", s=1.0, t=0.0), 0)

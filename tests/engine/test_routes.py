@@ -9,13 +9,13 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.build import Compiled, Interpreted
-from scenario_compiler.engine.opcodes import FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
+from tests.engine.both import run_both
 
 HERE = Path(__file__).parent
 
@@ -65,8 +65,5 @@ def test_a_place_on_a_route_is_counted_from_its_first_waypoint() -> None:
 def test_both_forms_leave_the_same_bytes() -> None:
     _, network, program = compiled_plan()
     rows, draws = [list(program.const)], [make_draws(1, 0)]
-    interpreted = Interpreted(network.tables, program, new_state(program))
-    compiled = Compiled(network.tables, program, new_state(program))
-    _, mine = interpreted.sweep(rows, draws, 240, 241)
-    _, theirs = compiled.sweep(rows, draws, 240, 241)
-    assert [value.hex() for value in mine[0]] == [float(value).hex() for value in theirs[0]]
+    both = run_both(network.tables, program, rows, draws, 240)
+    assert both.interpreted == both.compiled

@@ -7,11 +7,11 @@ import math
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.camera_health import noise_health
-from scenario_compiler.engine.opcodes import FAR
-from scenario_compiler.engine.sensor import open_eye, sees
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.columns.opcodes import FAR
+from scenario_compiler.engine.ego.camera_health import noise_health
+from scenario_compiler.engine.ego.sensor import open_eye, sees
 from scenario_compiler.randomness import uniform
 from tests.engine.make import CAR, Draft, Run, highway, ramp
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.watching import WATCH_MOTION
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.motion.watching import WATCH_MOTION
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION
+from scenario_compiler.engine.story.of_run import FIRST_TRANSITION
+from scenario_compiler.engine.story.table import NUMBERS as CONDITION
 from tests.engine.make import Draft, Run, highway
 
 DT = 0.05
@@ -54,10 +57,10 @@ def test_a_trigger_without_groups_never_fires() -> None:
 
 def test_groups_are_alternatives_and_conditions_of_a_group_all_hold() -> None:
     draft, car = with_car()
-    draft.condition(op.CONDITION_TIME, 1.0)
-    draft.condition(op.CONDITION_SPEED, 100.0, entities=(car,))
+    draft.condition(CONDITION["time"], 1.0)
+    draft.condition(CONDITION["speed"], 100.0, entities=(car,))
     draft.close_group()
-    draft.condition(op.CONDITION_TIME, 2.0)
+    draft.condition(CONDITION["time"], 2.0)
     draft.event(draft.maneuver(), draft.trigger(), draft.speed(car, 10.0, 0.0, shape=op.SHAPE_STEP))
     v = speeds(draft.start())
     assert (v[1.5], v[2.0], v[2.05]) == (20.0, 20.0, 10.0)
@@ -121,9 +124,9 @@ def test_a_delay_keeps_pulses() -> None:
 @pytest.mark.parametrize(
     ("kind", "value", "rule", "expected"),
     [
-        (op.CONDITION_DISTANCE, 30.0, op.RULE_LESS, 2.0),
-        (op.CONDITION_TIME_HEADWAY, 1.5, op.RULE_LESS, 2.0),
-        (op.CONDITION_TIME_TO_COLLISION, 3.0, op.RULE_LESS, 2.0),
+        (CONDITION["distance"], 30.0, op.RULE_LESS, 2.0),
+        (CONDITION["time_gap"], 1.5, op.RULE_LESS, 2.0),
+        (CONDITION["time_to_collision"], 3.0, op.RULE_LESS, 2.0),
     ],
 )
 def test_conditions_between_entities(kind: int, value: float, rule: int, expected: float) -> None:
@@ -140,12 +143,12 @@ def test_reached_and_traveled_and_any_or_all_entities() -> None:
     draft, car = with_car()
     other = draft.moving(-1, 100.0, 10.0)
     place = draft.position(0, -2, 140.0)
-    draft.condition(op.CONDITION_REACH_POSITION, 5.0, rule=op.RULE_LESS, entities=(car,), position=place)
-    reached = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))
-    draft.condition(op.CONDITION_TRAVELED_DISTANCE, 40.0, entities=(car, other), every=True)
-    both = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))
-    draft.condition(op.CONDITION_TRAVELED_DISTANCE, 40.0, entities=(car, other))
-    either = draft.event(draft.maneuver(), draft.trigger(), draft.action(op.ACTION_SENSOR_NOISE, car))
+    draft.condition(CONDITION["reached"], 5.0, rule=op.RULE_LESS, entities=(car,), position=place)
+    reached = draft.event(draft.maneuver(), draft.trigger(), draft.action(ACTION["sensor_noise"], car))
+    draft.condition(CONDITION["traveled"], 40.0, entities=(car, other), every=True)
+    both = draft.event(draft.maneuver(), draft.trigger(), draft.action(ACTION["sensor_noise"], car))
+    draft.condition(CONDITION["traveled"], 40.0, entities=(car, other))
+    either = draft.event(draft.maneuver(), draft.trigger(), draft.action(ACTION["sensor_noise"], car))
     run = draft.start().go(9.0)
     times = [run.st.element_started[event] // 2 * DT for event in (reached, both, either)]
     assert times == pytest.approx([1.8, 4.0, 2.0], abs=0.11)
@@ -154,7 +157,7 @@ def test_reached_and_traveled_and_any_or_all_entities() -> None:
 def test_an_overflowing_delay_is_a_fault_not_a_wrong_result() -> None:
     draft, car = with_car()
     draft.program.const[slots.K_DURATION] = 60.0
-    draft.condition(op.CONDITION_SPEED, 20.0, rule=op.RULE_NOT_EQUAL, entities=(car,), delay=1000.0)
+    draft.condition(CONDITION["speed"], 20.0, rule=op.RULE_NOT_EQUAL, entities=(car,), delay=1000.0)
     draft.event(draft.maneuver(), draft.trigger(), draft.speed(car, 5.0, 0.0))
     run = draft.start()
     for k in range(600):
@@ -167,7 +170,8 @@ def test_an_overflowing_delay_is_a_fault_not_a_wrong_result() -> None:
 
 def watching(draft: Draft, element: int, transition: int, owner: int) -> int:
     """Return a trigger on a transition of an element, for an event in the place of `owner`."""
-    draft.condition(op.CONDITION_TRANSITION, 0.0, other=element, mode=transition, owner=owner)
+    mode = FIRST_TRANSITION + transition
+    draft.condition(CONDITION["element_state"], 0.0, other=element, mode=mode, owner=owner)
     return draft.trigger()
 
 
@@ -181,10 +185,10 @@ def test_a_start_is_seen_at_once_behind_it_and_in_the_next_frame_before_it() -> 
     maneuver = draft.maneuver()
     watched = maneuver + 3
     trigger = watching(draft, watched, op.TRANSITION_START, maneuver + 1)
-    before = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car))
+    before = draft.event(maneuver, trigger, draft.action(ACTION["command"], car))
     assert draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 2.0)) == watched
     trigger = watching(draft, watched, op.TRANSITION_START, watched + 2)
-    behind = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car), limit=5)
+    behind = draft.event(maneuver, trigger, draft.action(ACTION["command"], car), limit=5)
     run = draft.start().go(8.0)
     times = [started_at(run, event) for event in (before, watched, behind)]
     assert times == pytest.approx([times[1] + DT, times[1], times[1]])
@@ -196,10 +200,10 @@ def test_an_end_is_seen_in_the_next_frame_wherever_it_is_watched() -> None:
     maneuver = draft.maneuver()
     watched = maneuver + 3
     trigger = watching(draft, watched, op.TRANSITION_END, maneuver + 1)
-    before = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car))
+    before = draft.event(maneuver, trigger, draft.action(ACTION["command"], car))
     draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 2.0))
     trigger = watching(draft, watched, op.TRANSITION_END, watched + 2)
-    behind = draft.event(maneuver, trigger, draft.action(op.ACTION_COMMAND, car))
+    behind = draft.event(maneuver, trigger, draft.action(ACTION["command"], car))
     draft.program.stop_trigger[0] = watching(draft, watched, op.TRANSITION_END, op.NONE)
     run = draft.start().go()
     assert run.st.stop[0] == op.STOP_TRIGGER
@@ -211,10 +215,10 @@ def test_a_skipped_event_is_seen_and_starts_when_its_sibling_is_done() -> None:
     draft, car = with_car()
     maneuver = draft.maneuver()
     first = draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 2.0))
-    skipped = draft.event(maneuver, draft.at_time(2.0), draft.action(op.ACTION_COMMAND, car), priority=op.PRIORITY_SKIP)
+    skipped = draft.event(maneuver, draft.at_time(2.0), draft.action(ACTION["command"], car), priority=op.PRIORITY_SKIP)
     other = draft.maneuver()
     trigger = watching(draft, skipped, op.TRANSITION_SKIP, other + 1)
-    seen = draft.event(other, trigger, draft.action(op.ACTION_COMMAND, car))
+    seen = draft.event(other, trigger, draft.action(ACTION["command"], car))
     run = draft.start().go(8.0)
     assert [started_at(run, event) for event in (first, skipped, seen)] == pytest.approx([1.05, 3.05, 2.05], abs=DT)
     assert run.st.element_runs[seen] == 1
@@ -224,7 +228,7 @@ def test_an_overridden_event_loses_its_executions() -> None:
     draft, car = with_car()
     maneuver = draft.maneuver()
     long = draft.event(maneuver, draft.at_time(1.0), draft.speed(car, 10.0, 6.0), limit=3)
-    draft.event(maneuver, draft.at_time(2.0), draft.action(op.ACTION_COMMAND, car), priority=op.PRIORITY_OVERRIDE)
+    draft.event(maneuver, draft.at_time(2.0), draft.action(ACTION["command"], car), priority=op.PRIORITY_OVERRIDE)
     run = draft.start().go(8.0)
     assert (run.st.element_state[long], run.st.element_runs[long]) == (op.COMPLETE, 1)
     assert run.st.element_stopped[long] > 0
@@ -258,10 +262,10 @@ def test_ten_thousand_events_that_override_each_other_are_soon_done() -> None:
 def test_events_that_start_each_other_go_on_once_a_frame() -> None:
     draft, car = with_car()
     maneuver = draft.maneuver()
-    draft.condition(op.CONDITION_ELEMENT_STATE, 1.0 * op.STANDBY, rule=op.RULE_EQUAL, other=maneuver + 3)
-    one = draft.event(maneuver, draft.trigger(), draft.action(op.ACTION_COMMAND, car), limit=1_000_000)
-    draft.condition(op.CONDITION_ELEMENT_STATE, 1.0 * op.STANDBY, rule=op.RULE_EQUAL, other=one)
-    other = draft.event(maneuver, draft.trigger(), draft.action(op.ACTION_COMMAND, car), limit=1_000_000)
+    draft.condition(CONDITION["element_state"], 1.0 * op.STANDBY, rule=op.RULE_EQUAL, other=maneuver + 3)
+    one = draft.event(maneuver, draft.trigger(), draft.action(ACTION["command"], car), limit=1_000_000)
+    draft.condition(CONDITION["element_state"], 1.0 * op.STANDBY, rule=op.RULE_EQUAL, other=one)
+    other = draft.event(maneuver, draft.trigger(), draft.action(ACTION["command"], car), limit=1_000_000)
     run = draft.start().go()
     assert (run.st.stop[0], run.st.flag[0]) == (op.STOP_DURATION, op.FAULT_NONE)
     assert max(run.st.element_runs[one], run.st.element_runs[other]) <= run.st.frame[0] + 1

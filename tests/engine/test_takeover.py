@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
 from tests.engine.make import Draft, Run, highway, lane, network_of, ramp, road
 
 SPEED = 14.0

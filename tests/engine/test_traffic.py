@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from array import array
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.build import Compiled, Interpreted, trace_width
-from scenario_compiler.engine.collision import overlap
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.columns.trace import TRACE_FIELDS, TRACE_HEAD, trace_width
+from scenario_compiler.engine.motion.collision import overlap
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import TRACE_FIELDS, TRACE_HEAD, reset, step
-from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.story.step import reset, step
+from tests.engine.both import run_both
 
 TOWN = """<scenarios version="1"><scenario name="town" map="town_grid" duration="120">
   <ego speed="0" desired_speed="1"><start><road road="1" s="20" t="-30"/></start></ego>
@@ -99,15 +99,11 @@ def test_both_forms_leave_the_same_bytes_with_all_kinds_of_actors(tmp_path: Path
     done = compiled_text(tmp_path, MIXED)
     program, tables = build_program(done.plan, done.network), done.network.tables
     rows, draws = [list(program.const)] * 3, [make_draws(7, k) for k in range(3)]
-    summaries, traces = Interpreted(tables, program, new_state(program)).sweep(rows, draws, 500, 501)
-    fast_summaries, fast_traces = Compiled(tables, program, new_state(program)).sweep(rows, draws, 500, 501)
-    mine = [array("d", [*a, *b]).tobytes() for a, b in zip(summaries, traces, strict=True)]
-    theirs = [a.tobytes() + b.tobytes() for a, b in zip(fast_summaries, fast_traces, strict=True)]
-    assert mine == theirs
+    both = run_both(tables, program, rows, draws, 500)
+    assert both.interpreted == both.compiled
     width = trace_width(program)
-    starts = [tuple(trace[:width][TRACE_HEAD::TRACE_FIELDS]) for trace in traces]
+    starts = [tuple(trace[:width][TRACE_HEAD::TRACE_FIELDS]) for trace in both.traces]
     assert len(set(starts)) == 3
-    assert len({len(trace) for trace in traces}) >= 1
 
 
 def test_starts_depend_on_the_seed_alone_and_keep_clear(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
 from functools import cache
 from itertools import pairwise
@@ -12,16 +11,17 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.build import Compiled, Interpreted
-from scenario_compiler.engine.collision import overlap
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import make_draws, new_state
+from scenario_compiler.engine.motion.collision import overlap
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
-from scenario_compiler.engine.swarms import extent_at
+from scenario_compiler.engine.story.step import reset, step
+from scenario_compiler.engine.traffic.swarms import extent_at
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.word import number_value
+from tests.engine.both import run_both
 
 HERE = Path(__file__).parent
 MIDDLE = 1
@@ -97,7 +97,7 @@ def test_a_swarm_appears_when_it_begins_and_comes_back_until_it_is_stopped() -> 
 
 def test_a_swarm_stays_in_its_ellipse() -> None:
     plan, network, p = prepared("swarm")
-    k = p.action_op.index(op.ACTION_TRAFFIC_SWARM)
+    k = p.action_op.index(ACTION["traffic_swarm"])
     st = new_state(p)
     st.draw[:] = make_draws(2)
     reset(network.tables, p, st)
@@ -130,7 +130,7 @@ def test_a_swarm_goes_the_way_that_is_asked_for_at_speeds_of_the_range() -> None
     assert all(18.0 <= number_value(speed, {}) <= 24.0 for speed in speeds)
     assert len(set(speeds)) == len(vehicles)
     assert any(st.present[i] for i in vehicles)
-    assert p.action_op.count(op.ACTION_TRAFFIC_SWARM) == 1
+    assert p.action_op.count(ACTION["traffic_swarm"]) == 1
 
 
 def test_a_source_keeps_its_rate_and_a_sink_takes_who_comes() -> None:
@@ -155,14 +155,10 @@ def test_runs_of_one_seed_are_the_same_and_of_another_differ() -> None:
 def test_both_forms_leave_the_same_bytes(name: str) -> None:
     _, network, program = prepared(name)
     broken = list(program.const)
-    k = next(k for k, kind in enumerate(program.action_op) if kind == op.ACTION_TRAFFIC_SWARM)
+    k = next(k for k, kind in enumerate(program.action_op) if kind == ACTION["traffic_swarm"])
     broken[program.action_const[k] + 1] = float("nan")
     rows, draws = [list(program.const), list(program.const), broken], [make_draws(7, k) for k in range(3)]
     limit = 801
-    states: tuple[State, State] = (new_state(program), new_state(program))
-    summaries, traces = Interpreted(network.tables, program, states[0]).sweep(rows, draws, limit - 1, limit)
-    fast_summaries, fast_traces = Compiled(network.tables, program, states[1]).sweep(rows, draws, limit - 1, limit)
-    mine = [array("d", [*a, *b]).tobytes() for a, b in zip(summaries, traces, strict=True)]
-    theirs = [a.tobytes() + b.tobytes() for a, b in zip(fast_summaries, fast_traces, strict=True)]
-    assert mine == theirs
-    assert mine[0] != mine[1]
+    both = run_both(network.tables, program, rows, draws, limit - 1)
+    assert both.interpreted == both.compiled
+    assert both.interpreted[0] != both.interpreted[1]

@@ -3,46 +3,53 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
-from array import array
 from functools import cache
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.build import Compiled, Interpreted, trace_width
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.sweep import SUMMARY
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.columns.trace import SUMMARY, trace_width
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.engine.story.of_run import FIRST_TRANSITION
+from scenario_compiler.engine.story.table import CONDITIONS
+from scenario_compiler.engine.story.table import NUMBERS as CONDITION
 from scenario_compiler.randomness import uniform
+from tests.engine.both import run_both
 from tests.engine.make import Draft, bend, highway, lane, network_of, ramp, road
 
 PROGRAMS = 40
 VARIANTS = 3
 STEPS = 400
 
-WORLD_ACTIONS = range(op.ACTION_SET_VARIABLE, op.ACTION_STOP_TRAFFIC + 1)
-ACTIONS = {
-    *(op.ACTION_SPEED, op.ACTION_LANE_CHANGE, op.ACTION_SENSOR_NOISE),
-    *range(op.ACTION_FAILURE, op.ACTION_STOP + 1),
-    *WORLD_ACTIONS,
-}
+WORLD_ACTIONS = tuple(
+    ACTION[word]
+    for word in (
+        *("set_variable", "modify_variable", "traffic_signal_state", "traffic_signal_phase", "environment"),
+        *("light", "animation", "command", "activate_controller", "assign_controller", "override_controller"),
+        "stop_traffic",
+    )
+)
+CAMERA_ACTIONS = tuple(ACTION[word] for word in ("failure", "end_failure", "weather", "message", "stop"))
+REACHED_ACTIONS = {ACTION["speed"], ACTION["lane_change"], ACTION["sensor_noise"], *CAMERA_ACTIONS, *WORLD_ACTIONS}
 """Actions of these programs; the files of words in this folder hold the others."""
 
 STORY_CONDITIONS = (
-    *(op.CONDITION_TIME, op.CONDITION_TIME_HEADWAY, op.CONDITION_DISTANCE, op.CONDITION_TIME_TO_COLLISION),
-    *(op.CONDITION_SPEED, op.CONDITION_REACH_POSITION, op.CONDITION_TRAVELED_DISTANCE, op.CONDITION_LANE_CONFIDENCE),
-    *(op.CONDITION_TAKEOVER_STATE, op.CONDITION_RELATIVE_SPEED, op.CONDITION_ELEMENT_STATE),
+    *(CONDITION["time"], CONDITION["time_gap"], CONDITION["distance"], CONDITION["time_to_collision"]),
+    *(CONDITION["speed"], CONDITION["reached"], CONDITION["traveled"], CONDITION["lane_confidence"]),
+    *(CONDITION["takeover_state"], CONDITION["relative_speed"], CONDITION["event"]),
 )
 """Conditions of `add_story`; the last watches an event."""
 
 WORLD_CONDITIONS = (
-    *(op.CONDITION_RELATIVE_SPEED, op.CONDITION_POSITION_DISTANCE, op.CONDITION_SIGNAL_PHASE),
-    *(op.CONDITION_ACCELERATION, op.CONDITION_COLLISION, op.CONDITION_OFF_ROAD, op.CONDITION_END_OF_ROAD),
-    *(op.CONDITION_CLEARANCE, op.CONDITION_ANGLE, op.CONDITION_RELATIVE_ANGLE, op.CONDITION_TRANSITION),
-    *(op.CONDITION_TIME_OF_DAY, op.CONDITION_VARIABLE, op.CONDITION_USER_VALUE, op.CONDITION_SIGNAL),
+    *(CONDITION["relative_speed"], CONDITION["distance_to_position"], CONDITION["signal_phase"]),
+    *(CONDITION["acceleration"], CONDITION["collision"], CONDITION["off_road"], CONDITION["end_of_road"]),
+    *(CONDITION["clearance"], CONDITION["angle"], CONDITION["relative_angle"], CONDITION["element_state"]),
+    *(CONDITION["time_of_day"], CONDITION["variable"], CONDITION["user_defined_value"], CONDITION["traffic_signal"]),
 )
 """Conditions of `add_world_story`."""
 
@@ -182,21 +189,21 @@ def add_camera_story(draft: Draft, dice: Dice) -> None:
     weathers = [draft.weather(*(dice.between(-1.0, 100.0) for _ in range(op.WEATHER_SIZE))) for _ in range(2)]
     waiting = draft.failure(dice.pick(*range(op.FAILURES)), 0.5, 3.0, 1.0, dice.between(0.2, 1.0), waits=True)
     actions = [
-        draft.run_action(op.ACTION_FAILURE, waiting),
-        draft.run_action(op.ACTION_WEATHER, dice.pick(*weathers), dice.between(-1.0, 5.0)),
-        draft.run_action(op.ACTION_MESSAGE, 0),
-        draft.run_action(op.ACTION_END_FAILURE, dice.pick(op.NONE, *range(op.FAILURES))),
+        draft.run_action(ACTION["failure"], waiting),
+        draft.run_action(ACTION["weather"], dice.pick(*weathers), dice.between(-1.0, 5.0)),
+        draft.run_action(ACTION["message"], 0),
+        draft.run_action(ACTION["end_failure"], dice.pick(op.NONE, *range(op.FAILURES))),
     ]
     if dice.unit() < 0.1:
-        actions.append(draft.run_action(op.ACTION_STOP))
+        actions.append(draft.run_action(ACTION["stop"]))
     maneuver = draft.maneuver()
     before = draft.event(maneuver, draft.at_time(dice.between(1.0, 6.0)), actions[0], actions[1])
     for action in actions[2:]:
-        kind = dice.pick(op.CONDITION_STANDSTILL, op.CONDITION_SENSOR_HEALTH, op.CONDITION_LANE_CONFIDENCE)
+        kind = dice.pick(CONDITION["standstill"], CONDITION["sensor_health"], CONDITION["lane_confidence"])
         other = dice.pick(*range(op.SIDE_BOTH, op.SIDE_EITHER + 1))
-        rule = op.RULE_GREATER_OR_EQUAL if kind == op.CONDITION_STANDSTILL else op.RULE_LESS
+        rule = op.RULE_GREATER_OR_EQUAL if kind == CONDITION["standstill"] else op.RULE_LESS
         draft.condition(kind, 0.6, rule=rule, entities=(0,), other=other)
-        draft.condition(op.CONDITION_ELEMENT_STATE, dice.pick(1, 2), other=before)
+        draft.condition(CONDITION["element_state"], dice.pick(1, 2), other=before)
         draft.event(maneuver, draft.trigger(), action)
 
 
@@ -223,17 +230,17 @@ def add_world_story(draft: Draft, dice: Dice) -> None:
 def add_world_condition(draft: Draft, dice: Dice, kind: int, before: int) -> None:
     """Append a condition of a kind; one on elements watches `before`."""
     modes = {
-        **dict.fromkeys((op.CONDITION_POSITION_DISTANCE,), 4 * dice.pick(0, 2, 4) + dice.pick(0, 1, 2)),
-        **dict.fromkeys((op.CONDITION_RELATIVE_SPEED, op.CONDITION_ACCELERATION), dice.pick(0, 1, 2, 3)),
-        op.CONDITION_COLLISION: dice.pick(op.KIND_ANY, op.KIND_VEHICLE),
-        op.CONDITION_ANGLE: 4 * dice.pick(0, 1, 2, 4) + dice.pick(0, 1, 2),
-        op.CONDITION_RELATIVE_ANGLE: dice.pick(0, 1, 2),
-        op.CONDITION_TRANSITION: dice.pick(0, 1, 2, 3),
+        **dict.fromkeys((CONDITION["distance_to_position"],), 4 * dice.pick(0, 2, 4) + dice.pick(0, 1, 2)),
+        **dict.fromkeys((CONDITION["relative_speed"], CONDITION["acceleration"]), dice.pick(0, 1, 2, 3)),
+        CONDITION["collision"]: dice.pick(op.KIND_ANY, op.KIND_VEHICLE),
+        CONDITION["angle"]: 4 * dice.pick(0, 1, 2, 4) + dice.pick(0, 1, 2),
+        CONDITION["relative_angle"]: dice.pick(0, 1, 2),
+        CONDITION["element_state"]: FIRST_TRANSITION + dice.pick(0, 1, 2, 3),
     }
     others = {
-        op.CONDITION_COLLISION: dice.pick(op.NONE, 1),
-        op.CONDITION_CLEARANCE: 0,
-        op.CONDITION_TRANSITION: before,
+        CONDITION["collision"]: dice.pick(op.NONE, 1),
+        CONDITION["clearance"]: 0,
+        CONDITION["element_state"]: before,
     }
     draft.condition(
         kind,
@@ -242,9 +249,9 @@ def add_world_condition(draft: Draft, dice: Dice, kind: int, before: int) -> Non
         entities=(0,) if dice.unit() < 0.5 else (0, 1),
         other=others.get(kind, dice.pick(0, 1)),
         mode=modes.get(kind, dice.pick(0, 1)),
-        flags=0 if kind == op.CONDITION_TRANSITION else dice.pick(0, 1, 2, 3),
+        flags=0 if kind == CONDITION["element_state"] else dice.pick(0, 1, 2, 3),
         position=draft.position(0, -1, dice.between(40.0, 110.0))
-        if kind == op.CONDITION_POSITION_DISTANCE
+        if kind == CONDITION["distance_to_position"]
         else op.NONE,
         more=(dice.between(0.0, 30.0), dice.between(0.0, 30.0)),
         owner=draft.program.element_count[0],
@@ -256,9 +263,9 @@ def add_world_action(draft: Draft, dice: Dice, kind: int) -> int:
     """Append an action of a kind; what it holds of the ego it lets go again or holds lightly."""
     k = draft.action(kind, dice.pick(0, 1), target=dice.between(0.0, 0.2), value=dice.between(0.5, 2.0))
     p = draft.program
-    p.action_other[k] = 0 if kind == op.ACTION_STOP_TRAFFIC else dice.pick(0, 1)
-    p.action_lanes[k] = p.entity_count[0] if kind == op.ACTION_STOP_TRAFFIC else 0
-    p.action_mode[k] = dice.pick(*range(op.HELD_INPUTS)) if kind == op.ACTION_OVERRIDE_CONTROLLER else dice.pick(0, 1)
+    p.action_other[k] = 0 if kind == ACTION["stop_traffic"] else dice.pick(0, 1)
+    p.action_lanes[k] = p.entity_count[0] if kind == ACTION["stop_traffic"] else 0
+    p.action_mode[k] = dice.pick(*range(op.HELD_INPUTS)) if kind == ACTION["override_controller"] else dice.pick(0, 1)
     p.action_flags[k] = dice.pick(*range(8))
     return k
 
@@ -267,17 +274,17 @@ def add_condition(draft: Draft, dice: Dice, before: list[int]) -> None:
     """Append a condition of a random kind; edges and delays too."""
     kind = dice.pick(*(STORY_CONDITIONS if before else STORY_CONDITIONS[:-1]))
     values = {
-        op.CONDITION_TIME: dice.between(0.0, 8.0),
-        op.CONDITION_LANE_CONFIDENCE: 0.6,
-        op.CONDITION_REACH_POSITION: 30.0,
-        op.CONDITION_TRAVELED_DISTANCE: dice.between(0.0, 80.0),
+        CONDITION["time"]: dice.between(0.0, 8.0),
+        CONDITION["lane_confidence"]: 0.6,
+        CONDITION["reached"]: 30.0,
+        CONDITION["traveled"]: dice.between(0.0, 80.0),
     }
     other, position = dice.pick(0, 1), op.NONE
-    if kind == op.CONDITION_REACH_POSITION:
+    if kind == CONDITION["reached"]:
         position = draft.position(0, -1, dice.between(40.0, 110.0))
-    elif kind == op.CONDITION_TAKEOVER_STATE:
+    elif kind == CONDITION["takeover_state"]:
         other = dice.pick(op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING, op.TAKEOVER_REQUEST, op.TAKEOVER_MANUAL)
-    elif kind == op.CONDITION_ELEMENT_STATE:
+    elif kind == CONDITION["event"]:
         other = before[-1]
     draft.condition(
         kind,
@@ -297,11 +304,11 @@ def add_action(draft: Draft, dice: Dice) -> int:
     shape = dice.pick(op.SHAPE_LINEAR, op.SHAPE_SINUSOIDAL, op.SHAPE_CUBIC, op.SHAPE_STEP)
     dimension = dice.pick(op.DIMENSION_TIME, op.DIMENSION_RATE, op.DIMENSION_DISTANCE)
     entity = dice.pick(0, 1)
-    kind = dice.pick(op.ACTION_SPEED, op.ACTION_LANE_CHANGE, op.ACTION_SENSOR_NOISE)
+    kind = dice.pick(ACTION["speed"], ACTION["lane_change"], ACTION["sensor_noise"])
     return draft.action(
         kind,
         entity,
-        target=dice.between(-3.0, 25.0) if kind == op.ACTION_SPEED else dice.between(0.0, 80.0),
+        target=dice.between(-3.0, 25.0) if kind == ACTION["speed"] else dice.between(0.0, 80.0),
         value=dice.between(-1.0, 5.0) if dimension != op.DIMENSION_DISTANCE else dice.between(0.0, 60.0),
         shape=shape,
         dimension=dimension,
@@ -321,22 +328,18 @@ def variants_of(draft: Draft, number: int) -> list[list[float]]:
 
 
 @cache
-def both_forms(number: int) -> tuple[list[bytes], list[bytes], list[list[float]], set[int], set[int]]:
+def both_forms(number: int) -> tuple[list[bytes], list[bytes], NDArray[np.float64], set[int], set[int]]:
     """Return the traces of both forms as bytes, the summaries, and the takeover states and events that were reached."""
     draft = random_draft(number)
     program, tables = draft.done(), draft.network.tables
     rows, draws = variants_of(draft, number), [make_draws(number, k) for k in range(VARIANTS)]
-    interpreted = Interpreted(tables, program, new_state(program))
-    summaries, traces = interpreted.sweep(rows, draws, STEPS, STEPS + 1)
-    compiled = Compiled(tables, program, new_state(program))
-    fast_summaries, fast_traces = compiled.sweep(rows, draws, STEPS, STEPS + 1)
-    mine = [array("d", [*a, *b]).tobytes() for a, b in zip(summaries, traces, strict=True)]
-    theirs = [a.tobytes() + b.tobytes() for a, b in zip(fast_summaries, fast_traces, strict=True)]
+    both = run_both(tables, program, rows, draws, STEPS)
     width = trace_width(program)
-    states = {int(state) for trace in traces for state in trace[1::width]}
-    kinds = set(interpreted.state.log_kind)
-    interpreted.sweep(rows[:1], draws[:1], STEPS)
-    return mine, theirs, summaries, states, kinds | set(interpreted.state.log_kind)
+    states = {int(state) for trace in both.traces for state in trace[1::width]}
+    usual = Simulation(tables, program, interpreted=True)
+    usual.sweep(rows[:1], draws[:1], STEPS)
+    kinds = {*both.state.log_kind, *usual.state.log_kind}
+    return both.interpreted, both.compiled, both.summaries, states, kinds
 
 
 @pytest.mark.parametrize("number", range(PROGRAMS))
@@ -348,8 +351,8 @@ def test_both_forms_leave_the_same_bytes(number: int) -> None:
 def test_the_programs_reach_every_code() -> None:
     drafts = [random_draft(number) for number in range(PROGRAMS)]
     programs = [draft.program for draft in drafts]
-    assert {kind for p in programs for kind in p.condition_op} == set(range(op.CONDITION_KINDS))
-    assert {kind for p in programs for kind in p.action_op} == ACTIONS
+    assert {kind for p in programs for kind in p.condition_op} == set(range(len(CONDITIONS)))
+    assert {kind for p in programs for kind in p.action_op} == REACHED_ACTIONS
     assert {kind for p in programs for kind in p.failure_kind} == set(range(op.FAILURES))
     assert {kind for p in programs for kind in p.entity_motion} == set(range(op.MOTION_POSED + 1))
     assert {kind for p in programs for kind in p.action_shape} == set(range(op.SHAPE_STEP + 1))
@@ -360,24 +363,15 @@ def test_the_programs_reach_every_code() -> None:
     stops = {int(row[SUMMARY.index("stop")]) for _, _, summaries, _, _ in results for row in summaries}
     assert stops == set(range(op.STOP_NONE, op.STOP_ERROR + 1))
     kinds = set().union(*(kinds for _, _, _, _, kinds in results))
-    assert kinds >= {op.EVENT_EVADE, op.EVENT_BRAKE, op.EVENT_MERGE, op.EVENT_COLLISION, op.EVENT_SENSOR_NOISE}
-    assert kinds >= {op.EVENT_FAILURE, op.EVENT_FAILURE_END, op.EVENT_WEATHER, op.EVENT_MESSAGE}
+    assert kinds >= {op.EVENT_EVADE, op.EVENT_BRAKE, op.EVENT_MERGE, op.EVENT_COLLISION, op.EVENT_ACTION}
+    assert kinds >= {op.EVENT_FAILURE, op.EVENT_FAILURE_END}
 
 
 def test_a_sweep_does_not_depend_on_the_order_of_its_variants() -> None:
     draft = random_draft(0)
     program, tables = draft.done(), draft.network.tables
     rows, draws = variants_of(draft, 0), [make_draws(0, k) for k in range(VARIANTS)]
-    compiled = Compiled(tables, program, new_state(program))
+    compiled = Simulation(tables, program)
     forward, _ = compiled.sweep(rows, draws, STEPS)
     backward, _ = compiled.sweep(rows[::-1], draws[::-1], STEPS)
     assert forward.tobytes() == backward[::-1].tobytes()
-
-
-@pytest.mark.slow
-def test_no_index_leaves_its_column() -> None:
-    arguments = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "same_bytes", __file__]
-    result = subprocess.run(
-        arguments, env={**os.environ, "NUMBA_BOUNDSCHECK": "1"}, capture_output=True, text=True, check=False
-    )
-    assert result.returncode == 0, result.stdout[-4000:]

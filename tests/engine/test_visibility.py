@@ -8,10 +8,10 @@ from importlib import resources
 
 import pytest
 
-from scenario_compiler.engine import visibility
-from scenario_compiler.engine.state import new_state
-from scenario_compiler.engine.tables import Program
-from scenario_compiler.engine.visibility import weather_visibility
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import new_state
+from scenario_compiler.engine.ego import visibility
+from scenario_compiler.engine.ego.visibility import weather_visibility
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_numbers, weather_preset
 
 

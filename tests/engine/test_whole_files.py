@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,14 +10,14 @@ import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.build import Compiled, Interpreted
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.columns.trace import SUMMARY
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.sweep import SUMMARY
 from scenario_compiler.listing import list_library
 from scenario_compiler.resources import library_folder
 from tests.conformance.esmini import runs_without_controllers
+from tests.engine.both import Both, run_both
 
 STEP = 0.05
 LONGEST = 20.0
@@ -29,9 +28,6 @@ BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 
 BROKEN_ROWS = 24
 """Number of broken runs of each."""
-
-Results = tuple[list[list[float]], list[bytes]]
-"""Summaries, and the bytes of summary and trace, of each variant."""
 
 
 def library_targets() -> list[str]:
@@ -45,29 +41,12 @@ def compiled_plan(target: str | Path, step: float = STEP) -> Compilation | None:
     return compile_target(target, {}, Diagnostics(), overrides=overrides)
 
 
-def run_both(done: Compilation, rows: Sequence[Sequence[float]] | None = None) -> tuple[Results, Results]:
+def both_of(done: Compilation, rows: Sequence[Sequence[float]] | None = None) -> Both:
     """Return what both forms leave of a plan, or of rows of its numbers."""
     program = build_program(done.plan, done.network)
     numbers = [program.const] if rows is None else rows
     draws = [make_draws(1, k) for k in range(len(numbers))]
-    limit = round(LONGEST / done.plan.step) + 1
-    return tuple(
-        _results(form(done.network.tables, program, new_state(program)), numbers, draws, limit)
-        for form in (Interpreted, Compiled)
-    )  # type: ignore[return-value]
-
-
-def _results(
-    engine: Interpreted | Compiled, rows: Sequence[Sequence[float]], draws: Sequence[Sequence[float]], limit: int
-) -> Results:
-    summaries, traces = engine.sweep(rows, draws, limit, limit + 1)
-    both = zip(summaries, traces, strict=True)
-    return [list(row) for row in summaries], [_bytes([*a, *b]) for a, b in both]
-
-
-def _bytes(numbers: Sequence[float]) -> bytes:
-    """Return the bytes of numbers; those that are none are all the same, whichever sign a processor gives them."""
-    return array("d", [math.nan if math.isnan(value) else value for value in numbers]).tobytes()
+    return run_both(done.network.tables, program, numbers, draws, round(LONGEST / done.plan.step) + 1)
 
 
 def differing(targets: Sequence[str | Path]) -> tuple[list[str], int]:
@@ -76,9 +55,9 @@ def differing(targets: Sequence[str | Path]) -> tuple[list[str], int]:
     for target in targets:
         done = compiled_plan(target)
         if done is not None:
-            (_, slow), (_, fast) = run_both(done)
+            both = both_of(done)
             ran += 1
-            if slow != fast:
+            if both.interpreted != both.compiled:
                 found.append(str(target))
     return found, ran
 
@@ -87,9 +66,9 @@ def differing(targets: Sequence[str | Path]) -> tuple[list[str], int]:
 def test_the_probes_leave_the_same_bytes(golden: Path, step: float) -> None:
     done = compiled_plan(golden / "esmini_probes" / "probes.xosc", step)
     assert done is not None
-    (summaries, slow), (_, fast) = run_both(done)
-    assert summaries[0][SUMMARY.index("rows")] > 100
-    assert slow == fast
+    both = both_of(done)
+    assert both.summaries[0][SUMMARY.index("rows")] > 100
+    assert both.interpreted == both.compiled
 
 
 def test_every_library_scenario_leaves_the_same_bytes() -> None:
@@ -121,10 +100,9 @@ def test_faulty_runs_end_with_the_same_code() -> None:
     for target in targets:
         done = compiled_plan(target)
         assert done is not None
-        (slow, slow_bytes), (fast, fast_bytes) = run_both(done, broken_rows(build_program(done.plan, done.network)))
-        assert slow_bytes == fast_bytes
-        assert [(row[stop], row[flag]) for row in slow] == [(row[stop], row[flag]) for row in fast]
-        faults += [int(row[flag]) for row in slow if row[stop] == op.STOP_ERROR]
+        both = both_of(done, broken_rows(build_program(done.plan, done.network)))
+        assert both.interpreted == both.compiled
+        faults += [int(row[flag]) for row in both.summaries if row[stop] == op.STOP_ERROR]
     assert len(targets) == len(BROKEN)
     assert len(set(faults)) >= 2
     assert op.FAULT_NONE not in faults

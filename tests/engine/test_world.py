@@ -9,15 +9,15 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.build import Compiled, Interpreted
-from scenario_compiler.engine.opcodes import EVENT_STORYBOARD_START, FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.opcodes import EVENT_STORYBOARD_START, FAULT_NONE, STOP_NONE
+from scenario_compiler.engine.columns.state import make_draws, new_state
 from scenario_compiler.engine.program import Program, build_program
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.runtime import open_world, run
-from scenario_compiler.runtime.loop import named_events
+from scenario_compiler.runtime.log import named_events
+from tests.engine.both import run_both
 
 HERE = Path(__file__).parent
 STEP = 0.05
@@ -123,8 +123,6 @@ def test_the_log_says_what_was_done() -> None:
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_both_forms_leave_the_same_bytes(name: str) -> None:
     _, network, program = prepared(name)
-    rows, draws, steps = [list(program.const)], [make_draws(1, 0)], 700
-    slow, slow_traces = Interpreted(network.tables, program, new_state(program)).sweep(rows, draws, steps, steps + 1)
-    fast, fast_traces = Compiled(network.tables, program, new_state(program)).sweep(rows, draws, steps, steps + 1)
-    assert [list(row) for row in slow] == [list(row) for row in fast]
-    assert [list(trace) for trace in slow_traces] == [list(trace) for trace in fast_traces]
+    rows, draws = [list(program.const)], [make_draws(1, 0)]
+    both = run_both(network.tables, program, rows, draws, 700)
+    assert both.interpreted == both.compiled

@@ -12,10 +12,10 @@ import pytest
 from scenario_compiler.cli import make_parser
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.opcodes import FAULT_NONE, STOP_DURATION
+from scenario_compiler.engine.columns.opcodes import FAULT_NONE, STOP_DURATION
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from tests.openscenario.made import condition, declarations, entity, event, scenario_text, speed, story
 
 FEW, MANY = 500, 4000

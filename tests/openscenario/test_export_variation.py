@@ -11,7 +11,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.openscenario.export.files import write_openscenario
 from scenario_compiler.vocabulary.entities import Ego, Static
-from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.variation import (
     Axis,
@@ -53,7 +53,7 @@ def exported(folder: Path, vary: Vary, version: str = "1.3") -> Diagnostics:
         weather=Weather(preset="ClearNoon"),
         parameters=(Parameter(name="gap", type="length", default="40"),),
         vary=vary,
-        ego=Ego(speed=10.0, start=LanePosition(road="9", lane=-2, s=30.0)),
+        ego=Ego(speed=10.0, start=LanePositionWord(road="9", lane=-2, s=30.0)),
         actors=(Static(id="van", at=RelativeLanePosition(entity="ego", distance=parse_expression("$gap"))),),
     )
     done = compile_built(scenario, perception="ideal")

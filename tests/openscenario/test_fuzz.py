@@ -14,10 +14,10 @@ from lxml import etree
 
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine.opcodes import STOP_NONE
+from scenario_compiler.engine.columns.opcodes import STOP_NONE
+from scenario_compiler.engine.columns.state import make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.randomness import random_hash
 from scenario_compiler.validation import validate_file
 

@@ -8,9 +8,9 @@ import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.engine.columns.state import make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import make_draws, new_state
-from scenario_compiler.engine.step import reset, step
+from scenario_compiler.engine.story.step import reset, step
 from scenario_compiler.openscenario.export.files import export_files
 from scenario_compiler.vocabulary.actions import KeepsVehicles
 from scenario_compiler.vocabulary.scenario import Scenario

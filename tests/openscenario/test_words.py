@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.engine import visibility
+from scenario_compiler.engine.ego import visibility
 from scenario_compiler.expressions import parse_expression
 from scenario_compiler.openscenario.actions import ACTIONS, read_actions, write_action
 from scenario_compiler.openscenario.actions import UNSAID as UNSAID_ACTIONS
@@ -40,7 +40,7 @@ from scenario_compiler.vocabulary.positions import (
     GeoPosition,
     Nurbs,
     Position,
-    Route,
+    RouteWord,
     Trajectory,
 )
 from scenario_compiler.vocabulary.word import Word
@@ -55,7 +55,7 @@ FIXED: dict[tuple[type[Word], str], Any] = {
     (GeoPosition, "latitude"): st.sampled_from([0.0, 45.0, -90.0]),
     (GeoPosition, "longitude"): st.sampled_from([0.0, 90.0, -180.0]),
     (Nurbs, "order"): st.integers(2, 5),
-    (Route, "name"): _NAME,
+    (RouteWord, "name"): _NAME,
     (Trajectory, "name"): _NAME,
     (RelativeClearanceCondition, "of"): st.sampled_from([(), ENTITIES]),
     (LaneChangeAction, "of"): st.sampled_from(ENTITIES),

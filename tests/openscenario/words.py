@@ -12,10 +12,9 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
 from scenario_compiler.expressions import Expression, Value, parse_expression
-from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.node import FileContext, Known, Node
 from scenario_compiler.openscenario.output import Version
 from scenario_compiler.openscenario.positions import POSITIONS
-from scenario_compiler.openscenario.reading import Known, Reading
 from scenario_compiler.openscenario.scope import Bound, Scope
 from scenario_compiler.vocabulary.positions import Position
 from scenario_compiler.vocabulary.word import AttributeSpelling, Word, spelling_of
@@ -89,4 +88,4 @@ def node_of(element: etree._Element, version: Version, sink: Diagnostics) -> Nod
     document = Document("written.xosc", text, etree.fromstring(text))
     known = Known(entities={name: "vehicle" for name in ENTITIES})
     bound = {name: Bound("double", str(value), parse_expression(f"${name}")) for name, value in OPEN.items()}
-    return Node(document.root, Reading(document, sink, version, known), Scope(bound, OPEN))
+    return Node(document.root, FileContext(document, sink, version, known), Scope(bound, OPEN))

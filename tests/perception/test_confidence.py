@@ -3,7 +3,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from scenario_compiler.engine.camera_health import noise_health
+from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.calibration.fit import cross_validated, fit_logistic, reliability
 from scenario_compiler.perception.calibration.frames import CLEAR_DAY, Wanted, random_frame
 from scenario_compiler.perception.calibration.measure import collect, mean_confidence

@@ -3,7 +3,7 @@ from itertools import pairwise
 
 import pytest
 
-from scenario_compiler.engine.visibility import paint_contrast
+from scenario_compiler.engine.ego.visibility import paint_contrast
 from scenario_compiler.perception import weather_look
 from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather

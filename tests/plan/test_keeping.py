@@ -8,13 +8,13 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.keeping import MOST_OF_SOURCE, MOST_OF_SWARM, kept_entities, vehicles_of
 from scenario_compiler.vocabulary.actions import TrafficKind, TrafficSourceAction, TrafficSwarmAction
 from scenario_compiler.vocabulary.entities import Vehicle
-from scenario_compiler.vocabulary.positions import LanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.storyboard import InitAction, Storyboard
 
 CAR = Vehicle(name="car", length=4.5, width=1.8, height=1.5, wheelbase=2.7, center=1.4)
 TRUCK = CAR.model_copy(update={"name": "truck", "category": "truck"})
 TRAILER = TRUCK.model_copy(update={"name": "trailer", "coupler": 6.0})
-PLACE = LanePosition(road="1", lane=-1, s=5.0)
+PLACE = LanePositionWord(road="1", lane=-1, s=5.0)
 
 
 def swarm(vehicles: int, **more: object) -> TrafficSwarmAction:

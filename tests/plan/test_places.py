@@ -9,13 +9,13 @@ import pytest
 
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
-from scenario_compiler.engine.state import State, make_draws, new_state
-from scenario_compiler.engine.step import reset
+from scenario_compiler.engine.story.step import reset
 from scenario_compiler.plan.places import spans_of
 from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
-from scenario_compiler.vocabulary.positions import AnyOfPosition, LanePosition, RandomPosition
+from scenario_compiler.vocabulary.positions import AnyOfPosition, LanePositionWord, RandomPosition
 
 EGO = '<ego speed="5"><start><lane road="1" lane="-1" s="20"/></start></ego>'
 
@@ -77,14 +77,14 @@ POINTS = """<spawn_points>
 def test_spawn_points_are_the_scenarios_own_or_the_maps(tmp_path: Path, start: str, road: str) -> None:
     ego = f'<ego speed="5"><start>{start}</start></ego>'
     placed = compiled(tmp_path, "", ego, POINTS).plan.ego.start
-    assert isinstance(placed, LanePosition)
+    assert isinstance(placed, LanePositionWord)
     assert placed.road == road
 
 
 def test_a_spawn_point_by_seed_is_fixed_and_without_one_drawn_in_each_run(tmp_path: Path) -> None:
     for k in range(3):
         seeded = compiled(tmp_path, "", f'<ego><start><random_spawn_point seed="{k}"/></start></ego>', POINTS)
-        assert isinstance(seeded.plan.ego.start, LanePosition)
+        assert isinstance(seeded.plan.ego.start, LanePositionWord)
     done = compiled(tmp_path, "", "<ego><start><random_spawn_point/></start></ego>", POINTS)
     assert isinstance(done.plan.ego.start, AnyOfPosition)
     roads = {done.network.road_ids[at_start(done, seed)[0].road[0]] for seed in range(12)}

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from scenario_compiler.engine import opcodes
+from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.plan.model import Entity, MapReference, Plan
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.vocabulary.criteria import Criterion, NoCollision, StayOnRoad
 from scenario_compiler.vocabulary.entities import Controller, Vehicle
-from scenario_compiler.vocabulary.positions import LanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.scenario import Classification
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import Storyboard
@@ -26,7 +26,7 @@ Row = dict[str, Sequence[float]]
 
 
 def plan_of(*ids: str, criteria: tuple[Criterion, ...] = (NoCollision(), StayOnRoad())) -> Plan:
-    start = LanePosition(road="1", lane=-1, s=0.0)
+    start = LanePositionWord(road="1", lane=-1, s=0.0)
     return Plan(
         name="made_by_hand",
         summary="A vehicle stands in the lane ahead.",

@@ -107,7 +107,7 @@ def test_with_a_tolerance_runs_may_end_a_step_apart(rows: int, equal: bool) -> N
 
 def test_events_that_are_not_alike_are_told_in_order() -> None:
     other = [EVENTS[0], (1.1, "request", "path_blocked"), (2.5, "collision", "parked")]
-    first, second = made(), made(events=record(IDS, 40, approach(), other).events)  # type: ignore[arg-type]
+    first, second = made(), made(events=record(IDS, 40, approach(), other).events)
     found = compare(first, second)
     assert found.events == (
         EventPair("request", "", "path_blocked", "request!", 1.0, 1.1),
@@ -119,7 +119,7 @@ def test_events_that_are_not_alike_are_told_in_order() -> None:
 
 def test_an_event_that_both_have_is_not_paired_with_another() -> None:
     once, twice = ([(t, "warning", "lane_ends") for t in times] for times in ([2.0], [1.0, 2.0]))
-    first, second = (record(IDS, 40, approach(), events) for events in (once, twice))  # type: ignore[arg-type]
+    first, second = (record(IDS, 40, approach(), events) for events in (once, twice))
     assert compare(first, second).events == (EventPair("warning", "", "lane_ends", "warning!", None, 1.0),)
 
 
@@ -144,7 +144,7 @@ def test_an_entity_of_one_run_alone_makes_them_differ() -> None:
 
 def test_measures_and_results_are_put_side_by_side() -> None:
     plan = plan_of(*IDS)
-    first, second = made(), record(IDS, 70, approach(), [*EVENTS, (6.0, "collision", "parked")])  # type: ignore[list-item]
+    first, second = made(), record(IDS, 70, approach(), [*EVENTS, (6.0, "collision", "parked")])
     found = compare(first, second, (judge(plan, first), judge(plan, second)))
     assert ("pass", "fail") in [(fact.first, fact.second) for fact in found.facts if fact.what == "result"]
     measures = {one.name: one for one in found.measures}

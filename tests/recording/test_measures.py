@@ -31,7 +31,7 @@ def value(name: str, recording: Recording) -> float:
 @pytest.fixture(scope="module")
 def answered() -> Recording:
     events = [(0.5, "warning", "path_blocked"), (1.0, "request", "path_blocked"), (3.0, "response", "")]
-    return record(IDS, 51, approach(), events)  # type: ignore[arg-type]
+    return record(IDS, 51, approach(), events)
 
 
 @pytest.mark.parametrize(
@@ -165,7 +165,7 @@ def test_distance_between_boxes(x: float, y: float, h: float, distance: float) -
 
 def test_measures_of_many_runs_at_once_equal_those_of_each() -> None:
     events = [(1.0, "request", "path_blocked"), (3.0, "response", "")]
-    runs = [record(IDS, 51, approach(), events), record(IDS, 71, approach(12.0), [(5.0, "collision", "parked")])]  # type: ignore[arg-type]
+    runs = [record(IDS, 51, approach(), events), record(IDS, 71, approach(12.0), [(5.0, "collision", "parked")])]
     single = [traces(run) for run in runs]
     many = _stacked(single)
     for measure in MEASURES:

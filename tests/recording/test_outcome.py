@@ -94,7 +94,7 @@ def test_the_timeline_has_a_state_for_each_stretch() -> None:
         (5.0, "escalation", ""),
         (6.0, "response", ""),
     ]
-    run = record(IDS, 71, approach(), events)  # type: ignore[arg-type]
+    run = record(IDS, 71, approach(), events)
     found = [(one.state, one.begin, one.end) for one in timeline(run)]
     assert found == [
         ("automated", 0.0, 0.5),

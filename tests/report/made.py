@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from scenario_compiler.engine import opcodes
+from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.plan.model import MapReference, Plan
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder

@@ -12,7 +12,7 @@ from scenario_compiler.expressions import Expression
 from scenario_compiler.languages import ScenarioNameNeededError, check_source, expand
 from scenario_compiler.vocabulary.conditions import TimeHeadwayCondition
 from scenario_compiler.vocabulary.entities import Dynamic, Static
-from scenario_compiler.vocabulary.positions import LanePosition, RelativeLanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
 from scenario_compiler.vocabulary.takeover import DriverModel
 from tests.source.made import EGO, codes_of, expanded, library_text, parsed
 
@@ -56,7 +56,7 @@ def test_a_whole_conflict() -> None:
     assert scenario.classification is not None
     assert (scenario.classification.number, scenario.classification.criticality) == (9, "")
     assert scenario.ego is not None
-    assert scenario.ego.start == LanePosition(road="3", lane=-1, s=20.0)
+    assert scenario.ego.start == LanePositionWord(road="3", lane=-1, s=20.0)
     blocker, oncoming = scenario.actors
     assert isinstance(blocker, Static)
     assert (blocker.id, oncoming.id) == ("blocked_lane1.blocker", "oncoming")
@@ -137,7 +137,7 @@ def test_an_open_angle_is_turned_to_radians_when_it_is_evaluated() -> None:
     automated = expanded(library_text(parameters=parameter, ego=ego)).ego
     assert automated is not None
     start = automated.start
-    assert isinstance(start, LanePosition)
+    assert isinstance(start, LanePositionWord)
     assert isinstance(start.turn, Expression)
     assert start.turn.number({"bend": 90.0}) == math.pi / 2
 
@@ -146,7 +146,7 @@ def test_a_parameter_that_decides_structure_is_settled_everywhere() -> None:
     parameter = '<parameter name="n" type="number" default="1"/>'
     items = '<static id="a"><at><lane road="1" lane="${-$n}" s="${100 * $n}"/></at></static>'
     scenario = expanded(library_text(items, parameters=parameter))
-    assert scenario.actors[0] == Static(id="a", at=LanePosition(road="1", lane=-1, s=100.0))
+    assert scenario.actors[0] == Static(id="a", at=LanePositionWord(road="1", lane=-1, s=100.0))
     assert scenario.parameters == ()
 
 

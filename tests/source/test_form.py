@@ -16,7 +16,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, Place, as_text
 from scenario_compiler.document import Document, Origin, parse_document
 from scenario_compiler.markup import codes
-from scenario_compiler.markup.environment import Environment, Reading
+from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.markup.values import SPACE
 from scenario_compiler.resources import library_folder
@@ -54,7 +54,7 @@ def faults(root: etree._Element) -> list[str]:
     sink = Diagnostics()
     document = parse_document(text.encode(), "mutant.xml", sink)
     assert document is not None
-    reading = Reading(document, sink, Environment(undetermined=Anything()))
+    reading = ReadingContext(document, sink, Environment(undetermined=Anything()))
     read_word(document.root, CatalogElement if root.tag == "catalog" else LibraryElement, reading)
     return [as_text(one) for one in sink if one.code.id not in BEYOND and not _of_an_expression(one.place)]
 

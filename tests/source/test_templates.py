@@ -7,7 +7,7 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression
 from scenario_compiler.languages import check_source, expand
-from scenario_compiler.source.templates import Scope
+from scenario_compiler.source.templates import TemplateScope
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import RelativeLanePosition
 from tests.source.made import codes_of, expanded, library_text, parsed
@@ -139,10 +139,10 @@ def test_a_template_without_defaults_is_checked_on_its_own() -> None:
 
 
 def test_scopes_resolve_from_the_inside_out() -> None:
-    root = Scope()
+    root = TemplateScope()
     root.declare("ego")
-    inner = Scope("use", root)
-    innermost = Scope("deep", inner)
+    inner = TemplateScope("use", root)
+    innermost = TemplateScope("deep", inner)
     assert innermost.declare("car") == "use.deep.car"
     assert (innermost.resolve("car"), inner.resolve("deep.car")) == ("use.deep.car", "use.deep.car")
     assert (innermost.resolve("ego"), inner.resolve("car")) == ("ego", None)

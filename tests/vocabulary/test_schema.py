@@ -7,7 +7,7 @@ from lxml import etree
 from scenario_compiler.source.form import conflict_xsd
 from scenario_compiler.vocabulary.entities import Ego
 from scenario_compiler.vocabulary.grammar import grammar_of
-from scenario_compiler.vocabulary.positions import LanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.schema import default_text, words_below, xsd_of
 from scenario_compiler.vocabulary.takeover import Takeover
 
@@ -31,7 +31,7 @@ def test_every_type_element_and_attribute_is_documented() -> None:
 
 
 def test_schema_of_one_word() -> None:
-    schema = etree.XMLSchema(etree.fromstring(xsd_of((LanePosition,)).encode()))
+    schema = etree.XMLSchema(etree.fromstring(xsd_of((LanePositionWord,)).encode()))
     assert schema.validate(etree.fromstring('<lane road="1" lane="-1" s="$far"/>'))
     assert schema.validate(etree.fromstring('<lane road="1" lane="${-$n}" s="1e2" turn="90"/>'))
     for wrong in ('<lane road="1" lane="-1" s="-1"/>', '<lane road="1" lane="-1.0" s="1"/>', '<lane lane="-1" s="1"/>'):
@@ -47,5 +47,5 @@ def test_words_below_come_once_outermost_first() -> None:
 def test_defaults_are_told_in_xml_units() -> None:
     rules = grammar_of(Takeover).attributes
     assert default_text(rules["budget"]) == "Default: 7."
-    assert default_text(grammar_of(LanePosition).attributes["turn"]) == "Default: 0."
-    assert default_text(grammar_of(LanePosition).attributes["road"]) == ""
+    assert default_text(grammar_of(LanePositionWord).attributes["turn"]) == "Default: 0."
+    assert default_text(grammar_of(LanePositionWord).attributes["road"]) == ""

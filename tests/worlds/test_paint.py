@@ -15,7 +15,7 @@ from scenario_compiler.perception.road_camera import RoadCamera, scene_of
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import MarkStretch, Pose, SecondaryLine
 from scenario_compiler.vocabulary.markings import SecondaryMarkings
-from scenario_compiler.worlds import Snapshot
+from scenario_compiler.worlds import EntityState, Snapshot
 from scenario_compiler.worlds.kinematic import lines_beside, mark_stretches, secondary_lines
 
 HEAD = """<scenarios version="1"><scenario name="paint" map="town_grid" duration="5">
@@ -126,7 +126,7 @@ def test_the_camera_sees_the_line_of_a_work_zone(tmp_path: Path) -> None:
         world = open_world("kinematic", done.plan, done.network)
         poses = [done.plan.derived[entity.id] for entity in done.plan.entities]
         placed = tuple(Pose(p.x, p.y, p.z, p.heading, 0.0, 0.0) for p in poses)
-        snapshot = Snapshot(0.0, 0, (True,) * len(placed), placed, (0.0,) * len(placed), 0.0)
+        snapshot = Snapshot(0.0, 0, tuple(EntityState(True, True, pose) for pose in placed))
         world.reset(snapshot, 1)
         seen.append(int(yellow(world.observe(snapshot).image.astype(np.int64)).sum()))
     assert seen[0] > seen[1] + 50

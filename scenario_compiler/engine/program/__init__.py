@@ -4,7 +4,7 @@
 `actions.ACTIONS` and `conditions.CONDITIONS`, each entry a small function that returns the word's row.
 """
 
+from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.program.build import Numbers, build_program, rows
-from scenario_compiler.engine.tables import Program
 
 __all__ = ["Numbers", "Program", "build_program", "rows"]

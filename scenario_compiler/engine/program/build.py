@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from scenario_compiler.engine.program.draft import Draft
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.program.checking import check_program
 from scenario_compiler.engine.program.entities import add_entities
+from scenario_compiler.engine.program.plan_builder import PlanBuilder
 from scenario_compiler.engine.program.run import add_markings, add_run
 from scenario_compiler.engine.program.storyboard import add_init, add_storyboard
 from scenario_compiler.engine.program.takeover import add_takeover
 from scenario_compiler.engine.program.world import add_world
-from scenario_compiler.engine.tables import Program, validate
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads.network import Network
@@ -25,11 +27,31 @@ def build_program(plan: Plan, network: Network, *, posed: bool = False) -> Progr
         ValueError: The plan holds a word that has no row.
         ExpressionError: A parameter without default leaves a number open.
     """
+    return lowered(plan, network, posed=posed).program
+
+
+@dataclass(frozen=True)
+class Lowered:
+    """A program, and what its numbers stand for.
+
+    Attributes:
+        program: The program.
+        signals: Ids of the traffic signals that the plan names, in the program's order.
+        texts: The texts that are compared while it runs, in the program's order.
+    """
+
+    program: Program
+    signals: tuple[str, ...]
+    texts: tuple[str, ...]
+
+
+def lowered(plan: Plan, network: Network, *, posed: bool = False) -> Lowered:
+    """Return the program of a plan with the names of what it counts; see `build_program`."""
     draft = _drafted(plan, network, posed=posed)
     draft.program.const = draft.row(parameter_values(plan.parameters))
     draft.program.road_count[0] = len(network.road_ids)
-    validate(draft.program, len(network.road_ids))
-    return draft.program
+    check_program(draft.program)
+    return Lowered(draft.program, tuple(draft.signals), tuple(draft.texts))
 
 
 def rows(plan: Plan, network: Network, samples: Sequence[Mapping[str, Value]]) -> list[list[float]]:
@@ -61,8 +83,8 @@ class Numbers:
         return row
 
 
-def _drafted(plan: Plan, network: Network, *, posed: bool) -> Draft:
-    draft = Draft(plan, network)
+def _drafted(plan: Plan, network: Network, *, posed: bool) -> PlanBuilder:
+    draft = PlanBuilder(plan, network)
     add_run(draft)
     if plan.controller is not None:
         add_takeover(draft)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from math import radians
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.conflicts import conflicts_of
-from scenario_compiler.engine.program.draft import Draft, Slot
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.rows import Slot
+from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.engine.program.guides import add_legs
 from scenario_compiler.engine.program.positions import add_position
-from scenario_compiler.engine.tables import Program
+from scenario_compiler.engine.traffic.conflicts import conflicts_of
 from scenario_compiler.plan.model import Entity
 from scenario_compiler.vocabulary.actions import ConnectTrailerAction
 from scenario_compiler.vocabulary.entities import Category, Vehicle
@@ -37,7 +38,7 @@ FOLLOW_EGO = (1.5, 2.0, 1.5, 2.0)
 choice, the same as the defaults of `vocabulary.entities.Follow`."""
 
 
-def add_entities(draft: Draft, *, posed: bool) -> None:
+def add_entities(draft: ProgramBuilder, *, posed: bool) -> None:
     """Append all entities; `posed` leaves the ego's motion to another program.
 
     Raises:
@@ -69,7 +70,7 @@ def _towing(vehicle: Vehicle) -> tuple[float, float]:
     return rear if vehicle.hitch is None else vehicle.hitch, front if vehicle.coupler is None else vehicle.coupler
 
 
-def _add_entity(draft: Draft, entity: Entity, posed: bool, touched: set[str]) -> None:
+def _add_entity(draft: ProgramBuilder, entity: Entity, posed: bool, touched: set[str]) -> None:
     p, vehicle = draft.program, entity.vehicle
     motion = MOTIONS[entity.kind]
     if posed and motion == op.MOTION_BICYCLE:
@@ -95,7 +96,7 @@ def _add_entity(draft: Draft, entity: Entity, posed: bool, touched: set[str]) ->
     )
 
 
-def _start_order(draft: Draft) -> list[int]:
+def _start_order(draft: ProgramBuilder) -> list[int]:
     """Return the entities so that each comes after the one that its start is relative to, random ones last."""
     p = draft.program
     order: list[int] = []

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
-from scenario_compiler.engine.opcodes import NONE
-from scenario_compiler.engine.program.draft import Draft
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import RouteLeg
 from scenario_compiler.roads import Network
@@ -16,9 +16,9 @@ from scenario_compiler.vocabulary.positions import (
     FreePosition,
     InRouteEntity,
     InRouteLane,
-    LanePosition,
-    Route,
+    LanePositionWord,
     RoutePosition,
+    RouteWord,
 )
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import Word, number_value
@@ -27,52 +27,52 @@ JUNCTION_COST = 1.0e6
 """What passing a junction costs on a way with the least intersections, m."""
 
 
-def add_guide(draft: Draft, following: Iterable[tuple[Stretch, int]], last: int) -> int:
+def add_guide(draft: ProgramBuilder, following: Iterable[tuple[Stretch, int]], last: int) -> int:
     """Append a guide from stretches and the roads that come next, which ends with a road; return its row."""
     p = draft.program
     roads = len(draft.network.road_ids)
-    row = [NONE] * (2 * roads)
+    row = [op.NONE] * (2 * roads)
     for (road, sense), ahead in following:
         at = 2 * road + (1 if sense > 0 else 0)
-        if row[at] == NONE:
+        if row[at] == op.NONE:
             row[at] = ahead
     p.guide_next.extend(row)
     p.guide_last.append(last)
     return len(p.guide_last) - 1
 
 
-def add_legs(draft: Draft, legs: Sequence[RouteLeg]) -> int:
+def add_legs(draft: ProgramBuilder, legs: Sequence[RouteLeg]) -> int:
     """Append the guide of a way over lanes; return its row, NONE for no way."""
     if not legs:
-        return NONE
+        return op.NONE
     path = [_stretch(draft.network, leg.road, leg.lane) for leg in legs]
     return add_guide(draft, _steps(path), path[-1][0])
 
 
-def add_route(draft: Draft, route: Route) -> int:
+def add_route(draft: ProgramBuilder, route: RouteWord) -> int:
     """Append the guide of a route over its waypoints; return its row, NONE where none of them lies on a road."""
     path = route_path(draft, route)
     if not path:
-        return NONE
+        return op.NONE
     if not route.closed:
         return add_guide(draft, _steps(path), path[-1][0])
     n = draft.network.tables
     back = path_between(n, path[-1], path[0], lambda road: n.road_length[road]) or path[-1:]
-    return add_guide(draft, _steps([*path[:-1], *back]), NONE)
+    return add_guide(draft, _steps([*path[:-1], *back]), op.NONE)
 
 
-def add_goal(draft: Draft, position: Word) -> int:
+def add_goal(draft: ProgramBuilder, position: Word) -> int:
     """Append the guide to a position from everywhere; return its row, NONE where it lies on no road."""
     goal = stretch_of(draft, position)
     if goal is None:
-        return NONE
+        return op.NONE
     n = draft.network.tables
     steps = onward(n, goal, lambda road: n.road_length[road])
     other = onward(n, (goal[0], -goal[1]), lambda road: n.road_length[road])
     return add_guide(draft, [(one, to[0]) for one, to in (*steps.items(), *other.items())], goal[0])
 
 
-def route_path(draft: Draft, route: Route) -> list[Stretch]:
+def route_path(draft: ProgramBuilder, route: RouteWord) -> list[Stretch]:
     """Return the stretches that a route leads over; waypoints to which no way leads are passed over."""
     n = draft.network.tables
     path: list[Stretch] = []
@@ -98,7 +98,7 @@ def route_path(draft: Draft, route: Route) -> list[Stretch]:
     return path
 
 
-def place_on_route(draft: Draft, position: RoutePosition) -> tuple[int, int, float, float]:
+def place_on_route(draft: ProgramBuilder, position: RoutePosition) -> tuple[int, int, float, float]:
     """Return (road, lane, s, offset) of a place on a route, which begins at its first waypoint.
 
     Beyond the route's end it is the end. Of a route that lies on no road it is the begin of the map's first road.
@@ -129,19 +129,19 @@ def place_on_route(draft: Draft, position: RoutePosition) -> tuple[int, int, flo
     return road, lane, s, t - centre
 
 
-def _waypoint_s(draft: Draft, position: Word, values: Mapping[str, Value]) -> float:
+def _waypoint_s(draft: ProgramBuilder, position: Word, values: Mapping[str, Value]) -> float:
     """Return where a waypoint lies along its road, m."""
-    if isinstance(position, LanePosition):
+    if isinstance(position, LanePositionWord):
         return number_value(position.s, values)
     assert isinstance(position, FreePosition)
     x, y = number_value(position.x, values), number_value(position.y, values)
     return (draft.network.locate(x, y) or draft.network.locate(x, y, nearest=True))[0].s
 
 
-def stretch_of(draft: Draft, position: Word) -> Stretch | None:
+def stretch_of(draft: ProgramBuilder, position: Word) -> Stretch | None:
     """Return the road that a bound position lies on and the sense of its lane's travel; None off the roads."""
     network = draft.network
-    if isinstance(position, LanePosition):
+    if isinstance(position, LanePositionWord):
         return _stretch(network, position.road, position.lane)
     if isinstance(position, FreePosition):
         values = parameter_values(draft.plan.parameters)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.program.draft import Draft, PositionRow, Slot
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.rows import PositionRow, Slot
+from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.engine.program.guides import add_route, place_on_route
 from scenario_compiler.engine.program.tracks import add_track
 from scenario_compiler.plan.places import spans_of
@@ -15,7 +16,7 @@ from scenario_compiler.vocabulary.positions import (
     BesidePosition,
     FreePosition,
     InRouteEntity,
-    LanePosition,
+    LanePositionWord,
     LanesAwayPosition,
     RandomPosition,
     RelativeLanePosition,
@@ -32,7 +33,7 @@ TRAFFIC_MARGINS = (5.0, 25.0)
 
 
 Turning = (
-    LanePosition
+    LanePositionWord
     | LanesAwayPosition
     | RelativeRoadPosition
     | RelativeObjectPosition
@@ -43,7 +44,7 @@ Turning = (
 """Positions with a heading relative to what they give, or in the world."""
 
 
-def add_position(draft: Draft, word: Word, kind: str = "") -> int:
+def add_position(draft: ProgramBuilder, word: Word, kind: str = "") -> int:
     """Append a position, of an entity of a kind; return its row.
 
     Raises:
@@ -52,10 +53,10 @@ def add_position(draft: Draft, word: Word, kind: str = "") -> int:
     """
     if type(word) not in POSITIONS:
         raise ValueError(f"a program has no row for the position <{word.tag()}>")
-    return draft.position(POSITIONS[type(word)](draft, word, kind))
+    return draft.add_position(POSITIONS[type(word)](draft, word, kind))
 
 
-def _lane(draft: Draft, word: LanePosition, kind: str) -> PositionRow:
+def _lane(draft: ProgramBuilder, word: LanePositionWord, kind: str) -> PositionRow:
     del kind
     road = draft.network.road_index(word.road)
     heading, absolute = _heading(word)
@@ -67,36 +68,36 @@ def _heading(word: Turning) -> tuple[Slot, int]:
     return (word.turn, 0) if word.heading is None else (word.heading, op.POSITION_ABSOLUTE)
 
 
-def _ahead_of(draft: Draft, word: RelativeLanePosition, kind: str) -> PositionRow:
+def _ahead_of(draft: ProgramBuilder, word: RelativeLanePosition, kind: str) -> PositionRow:
     del kind
     const = (word.distance, word.offset, word.turn)
     return PositionRow(op.POSITION_RELATIVE, const, lane=word.lanes, entity=draft.entities[word.entity])
 
 
-def _beside(draft: Draft, word: BesidePosition, kind: str) -> PositionRow:
+def _beside(draft: ProgramBuilder, word: BesidePosition, kind: str) -> PositionRow:
     del kind
     const = (word.ahead, word.distance, word.turn)
     return PositionRow(op.POSITION_BESIDE, const, entity=draft.entities[word.entity])
 
 
-def _random(draft: Draft, word: RandomPosition, kind: str) -> PositionRow:
+def _random(draft: ProgramBuilder, word: RandomPosition, kind: str) -> PositionRow:
     seed = op.NONE if word.seed is None else word.seed
     spans = _spans(draft, word, kind)
     return PositionRow(op.POSITION_RANDOM, (word.clear, word.offset, word.turn), seed=seed, spans=spans)
 
 
-def _any_of(draft: Draft, word: AnyOfPosition, kind: str) -> PositionRow:
+def _any_of(draft: ProgramBuilder, word: AnyOfPosition, kind: str) -> PositionRow:
     return PositionRow(op.POSITION_RANDOM, (0.0, 0.0, 0.0), spans=_spans(draft, word, kind))
 
 
-def _free(draft: Draft, word: FreePosition, kind: str) -> PositionRow:
+def _free(draft: ProgramBuilder, word: FreePosition, kind: str) -> PositionRow:
     del draft, kind
     z, flags = (0.0, 0) if word.z is None else (word.z, op.POSITION_WITH_HEIGHT)
     heading = 0.0 if word.heading is None else word.heading
     return PositionRow(op.POSITION_FREE, (word.x, word.y, heading, z), flags=flags)
 
 
-def _lanes_away(draft: Draft, word: LanesAwayPosition, kind: str) -> PositionRow:
+def _lanes_away(draft: ProgramBuilder, word: LanesAwayPosition, kind: str) -> PositionRow:
     del kind
     heading, flags = _heading(word)
     if word.along == "lane":
@@ -106,14 +107,16 @@ def _lanes_away(draft: Draft, word: LanesAwayPosition, kind: str) -> PositionRow
     return PositionRow(op.POSITION_LANES_AWAY, const, lane=word.lanes, entity=entity, flags=flags)
 
 
-def _relative_road(draft: Draft, word: RelativeRoadPosition, kind: str) -> PositionRow:
+def _relative_road(draft: ProgramBuilder, word: RelativeRoadPosition, kind: str) -> PositionRow:
     del kind
     heading, flags = _heading(word)
     const = (word.ds, word.dt, heading)
     return PositionRow(op.POSITION_RELATIVE_ROAD, const, entity=draft.entities[word.entity], flags=flags)
 
 
-def _relative_point(draft: Draft, word: RelativeObjectPosition | RelativeWorldPosition, kind: str) -> PositionRow:
+def _relative_point(
+    draft: ProgramBuilder, word: RelativeObjectPosition | RelativeWorldPosition, kind: str
+) -> PositionRow:
     del kind
     in_own_axes = isinstance(word, RelativeObjectPosition)
     heading, flags = _heading(word)
@@ -125,7 +128,7 @@ def _relative_point(draft: Draft, word: RelativeObjectPosition | RelativeWorldPo
     )
 
 
-def _on_route(draft: Draft, word: RoutePosition, kind: str) -> PositionRow:
+def _on_route(draft: ProgramBuilder, word: RoutePosition, kind: str) -> PositionRow:
     del kind
     heading, flags = _heading(word)
     guide = add_route(draft, word.route)
@@ -136,14 +139,14 @@ def _on_route(draft: Draft, word: RoutePosition, kind: str) -> PositionRow:
     return PositionRow(op.POSITION_LANE, (s, offset, heading), road=road, lane=lane, flags=flags, guide=guide)
 
 
-def _on_trajectory(draft: Draft, word: TrajectoryPosition, kind: str) -> PositionRow:
+def _on_trajectory(draft: ProgramBuilder, word: TrajectoryPosition, kind: str) -> PositionRow:
     del kind
     heading, flags = _heading(word)
     track = add_track(draft, word.trajectory, add_position)
     return PositionRow(op.POSITION_ON_TRAJECTORY, (word.s, word.t, heading), lane=track, flags=flags)
 
 
-def _spans(draft: Draft, word: RandomPosition | AnyOfPosition, kind: str) -> tuple[int, int]:
+def _spans(draft: ProgramBuilder, word: RandomPosition | AnyOfPosition, kind: str) -> tuple[int, int]:
     """Append what a random position is drawn from, once; return its first row and the one after its last."""
     p, network = draft.program, draft.network
     if (word, kind) not in draft.spans:
@@ -164,8 +167,8 @@ def _spans(draft: Draft, word: RandomPosition | AnyOfPosition, kind: str) -> tup
     return draft.spans[word, kind]
 
 
-POSITIONS: dict[type[Word], Callable[[Draft, Any, str], PositionRow]] = {
-    LanePosition: _lane,
+POSITIONS: dict[type[Word], Callable[[ProgramBuilder, Any, str], PositionRow]] = {
+    LanePositionWord: _lane,
     RelativeLanePosition: _ahead_of,
     BesidePosition: _beside,
     RandomPosition: _random,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine import slots
-from scenario_compiler.engine.program.draft import Draft
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.vocabulary.sensors import Failure, FailureKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
 
@@ -18,12 +18,12 @@ FAILURE_CODES: dict[FailureKind, int] = {
 }
 
 
-def add_run(draft: Draft) -> None:
+def add_run(draft: ProgramBuilder) -> None:
     """Write the run's numbers, its camera and weather, and the ego's way."""
     plan, p, k = draft.plan, draft.program, draft.numbers
-    k[slots.K_STEP] = plan.step
-    k[slots.K_DURATION] = plan.duration
-    k[slots.K_NOISE] = plan.camera.sensor_noise
+    k[slot.K_STEP] = plan.step
+    k[slot.K_DURATION] = plan.duration
+    k[slot.K_NOISE] = plan.camera.sensor_noise
     for failure in plan.camera.failures:
         add_failure(draft, failure, waits=False)
     add_weather(draft, plan.weather)
@@ -34,8 +34,8 @@ def add_run(draft: Draft) -> None:
     if plan.destination is not None:
         p.destination_road[0] = draft.network.road_index(plan.destination.road)
         p.destination_lane[0] = plan.destination.lane
-        k[slots.K_DESTINATION_S] = plan.destination.s
-        k[slots.K_DESTINATION_OFFSET] = plan.destination.offset
+        k[slot.K_DESTINATION_S] = plan.destination.s
+        k[slot.K_DESTINATION_OFFSET] = plan.destination.offset
     for leg in plan.route:
         road = draft.network.road_index(leg.road)
         if not p.route_road or p.route_road[-1] != road:
@@ -43,7 +43,7 @@ def add_run(draft: Draft) -> None:
     p.route_count[0] = len(p.route_road)
 
 
-def add_failure(draft: Draft, failure: Failure, *, waits: bool) -> int:
+def add_failure(draft: ProgramBuilder, failure: Failure, *, waits: bool) -> int:
     """Append a failure of the camera, which `waits` for its action or counts from the start; return its row."""
     p = draft.program
     duration = -1.0 if failure.duration is None else failure.duration
@@ -54,7 +54,7 @@ def add_failure(draft: Draft, failure: Failure, *, waits: bool) -> int:
     return p.failure_count[0] - 1
 
 
-def add_weather(draft: Draft, weather: Weather) -> int:
+def add_weather(draft: ProgramBuilder, weather: Weather) -> int:
     """Append a weather; return its row."""
     p = draft.program
     p.weather_const.append(draft.block(*weather_numbers(weather)))
@@ -62,7 +62,7 @@ def add_weather(draft: Draft, weather: Weather) -> int:
     return p.weather_count[0] - 1
 
 
-def add_markings(draft: Draft) -> None:
+def add_markings(draft: ProgramBuilder) -> None:
     """Append the stretches where the paint differs from the map's."""
     p = draft.program
     for stretch in draft.plan.markings:

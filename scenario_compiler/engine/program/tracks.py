@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import ceil
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.program.draft import Draft, Slot
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.rows import Slot
+from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.vocabulary.positions import (
     Clothoid,
     ClothoidSpline,
@@ -17,7 +18,7 @@ from scenario_compiler.vocabulary.positions import (
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.word import Number, Word, number_value
 
-Place = Callable[[Draft, Word], int]
+Place = Callable[[ProgramBuilder, Word], int]
 """What appends a corner's position and returns its row."""
 
 SAMPLE_LENGTH = 4.0
@@ -29,7 +30,7 @@ TIMED_SPAN_SAMPLES = 256
 """Samples of a NURBS between two knots, without times and with them."""
 
 
-def add_track(draft: Draft, trajectory: Trajectory, place: Place) -> int:
+def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> int:
     """Append a trajectory; return its row."""
     p, shape = draft.program, trajectory.shape
     if isinstance(shape, Polyline):
@@ -51,7 +52,7 @@ def add_track(draft: Draft, trajectory: Trajectory, place: Place) -> int:
     return len(p.track_kind) - 1
 
 
-def _add_corner(draft: Draft, position: int, *numbers: Slot, samples: int = 1) -> None:
+def _add_corner(draft: ProgramBuilder, position: int, *numbers: Slot, samples: int = 1) -> None:
     p = draft.program
     p.corner_position.append(position)
     p.corner_const.append(draft.block(*numbers))
@@ -62,7 +63,7 @@ def _time(time: Number | None) -> Slot:
     return -1.0 if time is None else time
 
 
-def _add_polyline(draft: Draft, line: Polyline, closed: bool, place: Place) -> None:
+def _add_polyline(draft: ProgramBuilder, line: Polyline, closed: bool, place: Place) -> None:
     """Append a polyline; a closed one without times comes back to its first vertex."""
     vertices = list(line.vertices)
     if closed and vertices[0].time is None and vertices[0] != vertices[-1]:
@@ -82,7 +83,7 @@ def headed(positions: Sequence[Word]) -> list[bool]:
     return [getattr(one, "heading", None) is not None or (turned and hasattr(one, "turn")) for one in positions]
 
 
-def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline, place: Place) -> None:
+def _add_clothoids(draft: ProgramBuilder, shape: Clothoid | ClothoidSpline, place: Place) -> None:
     """Append clothoids, and the end of the last one as a piece without length."""
     values = parameter_values(draft.plan.parameters)
     if isinstance(shape, Clothoid):
@@ -110,7 +111,7 @@ def _add_clothoids(draft: Draft, shape: Clothoid | ClothoidSpline, place: Place)
     draft.program.vertex_heading.append(1)
 
 
-def _add_nurbs(draft: Draft, curve: Nurbs, place: Place) -> None:
+def _add_nurbs(draft: ProgramBuilder, curve: Nurbs, place: Place) -> None:
     values = parameter_values(draft.plan.parameters)
     weights = [number_value(point.weight, values) for point in curve.points]
     for point in curve.points:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scenario_compiler.engine import opcodes as op
-from scenario_compiler.engine.program.draft import Draft
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.vocabulary.actions import (
     SetVariableAction,
@@ -21,7 +21,7 @@ from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import Variable, number_of
 
 
-def add_world(draft: Draft) -> None:
+def add_world(draft: ProgramBuilder) -> None:
     """Append the variables, and the controllers of traffic signals with their phases."""
     plan, p = draft.plan, draft.program
     draft.texts = {text: k for k, text in enumerate(sorted(set(_texts(plan))))}
@@ -44,7 +44,7 @@ def add_world(draft: Draft) -> None:
     p.controller_count[0] = len(p.controller_const)
 
 
-def variable_value(draft: Draft, variable: Variable, text: str) -> float:
+def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> float:
     """Return a value of a variable as the engine has it: of a text its place among all texts, which are sorted.
 
     Raises:

@@ -10,10 +10,9 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document
 from scenario_compiler.markup.writing import write_word
-from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.node import FileContext, Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.own import OWN, flattened
-from scenario_compiler.openscenario.reading import Reading
 from scenario_compiler.openscenario.scope import Scope
 from scenario_compiler.openscenario.spelling import made
 from scenario_compiler.openscenario.vehicles import read_vehicle
@@ -98,7 +97,7 @@ def _axles(vehicle: Vehicle, output: Output) -> etree._Element:
 
 def _kept_of_vehicle(vehicle: Vehicle, described: etree._Element, output: Output) -> list[etree._Element]:
     """Return what of a vehicle is lost when its element is read."""
-    reading = Reading(Document("", "", described), Diagnostics(), output.version)
+    reading = FileContext(Document("", "", described), Diagnostics(), output.version)
     read = read_vehicle(Node(described, reading, Scope()))
     full, understood = write_word(vehicle), write_word(read)
     usual = {rule: info.default for rule, info in Vehicle.model_fields.items()}

@@ -11,7 +11,7 @@ from scenario_compiler.plan.model import Entity, Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.positions import (
     FreePosition,
-    LanePosition,
+    LanePositionWord,
     LanesAwayPosition,
     Position,
     RelativeLanePosition,
@@ -46,7 +46,7 @@ def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -
 def _ahead(plan: Plan, network: Network, start: RelativeLanePosition) -> LanesAwayPosition | None:
     """Return a start ahead of an entity in the standard's terms; None where it cannot be told which way that faces."""
     other = next((one.start for one in plan.entities if one.id == start.entity), None)
-    if not isinstance(other, LanePosition):
+    if not isinstance(other, LanePositionWord):
         return None
     along = travel_direction(network, other.road, other.lane)
     return LanesAwayPosition(
@@ -66,9 +66,9 @@ def _times(number: Number, sign: int) -> Number:
 
 
 def _drawn(plan: Plan, network: Network, entity: str) -> FreePosition:
+    from scenario_compiler.engine.columns.state import make_draws, new_state
     from scenario_compiler.engine.program import build_program
-    from scenario_compiler.engine.state import make_draws, new_state
-    from scenario_compiler.engine.step import reset
+    from scenario_compiler.engine.story.step import reset
 
     try:
         program = build_program(plan, network)
@@ -81,11 +81,11 @@ def _drawn(plan: Plan, network: Network, entity: str) -> FreePosition:
     return FreePosition(x=state.x[k], y=state.y[k], z=state.z[k], heading=state.h[k])
 
 
-def goal_of(plan: Plan, entity: Entity) -> LanePosition | None:
+def goal_of(plan: Plan, entity: Entity) -> LanePositionWord | None:
     """Return where an entity is going; None where it goes nowhere in particular."""
     if entity.kind == "ego":
         return plan.destination
     if not entity.route:
         return None
     last = entity.route[-1]
-    return LanePosition(road=last.road, lane=last.lane, s=last.s_to)
+    return LanePositionWord(road=last.road, lane=last.lane, s=last.s_to)

@@ -13,10 +13,9 @@ from scenario_compiler.expressions import parse_expression
 from scenario_compiler.markup.writing import write_word
 from scenario_compiler.openscenario.actions import read_actions, write_action
 from scenario_compiler.openscenario.conditions import is_by_entity, read_condition, write_condition
-from scenario_compiler.openscenario.node import Node
+from scenario_compiler.openscenario.node import FileContext, Known, Node
 from scenario_compiler.openscenario.output import Output
 from scenario_compiler.openscenario.own import fingerprint, of_nobody
-from scenario_compiler.openscenario.reading import Known, Reading
 from scenario_compiler.openscenario.scope import Bound, Scope
 from scenario_compiler.openscenario.spelling import made, nested
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
@@ -209,7 +208,7 @@ class StoryboardWriter:
         bound = {
             name: Bound("double", str(value), parse_expression(f"${name}")) for name, value in output.values.items()
         }
-        reading = Reading(document, Diagnostics(), output.version, known)
+        reading = FileContext(document, Diagnostics(), output.version, known)
         node = Node(document.root, reading, Scope(bound, dict(output.values)))
         if node.tag in ("PrivateAction", "GlobalAction", "UserDefinedAction"):
             return list(read_actions(node))

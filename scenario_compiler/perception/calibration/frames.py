@@ -52,7 +52,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Frame:
+class CalibrationFrame:
     """A rendered frame and its truth.
 
     Attributes:
@@ -77,7 +77,7 @@ class Frame:
         return close and float((self.quality[side] > SEEN).mean()) > SEEN_SHARE
 
 
-def random_frame(draw: np.random.Generator, wanted: Wanted, camera: Camera | None = None) -> Frame:
+def random_frame(draw: np.random.Generator, wanted: Wanted, camera: Camera | None = None) -> CalibrationFrame:
     """Return one frame of a random road: radii from 100 m, lanes 2.9 to 4 m wide, one to four of them."""
     reference = _reference(draw)
     width = float(draw.uniform(2.9, 4.0)) if draw.random() < 0.5 else float(draw.choice([3.0, 3.25, 3.5, 3.75]))
@@ -194,7 +194,7 @@ def _with_truth(
     qualities: tuple[Fading, Fading],
     sigma: float,
     weather: Weather,
-) -> Frame:
+) -> CalibrationFrame:
     x = np.arange(NEAR, FAR + 0.1, 1.0)
     s = np.arange(here, min(here + 40.0, reference.length), 0.5)
     view = road_camera.view(pose)
@@ -204,4 +204,4 @@ def _with_truth(
         ground = view.world_to_ground(np.concatenate([flat, np.zeros((len(s), 1))], axis=1))
         boundaries.append(np.interp(x, ground[:, 0], ground[:, 1]))
         seen.append(np.interp(x, ground[:, 0], qualities[side](s)) * look_of(weather).contrast)
-    return Frame(image, (boundaries[0], boundaries[1]), x, (seen[0], seen[1]), sigma, weather.preset)
+    return CalibrationFrame(image, (boundaries[0], boundaries[1]), x, (seen[0], seen[1]), sigma, weather.preset)

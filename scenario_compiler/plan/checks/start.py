@@ -7,7 +7,7 @@ from scenario_compiler.plan.binding import drivable_at, is_bound
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
-from scenario_compiler.vocabulary.positions import LanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord
 
 NOT_DRIVABLE = Code(
     "SC380",
@@ -22,7 +22,7 @@ NOT_DRIVABLE = Code(
 def check_start(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn when the ego vehicle starts on a lane that is not for driving."""
     start = None if plan.controller is None else plan.ego.start
-    if not isinstance(start, LanePosition) or not isinstance(start.s, float):
+    if not isinstance(start, LanePositionWord) or not isinstance(start.s, float):
         return
     if is_bound(network, start, start.s) and not drivable_at(network, start.road, start.lane, start.s):
         message = f"'{plan.ego.id}' starts on lane {start.lane} of road '{start.road}', which is not for driving"

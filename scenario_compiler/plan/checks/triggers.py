@@ -25,7 +25,7 @@ from scenario_compiler.vocabulary.conditions import (
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
-from scenario_compiler.vocabulary.positions import LanePosition
+from scenario_compiler.vocabulary.positions import LanePositionWord
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.storyboard import Event, Trigger, TriggerCondition
 from scenario_compiler.vocabulary.word import number_value
@@ -219,7 +219,7 @@ def _never_so_far(
         plan.controller is None
         or condition.entity != plan.ego.id
         or start is None
-        or not isinstance(goal, LanePosition)
+        or not isinstance(goal, LanePositionWord)
     ):
         return None
     s = number_value(goal.s, values)

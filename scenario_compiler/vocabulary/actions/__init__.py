@@ -107,30 +107,7 @@ Action = (
     | StopAction
 )
 
-RUN_ACTIONS = (
-    SensorNoiseAction,
-    Failure,
-    EndFailureAction,
-    WeatherAction,
-    MessageAction,
-    StopAction,
-    AddEntityAction,
-    DeleteEntityAction,
-    SetVariableAction,
-    ModifyVariableAction,
-    TrafficSignalStateAction,
-    TrafficSignalControllerAction,
-    CommandAction,
-    EnvironmentAction,
-    TrafficSwarmAction,
-    TrafficSourceAction,
-    TrafficSinkAction,
-    StopTrafficAction,
-)
-"""Actions that concern the run as a whole, not the entity that does them."""
-
 __all__ = [
-    "RUN_ACTIONS",
     "AcquirePositionAction",
     "Action",
     "ActivateControllerAction",

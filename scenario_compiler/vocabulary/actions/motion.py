@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.positions import Position, Route, Trajectory
+from scenario_compiler.vocabulary.positions import Position, RouteWord, Trajectory
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 
@@ -19,7 +19,7 @@ class AssignRouteAction(Word):
 
     word: Literal["assign_route"] = "assign_route"
 
-    route: Route = child("The route.")
+    route: RouteWord = child("The route.")
 
 
 class AcquirePositionAction(Word):

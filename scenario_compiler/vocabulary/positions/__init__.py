@@ -8,7 +8,7 @@ reset or when they are needed, so that a sweep varies them.
 from scenario_compiler.vocabulary.positions.basic import (
     AnyOfPosition,
     BesidePosition,
-    LanePosition,
+    LanePositionWord,
     NumberedSpawnPoint,
     RandomPosition,
     RandomSpawnPoint,
@@ -37,8 +37,8 @@ from scenario_compiler.vocabulary.positions.routes import (
     Nurbs,
     Point,
     Polyline,
-    Route,
     RoutePosition,
+    RouteWord,
     Trajectory,
     TrajectoryPosition,
     Vertex,
@@ -51,7 +51,7 @@ from scenario_compiler.vocabulary.positions.spawn_points import (
 
 Position = Point | RoutePosition | TrajectoryPosition
 BoundPosition = (
-    LanePosition
+    LanePositionWord
     | RelativeLanePosition
     | BesidePosition
     | RandomPosition
@@ -78,7 +78,7 @@ __all__ = [
     "InRouteEntity",
     "InRouteLane",
     "InRouteRoad",
-    "LanePosition",
+    "LanePositionWord",
     "LanesAwayPosition",
     "NamedPosition",
     "NumberedSpawnPoint",
@@ -93,8 +93,8 @@ __all__ = [
     "RelativeRoadPosition",
     "RelativeWorldPosition",
     "RoadPosition",
-    "Route",
     "RoutePosition",
+    "RouteWord",
     "SpawnPoint",
     "SpawnPoints",
     "Surface",

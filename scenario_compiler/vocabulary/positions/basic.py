@@ -8,7 +8,7 @@ Surface = Literal["driving", "biking", "shoulder", "sidewalk"]
 """Kinds of lanes that things stand on; `driving` is every lane that motor traffic may use."""
 
 
-class LanePosition(Word):
+class LanePositionWord(Word):
     """A point in a lane of a road, facing the lane's direction of travel."""
 
     word: Literal["lane"] = "lane"
@@ -178,4 +178,4 @@ class AnyOfPosition(Word):
 
     word: Literal["any_of"] = "any_of"
 
-    places: tuple[LanePosition, ...] = child("The places.")
+    places: tuple[LanePositionWord, ...] = child("The places.")

@@ -4,7 +4,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.positions.basic import (
     BesidePosition,
-    LanePosition,
+    LanePositionWord,
     NumberedSpawnPoint,
     RandomPosition,
     RandomSpawnPoint,
@@ -24,7 +24,7 @@ from scenario_compiler.vocabulary.positions.relative import (
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 Point = (
-    LanePosition
+    LanePositionWord
     | RoadPosition
     | WorldPosition
     | SpawnPoint
@@ -54,7 +54,7 @@ class Waypoint(Word):
     position: Point = child("Where it is.")
 
 
-class Route(Word):
+class RouteWord(Word):
     """A way over the map's roads, from waypoint to waypoint."""
 
     word: Literal["route"] = "route"
@@ -100,7 +100,7 @@ class RoutePosition(Word):
     heading: Number | None = attribute(
         "Heading in the world, degrees, in place of `turn`.", default=None, quantity="angle"
     )
-    route: Route = child("The route.")
+    route: RouteWord = child("The route.")
     place: InRouteLane | InRouteRoad | InRouteEntity = child("Where on it.")
 
 

@@ -1,0 +1,27 @@
+"""Faults inside a run are values: the first one is kept and stops the run, in both forms alike."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def fault(st: State, code: int, at: int) -> None:
+    """Keep a fault and what it is about, and stop the run."""
+    if st.flag[0] == op.FAULT_NONE:
+        st.flag[0] = code
+        st.flag_at[0] = at
+    st.stop[0] = op.STOP_ERROR
+
+
+@compiled
+def log_event(st: State, kind: int, value: float) -> None:
+    """Write an event to the log; when the log is full, only count it."""
+    at = st.log_count[0]
+    if at < op.LOG_SIZE:
+        st.log_time[at] = st.clock[0]
+        st.log_kind[at] = kind
+        st.log_value[at] = value
+    st.log_count[0] = at + 1

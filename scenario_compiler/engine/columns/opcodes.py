@@ -1,0 +1,319 @@
+"""The engine's integer codes. A code's name is unique in the package: all of them meet in one compiled module."""
+
+from __future__ import annotations
+
+NONE = -1
+"""Index that refers to nothing."""
+
+FAR = 1.0e9
+"""Distance or time that stands for "none there": finite, so that it can be compared, subtracted and written."""
+
+STANDING = 0.05
+"""Speed under which an entity stands, m/s."""
+
+TOLERANCE = 1.0e-6
+"""Slack of every comparison of times and condition values (esmini 3.6)."""
+
+# Motion kinds.
+MOTION_STATIC = 0
+MOTION_SCRIPTED = 1
+MOTION_BICYCLE = 2
+MOTION_POSED = 3
+MOTION_TRAFFIC = 4
+MOTION_WALKER = 5
+
+# Positions.
+POSITION_LANE = 0
+POSITION_RELATIVE = 1
+POSITION_BESIDE = 2
+POSITION_RANDOM = 3
+POSITION_FREE = 4
+POSITION_LANES_AWAY = 5
+POSITION_RELATIVE_ROAD = 6
+POSITION_RELATIVE_OBJECT = 7
+POSITION_RELATIVE_WORLD = 8
+POSITION_ON_TRAJECTORY = 9
+POSITION_KINDS = 10
+"""Number of kinds of positions."""
+
+# Switches of positions, as bits.
+POSITION_ABSOLUTE = 1
+"""The heading is the world's, not relative to what the position gives."""
+POSITION_ALONG_LANE = 2
+"""Distances go with the lane's travel, not with the road's s."""
+POSITION_WITH_HEIGHT = 4
+"""z is given: of roads above each other the one nearest in height is meant."""
+
+# Who minds an entity, as bits.
+SEEN_IN_PICTURES = 1
+SEEN_BY_SENSORS = 2
+SEEN_BY_TRAFFIC = 4
+SEEN_BY_ALL = 7
+
+# Storyboard elements and their states.
+ELEMENT_STORY = 0
+ELEMENT_ACT = 1
+ELEMENT_GROUP = 2
+ELEMENT_MANEUVER = 3
+ELEMENT_EVENT = 4
+ELEMENT_ACTION = 5
+
+STANDBY = 0
+RUNNING = 1
+COMPLETE = 2
+
+PRIORITY_PARALLEL = 0
+PRIORITY_OVERRIDE = 1
+PRIORITY_SKIP = 2
+
+ALL_MARKS = 1 << 20
+"""Lane of a stretch of marks that means every mark of the road."""
+
+# Conditions.
+SIDE_BOTH = 0
+SIDE_LEFT = 1
+SIDE_RIGHT = 2
+SIDE_EITHER = 3
+"""Of which side of the lane a condition on the confidence speaks."""
+
+# How a condition measures: in which system, which part, which angle; and which transition it waits for.
+FRAME_ENTITY = 0
+FRAME_LANE = 1
+FRAME_ROAD = 2
+FRAME_TRAJECTORY = 3
+FRAME_WORLD = 4
+
+MEASURE_STRAIGHT = 0
+MEASURE_ALONG = 1
+MEASURE_ACROSS = 2
+
+PART_TOTAL = 0
+PART_ALONG = 1
+PART_ACROSS = 2
+PART_UP = 3
+
+ANGLE_HEADING = 0
+ANGLE_PITCH = 1
+ANGLE_ROLL = 2
+
+TRANSITION_START = 0
+TRANSITION_END = 1
+TRANSITION_STOP = 2
+TRANSITION_SKIP = 3
+
+KIND_ANY = 0
+KIND_VEHICLE = 1
+KIND_PEDESTRIAN = 2
+KIND_THING = 3
+
+AT_REST = 1.0e-3
+"""Speed under which an entity counts as standing for a condition, m/s (esmini 3.6)."""
+
+RULE_LESS = 0
+RULE_LESS_OR_EQUAL = 1
+RULE_GREATER = 2
+RULE_GREATER_OR_EQUAL = 3
+RULE_EQUAL = 4
+RULE_NOT_EQUAL = 5
+
+EDGE_NONE = 0
+EDGE_RISING = 1
+EDGE_FALLING = 2
+EDGE_BOTH = 3
+
+DELAY_RECORDS = 256
+"""Changes of value that a delayed condition remembers."""
+
+# Actions.
+ACTION_ENDS = 1.0
+"""In `State.action_b` of an action on traffic: it has been stopped and ends with its next step."""
+
+# Switches of actions, as bits.
+FLAG_CONTINUOUS = 1
+"""What is reached is kept from then on."""
+FLAG_FREESPACE = 2
+"""The distance is between the boxes."""
+FLAG_TIME_GAP = 4
+"""The distance is a time gap."""
+FLAG_PRESENT = 8
+"""The distance is the present one."""
+FLAG_LIMITED = 16
+"""The motion is limited; else the entity is put there at once."""
+FLAG_BEHIND = 32
+"""Behind the other entity, or to its right."""
+FLAG_AHEAD = 64
+"""Ahead of the other entity, or to its left."""
+
+FLAG_SMOOTH = 128
+"""Speeds are met smoothly."""
+FLAG_OWN_PATH = 256
+"""The entity moves along points of its own, not along the road."""
+
+# Whether a value is added to another entity's or multiplied by it.
+MODE_DELTA = 0
+MODE_FACTOR = 1
+
+# The speed on arrival: none given, a number, added to another's, or multiplied by it.
+FINAL_NONE = 0
+FINAL_ABSOLUTE = 1
+FINAL_DELTA = 2
+FINAL_FACTOR = 3
+
+MODIFY_ADD = 0
+MODIFY_MULTIPLY = 1
+
+CONTROLLER_DEFAULT = 0
+CONTROLLER_FOLLOW = 1
+
+HELD_THROTTLE = 0
+HELD_BRAKE = 1
+HELD_CLUTCH = 2
+HELD_PARKING_BRAKE = 3
+HELD_WHEEL = 4
+HELD_GEAR = 5
+HELD_INPUTS = 6
+
+# Failures of the camera.
+FAILURE_NOISE = 0
+FAILURE_DROPOUT = 1
+FAILURE_FREEZE = 2
+FAILURE_BLACKOUT = 3
+FAILURE_BLUR = 4
+FAILURE_DIRT = 5
+FAILURES = 6
+
+WEATHER_SIZE = 14
+"""Numbers of a weather."""
+
+SHAPE_LINEAR = 0
+SHAPE_SINUSOIDAL = 1
+SHAPE_CUBIC = 2
+SHAPE_STEP = 3
+
+DIMENSION_TIME = 0
+DIMENSION_RATE = 1
+DIMENSION_DISTANCE = 2
+
+# Perception: where the lane confidence comes from, and with it who drives while automated.
+PERCEPTION_IDEAL = 0
+PERCEPTION_CAMERA = 1
+
+# Takeover.
+TAKEOVER_AUTOMATED = 0
+TAKEOVER_WARNING = 1
+TAKEOVER_REQUEST = 2
+TAKEOVER_ESCALATION = 3
+TAKEOVER_MANUAL = 4
+TAKEOVER_HAND_BACK = 5
+TAKEOVER_MINIMUM_RISK = 6
+TAKEOVER_STANDSTILL = 7
+
+CAUSE_NONE = 0
+CAUSE_CONTROLLER = 1
+CAUSE_SENSOR_HEALTH = 2
+CAUSE_LANE_CONFIDENCE = 3
+CAUSE_PATH_BLOCKED = 4
+CAUSE_LANE_ENDS = 5
+CAUSES = 6
+
+DRIVER_LOGNORMAL = 0
+DRIVER_FIXED = 1
+
+MANOEUVRE_KEEP = 0
+MANOEUVRE_BRAKE = 1
+MANOEUVRE_EVADE = 2
+MANOEUVRE_MERGE = 3
+
+# The event log's vocabulary (after the data storage of UN R157 8.2.1, and the storyboard).
+EVENT_ACTIVATION = 0
+EVENT_WARNING = 1
+EVENT_REQUEST = 2
+EVENT_ESCALATION = 3
+EVENT_RESPONSE = 4
+EVENT_HAND_BACK = 5
+EVENT_MINIMUM_RISK = 6
+EVENT_STANDSTILL = 7
+EVENT_COLLISION = 8
+EVENT_MERGE = 9
+EVENT_MERGE_ABORTED = 10
+EVENT_BRAKE = 11
+EVENT_EVADE = 12
+EVENT_ACTION = 13
+"""An action has started that the log tells of; the value is its row."""
+EVENT_STORYBOARD_START = 14
+EVENT_STORYBOARD_END = 15
+EVENT_WARNING_OVER = 16
+EVENT_FAILURE = 17
+EVENT_FAILURE_END = 18
+EVENT_HAZARD_LIGHTS = 19
+EVENT_CONTACT = 20
+LOG_SIZE = 128
+"""Events that a run remembers; later ones are counted but not kept."""
+
+# Why a run stopped.
+STOP_NONE = 0
+STOP_DURATION = 1
+STOP_TRIGGER = 2
+STOP_DESTINATION = 3
+STOP_STANDSTILL = 4
+STOP_COLLISION = 5
+STOP_ERROR = 6
+
+# Faults that a run reports in `State.flag`.
+FAULT_NONE = 0
+FAULT_NOT_FINITE = 1
+FAULT_OFF_ROAD_START = 2
+FAULT_UNKNOWN_CONDITION = 3
+FAULT_UNKNOWN_ACTION = 4
+FAULT_UNKNOWN_SHAPE = 5
+FAULT_UNKNOWN_MOTION = 6
+FAULT_DELAY_OVERFLOW = 7
+FAULT_UNKNOWN_RULE = 8
+FAULT_UNKNOWN_EDGE = 9
+FAULT_NO_ROOM = 10
+
+# Trajectories.
+TRACK_POLYLINE = 0
+TRACK_CLOTHOIDS = 1
+TRACK_NURBS = 2
+
+TIMING_NONE = 0
+TIMING_RELATIVE = 1
+TIMING_ABSOLUTE = 2
+
+FOLLOW_SMOOTHLY = 1
+"""Flag of an action that follows a trajectory: its heading turns evenly, not at the corners alone."""
+
+RANDOM_GUIDE = -2
+"""In place of a guide: turns at random."""
+
+# Streams of the counter hash inside a run.
+STREAM_STEERING = 1
+STREAM_PLACE = 2
+STREAM_TURN = 3
+STREAM_FAILURE = 4
+STREAM_TRAFFIC = 5
+
+# Sizes of scratch columns.
+BUCKETS = 128
+"""Chains of the list of entities by road."""
+
+DRIVES_BY_RULES = 1 << 30
+"""In place of an action in `State.lateral`: a vehicle of traffic changes its lane by itself."""
+
+PLACE_ATTEMPTS = 200
+"""Places that are drawn for an entity before there is no room for it."""
+
+WAY_SIZE = 16
+"""Roads that a look ahead crosses at most."""
+
+ROUTE_REACH = 40
+"""How far ahead the way is told to the ego's controller, m: what a camera sees of the ground, and some more."""
+
+OUTLOOK_HEAD = 3
+"""Numbers of an outlook before its points: gap to the leader, its speed, and the distance to the next junction."""
+
+OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
+
+DRAWS_PER_RUN = 9
+"""Takeover time and lapse of up to four requests, and the seed of the counter hash."""

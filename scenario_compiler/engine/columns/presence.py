@@ -1,0 +1,14 @@
+"""Whether an entity is there for whoever looks: pictures, sensors, or the other traffic."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def there_for(st: State, j: int, who: int) -> int:
+    """Return 1 where an entity is in the world and those of a SEEN_... bit mind it."""
+    if st.present[j] == 0 or st.visible[j] & who == 0:
+        return 0
+    return 1

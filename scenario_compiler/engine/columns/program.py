@@ -1,0 +1,287 @@
+"""Program: a plan as flat columns, the container `p` of every marked function.
+
+All columns but `const` stay as they are during a run and over a sweep. Elements of the storyboard stand in document
+order, parents before children, so that `element_end[e]` closes the subtree of `e`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.declaration import (
+    FLAG,
+    RUN,
+    Allowed,
+    Of,
+    codes,
+    column,
+    fixed,
+    index,
+    index_or_none,
+    row_starts,
+    whole,
+)
+
+ENTITY = Of("entity", lambda p: p.entity_count[0])
+POSITION = Of("position", lambda p: p.position_count[0])
+SPAN = Of("span", lambda p: p.span_count[0])
+STRETCH = Of("stretch", lambda p: p.stretch_count[0])
+ROUTE = Of("road of the route", lambda p: p.route_count[0])
+ROAD = Of("road", lambda p: p.road_count[0])
+GUIDE = Of("guide", lambda p: len(p.guide_last))
+TURN = Of("turn of a guide", lambda p: 2 * p.road_count[0] * len(p.guide_last))
+CONFLICT_OWNER = Of("road that others cross", lambda p: p.road_count[0] if p.traffic_count[0] > 0 else 0)
+CONFLICT = Of("crossing road", lambda p: len(p.conflict_road))
+TRACK = Of("trajectory", lambda p: len(p.track_kind))
+CORNER = Of("corner", lambda p: len(p.corner_position))
+VERTEX = Of("vertex", lambda p: p.vertex_count[0])
+SAMPLE = Of("sample", lambda p: len(p.sample_corner))
+ELEMENT = Of("element", lambda p: p.element_count[0])
+TRIGGER = Of("trigger", lambda p: len(p.trigger_first) - 1)
+GROUP = Of("group of conditions", lambda p: len(p.group_first) - 1)
+CONDITION = Of("condition", lambda p: p.condition_count[0])
+TRIGGERING = Of("triggering entity", lambda p: len(p.condition_entity))
+RING = Of("record of past values", lambda p: p.ring_count[0])
+SET = Of("set of whole numbers", lambda p: len(p.set_first) - 1)
+MEMBER = Of("member of a set", lambda p: len(p.set_member))
+VARIABLE = Of("variable", lambda p: p.variable_count[0])
+SIGNAL = Of("signal", lambda p: p.signal_count[0])
+SIGNAL_CONTROLLER = Of("controller of signals", lambda p: p.controller_count[0])
+PHASE = Of("phase", lambda p: len(p.phase_name))
+LIGHT = Of("state of a signal", lambda p: len(p.light_signal))
+ACTION = Of("action", lambda p: p.action_count[0])
+POINT = Of("point of a path", lambda p: len(p.point_position))
+INIT = Of("action of the init", lambda p: p.init_count[0])
+CAUSE = fixed("cause", op.CAUSES)
+ASKING = Of("cause that is switched on", lambda p: p.cause_count[0])
+FAILURE = Of("failure", lambda p: p.failure_count[0])
+WEATHER = Of("weather", lambda p: p.weather_count[0])
+NUMBER = Of("number", lambda p: len(p.const))
+
+SLOT = Allowed(Of("place of a number", lambda p: len(p.const) + 1))
+"""Slot of a number in `const`, or of the first of several; a block without numbers may begin behind the last."""
+
+COUNT = whole(0)
+
+
+@dataclass(slots=True)
+class Program:
+    """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
+
+    const: list[float] = column(NUMBER)
+    """Every number, by the slots of `slots`; replaced row by row in a sweep."""
+
+    # The run.
+    entity_count: list[int] = column(RUN, 0, COUNT)
+    ego: list[int] = column(RUN, op.NONE, index_or_none(ENTITY))
+    """Number of the vehicle that the takeover is about, or NONE."""
+    perception: list[int] = column(RUN, 0, codes(op.PERCEPTION_CAMERA + 1))
+    control_every: list[int] = column(RUN, 1, whole(1))
+    image_every: list[int] = column(RUN, 1, whole(1))
+    """Number of time steps between two images of the camera, whole control steps."""
+    driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_FIXED + 1))
+    hazard_lights: list[int] = column(RUN, 1, FLAG)
+    """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
+    destination_road: list[int] = column(RUN, op.NONE, index_or_none(ROAD))
+    destination_lane: list[int] = column(RUN)
+    road_count: list[int] = column(RUN, 0, COUNT)
+    watches: list[int] = column(RUN, 0, COUNT)
+    """WATCH_... bits: what is measured of entities because some condition asks for it."""
+    stop_trigger: list[int] = column(RUN, op.NONE, index_or_none(TRIGGER))
+
+    # How many there are of what.
+    route_count: list[int] = column(RUN, 0, COUNT)
+    stretch_count: list[int] = column(RUN, 0, COUNT)
+    position_count: list[int] = column(RUN, 0, COUNT)
+    element_count: list[int] = column(RUN, 0, COUNT)
+    condition_count: list[int] = column(RUN, 0, COUNT)
+    action_count: list[int] = column(RUN, 0, COUNT)
+    init_count: list[int] = column(RUN, 0, COUNT)
+    vertex_count: list[int] = column(RUN, 0, COUNT)
+    span_count: list[int] = column(RUN, 0, COUNT)
+    traffic_count: list[int] = column(RUN, 0, COUNT)
+    """Number of entities that are background traffic."""
+    failure_count: list[int] = column(RUN, 0, COUNT)
+    weather_count: list[int] = column(RUN, 0, COUNT)
+    ring_count: list[int] = column(RUN, 0, COUNT)
+    variable_count: list[int] = column(RUN, 0, COUNT)
+    signal_count: list[int] = column(RUN, 0, COUNT)
+    """Number of traffic signals that the scenario names."""
+    controller_count: list[int] = column(RUN, 0, COUNT)
+    cause_count: list[int] = column(RUN, 0, COUNT)
+
+    # Entities.
+    entity_motion: list[int] = column(ENTITY, 0, codes(op.MOTION_WALKER + 1))
+    entity_type: list[int] = column(ENTITY, 0, codes(op.KIND_THING + 1))
+    """KIND_... of what the entity is."""
+    entity_present: list[int] = column(ENTITY, 0, FLAG)
+    """1 where it is there from the start, 0 where an action lets it appear."""
+    entity_const: list[int] = column(ENTITY, 0, SLOT)
+    """First slot of the entity's block."""
+    entity_position: list[int] = column(ENTITY, 0, index_or_none(POSITION))
+    """Position that it starts at, or NONE: off every road."""
+    entity_follows: list[int] = column(ENTITY, 0, FLAG)
+    """1 where it follows the vehicle ahead."""
+    entity_guide: list[int] = column(ENTITY, 0, index_or_none(GUIDE))
+    """Guide to the entity's destination, or NONE."""
+    entity_seed: list[int] = column(ENTITY, 0, whole(op.NONE, 1 << 32))
+    """Seed of traffic's turns, or NONE for the run's."""
+    entity_order: list[int] = column(ENTITY, 0, index(ENTITY))
+    """Entities so that each comes after the one that its start is relative to."""
+
+    # Trajectories: corners are vertices, pieces of clothoids or control points.
+    track_kind: list[int] = column(TRACK, 0, codes(op.TRACK_NURBS + 1))
+    track_closed: list[int] = column(TRACK, 0, FLAG)
+    """1 where a trajectory goes on at its begin."""
+    track_order: list[int] = column(TRACK, 0, whole(0, 1000))
+    """Order of a NURBS."""
+    track_corner: list[int] = row_starts(TRACK, CORNER)
+    track_vertex: list[int] = row_starts(TRACK, VERTEX)
+    """Row starts of vertices, which are columns of the state."""
+    track_sample: list[int] = row_starts(TRACK, SAMPLE)
+    """Row starts of a NURBS' samples."""
+    corner_position: list[int] = column(CORNER, 0, index_or_none(POSITION))
+    """Position of a corner, or NONE for a piece that begins where the one before ends."""
+    corner_const: list[int] = column(CORNER, 0, SLOT)
+    corner_samples: list[int] = column(CORNER, 0, Allowed(Of("vertex", lambda p: p.vertex_count[0] + 1)))
+    vertex_heading: list[int] = column(VERTEX, 0, FLAG)
+    """1 where the heading of a vertex is given."""
+    sample_corner: list[int] = column(SAMPLE, 0, Allowed(Of("corner", lambda p: len(p.corner_const) + 1)))
+    """First of the control points that a sample is made of."""
+    sample_const: list[int] = column(SAMPLE, 0, SLOT)
+    """Their shares, and then its place between the control points, counted from 0, for its time."""
+
+    # Ways.
+    guide_next: list[int] = column(TURN, 0, index_or_none(ROAD))
+    """By guide, road and sense (against s, along s): the road that comes next, or NONE."""
+    guide_last: list[int] = column(GUIDE, 0, index_or_none(ROAD))
+    """Road with which a guide ends, or NONE where it goes round."""
+    conflict_first: list[int] = row_starts(CONFLICT_OWNER, CONFLICT)
+    """Row starts by road, with background traffic alone."""
+    conflict_road: list[int] = column(CONFLICT, 0, index(ROAD))
+    """Connecting roads that the road crosses."""
+    route_road: list[int] = column(ROUTE, 0, index(ROAD))
+    """Roads of the ego's way in order, each once a pass."""
+
+    # Positions.
+    position_op: list[int] = column(POSITION, 0, codes(op.POSITION_KINDS))
+    position_road: list[int] = column(POSITION, 0, index_or_none(ROAD))
+    position_lane: list[int] = column(POSITION)
+    """Lane id; for relative positions the number of lanes to the left, on a trajectory its number."""
+    position_entity: list[int] = column(POSITION, 0, index_or_none(ENTITY))
+    position_const: list[int] = column(POSITION, 0, SLOT)
+    position_flags: list[int] = column(POSITION, 0, COUNT)
+    """Switches as bits: POSITION_ABSOLUTE and those after it."""
+    position_guide: list[int] = column(POSITION, 0, index_or_none(GUIDE))
+    """Guide of the route that it lies on, which an entity that is put there takes, or NONE."""
+    position_seed: list[int] = column(POSITION, 0, whole(op.NONE, 1 << 32))
+    """Seed of a random position, or NONE for the run's."""
+    position_first: list[int] = column(POSITION, 0, Allowed(Of("span", lambda p: p.span_count[0] + 1)))
+    """First stretch that a random position is drawn from."""
+    position_last: list[int] = column(POSITION, 0, Allowed(Of("span", lambda p: p.span_count[0] + 1)))
+    """The stretch after its last."""
+    span_road: list[int] = column(SPAN, 0, index(ROAD))
+    span_lane: list[int] = column(SPAN, 0, whole(-1000, 1000))
+    span_const: list[int] = column(SPAN, 0, SLOT)
+
+    # Marks that are worn or repainted.
+    stretch_road: list[int] = column(STRETCH, 0, index_or_none(ROAD))
+    stretch_lane: list[int] = column(STRETCH, 0, whole(-op.ALL_MARKS, op.ALL_MARKS + 1))
+    """Lane on whose outer border the marks lie, 0 for the centre line, or ALL_MARKS."""
+    stretch_const: list[int] = column(STRETCH, 0, SLOT)
+
+    # The storyboard.
+    element_kind: list[int] = column(ELEMENT, 0, codes(op.ELEMENT_ACTION + 1))
+    element_parent: list[int] = column(ELEMENT, 0, index_or_none(ELEMENT))
+    element_end: list[int] = column(ELEMENT, 0, Allowed(Of("element", lambda p: p.element_count[0] + 1), 1))
+    element_start: list[int] = column(ELEMENT, 0, index_or_none(TRIGGER))
+    """Start trigger of an act or event, or NONE."""
+    element_stop: list[int] = column(ELEMENT, 0, index_or_none(TRIGGER))
+    """Stop trigger of an act, or NONE."""
+    element_limit: list[int] = column(ELEMENT, 0, whole(1))
+    """Greatest number of executions of a group or event."""
+    element_priority: list[int] = column(ELEMENT, 0, codes(op.PRIORITY_SKIP + 1))
+    element_action: list[int] = column(ELEMENT, 0, index_or_none(ACTION))
+    """Action of an ELEMENT_ACTION, or op.NONE."""
+    trigger_first: list[int] = row_starts(TRIGGER, GROUP)
+    group_first: list[int] = row_starts(GROUP, CONDITION)
+
+    # Conditions.
+    condition_op: list[int] = column(CONDITION, 0, COUNT)
+    condition_rule: list[int] = column(CONDITION, 0, codes(op.RULE_NOT_EQUAL + 1))
+    condition_edge: list[int] = column(CONDITION, 0, codes(op.EDGE_BOTH + 1))
+    condition_const: list[int] = column(CONDITION, 0, SLOT)
+    condition_other: list[int] = column(CONDITION, 0, whole(op.NONE))
+    """The reference entity, element, takeover state or side of the lane, by kind."""
+    condition_mode: list[int] = column(CONDITION, 0, COUNT)
+    """A choice between ways to measure, by kind."""
+    condition_flags: list[int] = column(CONDITION, 0, COUNT)
+    """Switches as bits, by kind."""
+    condition_position: list[int] = column(CONDITION, 0, index_or_none(POSITION))
+    """Position that it speaks of, or NONE."""
+    condition_all: list[int] = column(CONDITION, 0, FLAG)
+    """1 where all triggering entities must fulfil it, 0 where any does."""
+    condition_first: list[int] = row_starts(CONDITION, TRIGGERING)
+    condition_entity: list[int] = column(TRIGGERING, 0, index(ENTITY))
+    condition_owner: list[int] = column(CONDITION, 0, index_or_none(ELEMENT))
+    """Element whose trigger it stands in, NONE for the stop trigger of the storyboard."""
+    condition_ring: list[int] = column(CONDITION, 0, index_or_none(RING))
+    """Number of its record of past values, or NONE for a condition without delay."""
+    set_first: list[int] = row_starts(SET, MEMBER)
+    set_member: list[int] = column(MEMBER)
+    """Members of the sets of whole numbers that conditions look into."""
+
+    # Actions.
+    action_op: list[int] = column(ACTION, 0, COUNT)
+    action_entity: list[int] = column(ACTION, 0, index_or_none(ENTITY))
+    """The entity that does it, NONE for an action on the run as a whole without an ego."""
+    action_shape: list[int] = column(ACTION, 0, codes(op.SHAPE_STEP + 1))
+    action_dimension: list[int] = column(ACTION, 0, codes(op.DIMENSION_DISTANCE + 1))
+    action_lanes: list[int] = column(ACTION)
+    """Lanes to the left, the lane's id, the number of entries or an entity, by kind."""
+    action_other: list[int] = column(ACTION, 0, whole(op.RANDOM_GUIDE))
+    """The failure that an action begins, the kind that it ends, the weather or the message; by kind."""
+    action_mode: list[int] = column(ACTION, 0, COUNT)
+    """A choice between ways to do it, by kind."""
+    action_flags: list[int] = column(ACTION, 0, COUNT)
+    """Switches as bits, or the entity in the middle of a swarm, by kind."""
+    action_position: list[int] = column(ACTION, 0, index_or_none(POSITION))
+    """Position that it speaks of, or NONE."""
+    action_const: list[int] = column(ACTION, 0, SLOT)
+    action_point: list[int] = column(ACTION, 0, Allowed(Of("point", lambda p: len(p.point_position) + 1)))
+    """First point of a path."""
+    action_points: list[int] = column(ACTION, 0, Allowed(Of("point", lambda p: len(p.point_position) + 1)))
+    """Number of its points."""
+    action_drives_on: list[int] = column(ACTION, 0, FLAG)
+    """1 where the entity goes on along the lane at the end of its path."""
+    point_position: list[int] = column(POINT, 0, index(POSITION))
+    point_const: list[int] = column(POINT, 0, SLOT)
+    init_action: list[int] = column(INIT, 0, index(ACTION))
+    """Actions that start with the run, in order."""
+
+    # The camera, the weather, variables and traffic signals.
+    failure_kind: list[int] = column(FAILURE, 0, codes(op.FAILURES))
+    failure_waits: list[int] = column(FAILURE, 0, FLAG)
+    """1 where the failure waits for the action that begins it, 0 where it counts from the start."""
+    failure_const: list[int] = column(FAILURE, 0, SLOT)
+    weather_const: list[int] = column(WEATHER, 0, SLOT)
+    """Blocks of 14 numbers: the weather at the start, then those of actions."""
+    variable_const: list[int] = column(VARIABLE, 0, SLOT)
+    """Slot of the value that each variable begins with."""
+    controller_reference: list[int] = column(SIGNAL_CONTROLLER, 0, index_or_none(SIGNAL_CONTROLLER))
+    """By controller of signals the one that its delay counts from, or NONE."""
+    controller_const: list[int] = column(SIGNAL_CONTROLLER, 0, SLOT)
+    phase_first: list[int] = row_starts(SIGNAL_CONTROLLER, PHASE)
+    phase_name: list[int] = column(PHASE)
+    """Place of the phase's name in the list of texts."""
+    phase_const: list[int] = column(PHASE, 0, SLOT)
+    light_first: list[int] = row_starts(PHASE, LIGHT)
+    light_signal: list[int] = column(LIGHT, 0, index(SIGNAL))
+    light_state: list[int] = column(LIGHT, 0, COUNT)
+
+    # The takeover.
+    cause_on: list[int] = column(CAUSE, 0, FLAG)
+    """1 for each cause of a takeover request that is switched on."""
+    cause_order: list[int] = column(ASKING, 0, whole(1, op.CAUSES))
+    """The causes that are switched on; where several ask at once, the first is named."""

@@ -1,0 +1,16 @@
+"""The seed that draws inside a run depend on."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def run_seed(st: State, own: int) -> int:
+    """Return a seed of the counter hash: one of its own, else the run's."""
+    if own >= 0:
+        return own
+    return int(clip(st.draw[op.DRAWS_PER_RUN - 1], 0.0, 4294967295.0))

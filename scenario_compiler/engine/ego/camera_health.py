@@ -1,0 +1,69 @@
+"""How much of a camera's health each kind of fault costs: one curve a kind, for the engine and for the detector.
+
+With `--perception camera` the detector estimates each quantity in the image and applies these curves; with
+`--perception ideal` the engine applies them to what the scenario says. The health is their product, and it multiplies
+the confidence in both sides of the lane.
+
+    kind        quantity                                       amount 1 means            health is one half at
+    noise       standard deviation, grey levels                80                        30
+    blackout    brightest tones of the image, grey levels      0 (220 at amount 0)       14
+    blur        radius of a blurred point, 1/512 of the width  9                         4.5
+    dirt        share of the image that is covered             1                         0.5
+    dropout     the image is missing                           every image               missing: health 0
+    freeze      the image before is repeated while moving      every image               repeated: health 0
+
+The numbers are policy, not measurement: they say from where on a camera counts as failing. 220 grey levels are white
+paint at a clear noon; a darker scene counts as black sooner in the image than in the engine.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.marker import compiled
+
+NOISE_AT_ONE = 80.0
+NOISE_MIDDLE = 30.0
+NOISE_WIDTH = 4.0
+
+TONES_AT_NOON = 220.0
+TONES_MIDDLE = 14.0
+TONES_WIDTH = 2.0
+
+BLUR_AT_ONE = 9.0
+BLUR_MIDDLE = 4.5
+BLUR_WIDTH = 0.5
+
+DIRT_MIDDLE = 0.5
+DIRT_WIDTH = 0.05
+
+
+@compiled
+def falling(value: float, middle: float, width: float) -> float:
+    """Return the logistic curve that falls from 1 to 0 and is one half at `middle`."""
+    return 1.0 / (1.0 + exp(clip((value - middle) / max(width, 1.0e-9), -50.0, 50.0)))
+
+
+@compiled
+def noise_health(sigma: float) -> float:
+    """Return the health under noise, grey levels."""
+    return falling(sigma, NOISE_MIDDLE, NOISE_WIDTH)
+
+
+@compiled
+def tones_health(level: float) -> float:
+    """Return the health of an image whose brightest tones are at `level`, grey levels."""
+    return 1.0 - falling(level, TONES_MIDDLE, TONES_WIDTH)
+
+
+@compiled
+def blur_health(radius: float) -> float:
+    """Return the health of an image blurred by a Gaussian of `radius`, in 1/512 of its width."""
+    return falling(radius, BLUR_MIDDLE, BLUR_WIDTH)
+
+
+@compiled
+def dirt_health(share: float) -> float:
+    """Return the health of an image of which `share` is covered."""
+    return falling(share, DIRT_MIDDLE, DIRT_WIDTH)

@@ -1,0 +1,89 @@
+"""Controllers that actions give to entities, switch on and off, or hold in place of.
+
+An entity that the storyboard moves has the default controller, which leaves its speed as it is; the only other one
+that drives it is car following. Held pedals and a held wheel act on the ego vehicle, which is driven by such.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+
+SWITCHES_SPEED = 1
+SPEED_ON = 2
+HOLDS_INPUT = 4
+"""Bits of the flags of actions on controllers: whether the motion along the road is switched, and how; whether an input
+is held from now on."""
+
+STEERING_RATIO = 16.0
+"""Angle of the steering wheel over that of the front wheels, usual for cars."""
+
+
+@compiled
+def reset_controllers(p: Program, st: State) -> None:
+    """Give every entity the controller that it has in the plan."""
+    for i in range(p.entity_count[0]):
+        st.follows[i] = p.entity_follows[i]
+        st.controller[i] = op.CONTROLLER_FOLLOW if p.entity_follows[i] == 1 else op.CONTROLLER_DEFAULT
+        st.desired[i] = p.const[p.entity_const[i] + slot.E_DESIRED_SPEED]
+
+
+@compiled
+def switch_controller(p: Program, st: State, k: int) -> None:
+    """Switch the controller of an action's entity on or off along the road, where it is said.
+
+    Car following aims for the speed that the entity then has, if it was given none.
+    """
+    i = p.action_entity[k]
+    if p.action_flags[k] & SWITCHES_SPEED == 0:
+        return
+    st.follows[i] = 0
+    if p.action_flags[k] & SPEED_ON != 0 and st.controller[i] == op.CONTROLLER_FOLLOW:
+        st.follows[i] = 1
+        if st.desired[i] < 0.0:
+            st.desired[i] = max(st.v[i], 0.0)
+
+
+@compiled
+def assign_controller(p: Program, st: State, k: int) -> None:
+    """Give an action's entity a controller, with the speed that it aims for, negative for none."""
+    i = p.action_entity[k]
+    st.controller[i] = p.action_mode[k]
+    st.desired[i] = p.const[p.action_const[k] + slot.A_TARGET]
+    if st.controller[i] != op.CONTROLLER_FOLLOW:
+        st.follows[i] = 0
+    switch_controller(p, st, k)
+
+
+@compiled
+def override_controller(p: Program, st: State, k: int) -> None:
+    """Hold an input of the ego, or let go of it."""
+    if p.action_entity[k] != p.ego[0]:
+        return
+    held = p.action_mode[k]
+    st.held_on[held] = 1 if p.action_flags[k] & HOLDS_INPUT != 0 else 0
+    st.held_value[held] = p.const[p.action_const[k] + slot.A_TARGET]
+
+
+@compiled
+def hold_inputs(p: Program, st: State, ego: int) -> None:
+    """Put what is held in the place of the ego's commands; the automation gives no gas against a held brake."""
+    if st.held_on[op.HELD_BRAKE] == 1:
+        st.command_brake[ego] = clip(st.held_value[op.HELD_BRAKE], 0.0, 1.0)
+        st.command_throttle[ego] = 0.0
+    if st.held_on[op.HELD_PARKING_BRAKE] == 1:
+        st.command_brake[ego] = max(st.command_brake[ego], clip(st.held_value[op.HELD_PARKING_BRAKE], 0.0, 1.0))
+        st.command_throttle[ego] = 0.0
+    if st.held_on[op.HELD_THROTTLE] == 1:
+        st.command_throttle[ego] = clip(st.held_value[op.HELD_THROTTLE], 0.0, 1.0)
+    if st.held_on[op.HELD_CLUTCH] == 1:
+        st.command_throttle[ego] = st.command_throttle[ego] * (1.0 - clip(st.held_value[op.HELD_CLUTCH], 0.0, 1.0))
+    if st.held_on[op.HELD_GEAR] == 1 and st.held_value[op.HELD_GEAR] <= 0.0:
+        st.command_throttle[ego] = 0.0
+    if st.held_on[op.HELD_WHEEL] == 1:
+        most = max(p.const[p.entity_const[ego] + slot.E_MAX_STEER], 0.01)
+        st.command_steer[ego] = clip(st.held_value[op.HELD_WHEEL] / STEERING_RATIO / most, -1.0, 1.0)

@@ -1,0 +1,152 @@
+"""Lane confidence without a camera: the marks on both sides, the weather between, and the sensor's health."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.failures import health_of_camera
+from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction, lane_row_in
+from scenario_compiler.roads.marks import MARK_NONE, mark_at, row_mark
+from scenario_compiler.roads.tables import RoadTables
+
+LOOK_FROM = 6.0
+LOOK_STEP = 3.0
+LOOK_COUNT = 5
+LOOK_TO = 18.0
+"""The marks are looked at from 6 m to 18 m ahead of the rear axle, every 3 m."""
+
+
+@compiled
+def mark_visibility(n: RoadTables, p: Program, road: int, lane: int, s: float) -> float:
+    """Return the quality of the mark on a lane's outer border, the plan's before the map's; 0 without a mark."""
+    kind, quality, _, _ = mark_at(n, road, lane, s)
+    if kind == MARK_NONE:
+        return 0.0
+    for k in range(p.stretch_count[0]):
+        base = p.stretch_const[k]
+        begin = p.const[base + slot.M_FROM]
+        end = p.const[base + slot.M_TO]
+        of_mark = p.stretch_lane[k] == op.ALL_MARKS or p.stretch_lane[k] == lane
+        if p.stretch_road[k] == road and of_mark and s >= begin and s <= end:
+            share = (s - begin) / (end - begin) if end > begin else 0.0
+            first = p.const[base + slot.M_QUALITY]
+            if first >= 0.0:
+                quality = first + share * (p.const[base + slot.M_QUALITY_TO] - first)
+            quality = quality * (1.0 - clip(p.const[base + slot.M_COVERAGE], 0.0, 1.0))
+    return clip(quality, 0.0, 1.0)
+
+
+@compiled
+def keeps_quality(n: RoadTables, st: State, row: int, s: float) -> float:
+    """Return the map's quality of the mark on the outer border of a lane's row at s, -1 where it changes along s.
+
+    What is known to stay as it is ends where the mark does.
+    """
+    if row < 0:
+        return 0.0
+    mark = row_mark(n, row, s)
+    following = n.lane_mark[row] if mark < 0 else mark + 1
+    if following < n.lane_mark[row + 1]:
+        st.even_to[0] = min(st.even_to[0], n.mark_s[following])
+    if mark < 0:
+        return 0.0
+    st.even_from[0] = max(st.even_from[0], n.mark_s[mark])
+    if n.mark_type[mark] == MARK_NONE:
+        return 0.0
+    if n.mark_quality_to[mark] != n.mark_quality_from[mark]:
+        return -1.0
+    return clip(n.mark_quality_from[mark], 0.0, 1.0)
+
+
+@compiled
+def keep_off_stretches(p: Program, st: State, s: float) -> None:
+    """End what is known to stay as it is where the plan says something else about marks."""
+    for k in range(p.stretch_count[0]):
+        base = p.stretch_const[k]
+        if p.stretch_road[k] == st.path_road[0]:
+            if p.const[base + slot.M_TO] < s:
+                st.even_from[0] = max(st.even_from[0], p.const[base + slot.M_TO])
+            else:
+                st.even_to[0] = min(st.even_to[0], p.const[base + slot.M_FROM])
+
+
+@compiled
+def note_even_marks(n: RoadTables, p: Program, st: State) -> None:
+    """Note between which s about the path's place the marks on both sides stay as they are, and their qualities."""
+    row = st.path_row[0]
+    s = st.path_s[0]
+    lane = st.path_lane[0]
+    section = n.lane_section[row]
+    st.even_row[0] = row
+    st.even_from[0] = n.section_s[section]
+    st.even_to[0] = n.section_end[section]
+    outer = keeps_quality(n, st, row, s)
+    inner = keeps_quality(n, st, lane_row_in(n, section, lane + 1 if lane < 0 else lane - 1), s)
+    keep_off_stretches(p, st, s)
+    if outer < 0.0 or inner < 0.0:
+        st.even_row[0] = op.NONE
+    elif (lane > 0) == (st.path_sense[0] > 0):
+        st.even_left[0] = outer
+        st.even_right[0] = inner
+    else:
+        st.even_left[0] = inner
+        st.even_right[0] = outer
+
+
+@compiled
+def marks_stay(st: State) -> int:
+    """Return 1 where the marks are known to stay as they are up to the furthest place that is looked at."""
+    s = st.path_s[0]
+    end = s + st.path_sense[0] * LOOK_TO
+    if st.path_row[0] != st.even_row[0] or min(s, end) <= st.even_from[0] or max(s, end) >= st.even_to[0]:
+        return 0
+    return 1
+
+
+@compiled
+def looked_at_sides(n: RoadTables, p: Program, st: State) -> tuple[float, float]:
+    """Return the mean qualities of the (left, right) mark over the places that are looked at."""
+    left = 0.0
+    right = 0.0
+    for k in range(LOOK_COUNT):
+        ahead = LOOK_FROM + LOOK_STEP * k
+        road, lane, _, s, rest = path_ahead(n, p, st, ahead)
+        if rest > 0.0:
+            continue
+        inner = lane + 1 if lane < 0 else lane - 1
+        outer_quality = mark_visibility(n, p, road, lane, s)
+        inner_quality = mark_visibility(n, p, road, inner, s)
+        if (lane > 0) == (lane_direction(n, road, lane) > 0):
+            left += outer_quality
+            right += inner_quality
+        else:
+            left += inner_quality
+            right += outer_quality
+    return left / LOOK_COUNT, right / LOOK_COUNT
+
+
+@compiled
+def ideal_confidence(n: RoadTables, p: Program, st: State) -> None:
+    """Write the confidence of both sides of the path's lane and the sensor's health."""
+    health = health_of_camera(p, st)
+    left = 0.0
+    right = 0.0
+    if st.path_found[0] == 1 and st.path_row[0] >= 0:
+        stay = marks_stay(st)
+        if stay == 0:
+            note_even_marks(n, p, st)
+            stay = marks_stay(st)
+        if stay == 1:
+            left = st.even_left[0]
+            right = st.even_right[0]
+        else:
+            left, right = looked_at_sides(n, p, st)
+    seen = health * st.paint_seen[0]
+    st.health[0] = health
+    st.conf_left[0] = seen * left
+    st.conf_right[0] = seen * right

@@ -1,0 +1,36 @@
+"""The minimum-risk manoeuvre: stay in the lane, slow down at the given rate, hazard lights on, to standstill.
+
+After UN R157 5.5: it begins some time after an unanswered request, or as soon as a limit ahead leaves no more than the
+distance to stop; it is never begun earlier than needed.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+
+STOP_MARGIN = 3.0
+"""Distance that is to remain to the limit after the stop, m."""
+
+
+@compiled
+def stopping_distance(p: Program, v: float) -> float:
+    """Return the distance of a stop at the manoeuvre's deceleration, begun at the next control step."""
+    deceleration = max(p.const[slot.K_MINIMUM_RISK_DECELERATION], 0.1)
+    return 0.5 * v * v / deceleration + v * p.const[slot.K_STEP] * p.control_every[0]
+
+
+@compiled
+def minimum_risk_due(p: Program, st: State, i: int) -> int:
+    """Return 1 where the manoeuvre has to begin now."""
+    if st.clock[0] - st.request_at[0] >= p.const[slot.K_MINIMUM_RISK_AFTER] - 1.0e-6:
+        return 1
+    limit = st.blocked_distance[0]
+    if st.through_lane[0] != 0:
+        limit = min(limit, st.lane_end_distance[0])
+    if limit < op.FAR and limit <= stopping_distance(p, st.v[i]) + STOP_MARGIN:
+        return 1
+    return 0

@@ -1,0 +1,340 @@
+"""The forward sensor: what is seen, how wide the path is, where the lane ends, whether the gap beside is free."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip, length_of, safe_sqrt
+from scenario_compiler.engine.columns.presence import there_for
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.ahead import measure_on_way, walk, walk_route
+from scenario_compiler.engine.motion.beside import neighbour_lane
+from scenario_compiler.engine.motion.path import preferred_road
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_direction, lane_type
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import distance_to_lane_end
+
+SLOW = 2.0
+"""Speed along the way below which an entity blocks rather than leads, m/s."""
+
+LANE_END_HORIZON = 300.0
+"""How far ahead the end of the lane is looked for, m."""
+
+LOOK_AGAIN = 50.0
+"""Way after which it is looked for again, m."""
+
+THROUGH_MORE = 20.0
+"""How much further than an ending lane the lane beside must go on, m."""
+
+GAP_HORIZON = 150.0
+"""How far ahead and behind vehicles in the lane beside are looked for, m."""
+
+LEAST_GAP = 2.0
+"""Distance to a vehicle in the lane beside that is never free, m."""
+
+
+@compiled
+def open_eye(p: Program, st: State, i: int, reach: float, view: float) -> None:
+    """Let i look from its front bumper along its heading, within a range and a full angle of view."""
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    c = cos(st.h[i])
+    s = sin(st.h[i])
+    st.eye_x[0] = st.x[i] + front * c
+    st.eye_y[0] = st.y[i] + front * s
+    st.eye_cos[0] = c
+    st.eye_sin[0] = s
+    st.eye_reach[0] = reach
+    st.eye_edge[0] = cos(clip(0.5 * view, 0.0, pi))
+
+
+@compiled
+def ray_free(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int:
+    """Return 1 where no box but those of i and j cuts the segment by (dx, dy) from the eye.
+
+    The axes that may divide them are the segment and its normal, by the box's circle, then the normal and the box's.
+    """
+    squared = dx * dx + dy * dy
+    for k in range(p.entity_count[0]):
+        if k in (i, j):
+            continue
+        x = st.eye_x[0] - st.middle_x[k]
+        y = st.eye_y[0] - st.middle_y[k]
+        beside = x * dy - y * dx
+        within = st.reach[k] * st.reach[k] * squared
+        if beside * beside > within:
+            continue
+        along = -x * dx - y * dy
+        over = along - squared if along > squared else -along
+        if (over > 0.0 and over * over > within) or there_for(st, k, op.SEEN_BY_SENSORS) == 0:
+            continue
+        c = cos(st.h[k])
+        s = sin(st.h[k])
+        u = 0.5 * (dx * c + dy * s)
+        v = 0.5 * (dy * c - dx * s)
+        base = p.entity_const[k]
+        long = 0.5 * p.const[base + slot.E_LENGTH]
+        wide = 0.5 * p.const[base + slot.E_WIDTH]
+        if 0.5 * abs(beside) >= long * abs(v) + wide * abs(u):
+            continue
+        if abs(x * c + y * s + u) < long + abs(u) and abs(y * c - x * s + v) < wide + abs(v):
+            return 0
+    return 1
+
+
+@compiled
+def point_seen(p: Program, st: State, i: int, j: int, dx: float, dy: float) -> int:
+    """Return 1 where a point of j at (dx, dy) from i's eye is in range and in view and nothing hides it."""
+    squared = dx * dx + dy * dy
+    if squared > st.eye_reach[0] * st.eye_reach[0]:
+        return 0
+    if dx * st.eye_cos[0] + dy * st.eye_sin[0] < safe_sqrt(squared) * st.eye_edge[0]:
+        return 0
+    return ray_free(p, st, i, j, dx, dy)
+
+
+@compiled
+def outermost_corners(p: Program, st: State, j: int, dx: float, dy: float) -> tuple[float, float, float, float]:
+    """Return the ways (x, y, x, y) from the eye to the two corners that bound j's box for it, by that to its centre.
+
+    They are those of one side where the eye is within that side's strip, else two opposite ones.
+    """
+    c = cos(st.h[j])
+    s = sin(st.h[j])
+    base = p.entity_const[j]
+    long = 0.5 * p.const[base + slot.E_LENGTH]
+    wide = 0.5 * p.const[base + slot.E_WIDTH]
+    u = -dx * c - dy * s
+    v = dx * s - dy * c
+    first_u = long if u > 0.0 else -long
+    first_v = -wide if v > 0.0 else wide
+    second_u = -first_u
+    second_v = -first_v
+    if abs(u) <= long:
+        first_v = second_v
+    elif abs(v) <= wide:
+        second_u = first_u
+    return (
+        dx + first_u * c - first_v * s,
+        dy + first_u * s + first_v * c,
+        dx + second_u * c - second_v * s,
+        dy + second_u * s + second_v * c,
+    )
+
+
+@compiled
+def sees(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 where the centre of j's box or one of its two outermost corners is seen by i's open eye."""
+    if there_for(st, j, op.SEEN_BY_SENSORS) == 0:
+        return 0
+    dx = st.middle_x[j] - st.eye_x[0]
+    dy = st.middle_y[j] - st.eye_y[0]
+    if point_seen(p, st, i, j, dx, dy) == 1:
+        return 1
+    first_x, first_y, second_x, second_y = outermost_corners(p, st, j, dx, dy)
+    if point_seen(p, st, i, j, first_x, first_y) == 1:
+        return 1
+    return point_seen(p, st, i, j, second_x, second_y)
+
+
+@compiled
+def foresee(st: State, i: int, j: int, front: float) -> None:
+    """Shift the box of a slow, crossing or oncoming entity to the side by what it moves until i is there."""
+    gap = st.near[j] - front
+    if gap <= 0.0:
+        return
+    closing = max(st.v[i] - st.along[j], 1.0)
+    shift = st.across[j] * gap / closing
+    st.low[j] += shift
+    st.high[j] += shift
+
+
+@compiled
+def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
+    """Measure every entity on the ego's way and tell which of those ahead are seen in a range and an angle of view."""
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    far = reach + 50.0
+    open_eye(p, st, i, reach, view)
+    walk_route(n, p, st, far)
+    for j in range(p.entity_count[0]):
+        st.seen[j] = 0
+        st.on_way[j] = 0
+        dx = st.x[j] - st.x[i]
+        dy = st.y[j] - st.y[i]
+        if j != i and dx * dx + dy * dy < far * far and measure_on_way(n, p, st, j) == 1 and st.far[j] >= front:
+            if st.along[j] < SLOW:
+                foresee(st, i, j, front)
+            st.seen[j] = sees(p, st, i, j)
+
+
+@compiled
+def obstructs(st: State, j: int, front: float) -> int:
+    """Return 1 for a seen entity ahead on the way that is slow, crossing or oncoming."""
+    if st.seen[j] == 1 and st.on_way[j] == 1 and st.along[j] < SLOW and st.far[j] > front:
+        return 1
+    return 0
+
+
+@compiled
+def gap_between(
+    p: Program, st: State, j: int, front: float, size: float, right: float, left: float, need: float, wish: float
+) -> tuple[int, float, float]:
+    """Return (found, centre, width) of a gap between `right` and `left` beside entity j and all that stands with it.
+
+    Of the gaps at least `need` wide, the one is taken whose admissible centre lies nearest to `wish`; with none,
+    found is 0 and width is that of the widest. Whatever stands within the ego's length `size` of j counts with it.
+    """
+    found = 0
+    best = 0.0
+    widest = 0.0
+    for c in range(-1, p.entity_count[0]):
+        start = right
+        if c >= 0:
+            if obstructs(st, c, front) == 0 or st.near[c] > st.far[j] + size or st.far[c] < st.near[j] - size:
+                continue
+            start = max(st.high[c], right)
+        end = left
+        for k in range(p.entity_count[0]):
+            if obstructs(st, k, front) == 1 and st.near[k] <= st.far[j] + size and st.far[k] >= st.near[j] - size:
+                if st.low[k] <= start and st.high[k] > start:
+                    end = start
+                elif st.low[k] > start and st.low[k] < end:
+                    end = st.low[k]
+        width = max(end - start, 0.0)
+        if width >= need:
+            centre = min(max(wish, start + 0.5 * need), end - 0.5 * need)
+            if found == 0 or abs(centre - wish) < abs(best - wish):
+                best = centre
+                found = 1
+        widest = max(widest, width)
+    return found, best, widest
+
+
+@compiled
+def find_block(p: Program, st: State, i: int) -> int:
+    """Write where the path is first blocked; return the entity that blocks it, -1 for a free path.
+
+    It is blocked where the widest gap that the seen obstacles leave between the lane's borders is less than the ego's
+    width and the margin.
+    """
+    base = p.entity_const[i]
+    size = p.const[base + slot.E_LENGTH]
+    front = p.const[base + slot.E_CENTER] + 0.5 * size
+    need = p.const[base + slot.E_WIDTH] + p.const[slot.K_BLOCKED_MARGIN]
+    st.blocked_distance[0] = op.FAR
+    st.blocked_far[0] = op.FAR
+    blocker = -1
+    for j in range(p.entity_count[0]):
+        if obstructs(st, j, front) == 0:
+            continue
+        left = st.border_left[j]
+        right = st.border_right[j]
+        if st.low[j] >= left or st.high[j] <= right or st.near[j] - front >= st.blocked_distance[0]:
+            continue
+        found, _, _ = gap_between(p, st, j, front, size, right, left, need, 0.0)
+        if found == 0:
+            st.blocked_distance[0] = max(st.near[j] - front, 0.0)
+            blocker = j
+    if blocker >= 0:
+        far = st.far[blocker]
+        for j in range(p.entity_count[0]):
+            if obstructs(st, j, front) == 1 and st.near[j] <= st.far[blocker] + size and st.far[j] > far:
+                far = st.far[j]
+        st.blocked_far[0] = far - front
+    return blocker
+
+
+@compiled
+def find_lane_end(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Write how far the path's lane goes on, and which lane beside it goes on further, where one does.
+
+    A look reaches further than it has to, so that there is none for a while where the lane does not end.
+    """
+    st.lane_end_distance[0] = op.FAR
+    st.through_lane[0] = 0
+    st.through_side[0] = 0
+    road = st.path_road[0]
+    if road < 0:
+        return
+    s = st.path_s[0]
+    direction = st.path_sense[0]
+    if st.path_row[0] == st.clear_row[0] and direction * (st.clear_s[0] - s) > 0.0:
+        return
+    lane = st.path_lane[0]
+    turns = preferred_road(p, st, road)
+    rest = distance_to_lane_end(n, road, lane, s, LANE_END_HORIZON + LOOK_AGAIN, turns)
+    if rest >= LANE_END_HORIZON:
+        st.clear_row[0] = st.path_row[0]
+        st.clear_s[0] = s + direction * (rest - LANE_END_HORIZON)
+        return
+    base = p.entity_const[i]
+    st.lane_end_distance[0] = max(rest - p.const[base + slot.E_CENTER] - 0.5 * p.const[base + slot.E_LENGTH], 0.0)
+    for side in range(1, -2, -2):
+        beside = neighbour_lane(n, road, lane, s, side, direction)
+        if beside == 0 or lane_direction(n, road, beside) != direction:
+            continue
+        if is_drivable(lane_type(n, road, beside, s)) == 0:
+            continue
+        if distance_to_lane_end(n, road, beside, s, LANE_END_HORIZON, turns) > rest + THROUGH_MORE:
+            st.through_lane[0] = beside
+            st.through_side[0] = side
+            return
+
+
+@compiled
+def in_lane(st: State, j: int) -> int:
+    """Return 1 where the box of an entity on the way reaches into the way's lane."""
+    if st.on_way[j] == 1 and st.low[j] < st.border_left[j] and st.high[j] > st.border_right[j]:
+        return 1
+    return 0
+
+
+@compiled
+def gap_ahead_free(p: Program, st: State, i: int, front: float) -> int:
+    """Return 1 where nothing in the walked lane is beside the ego or nearer ahead than the time gap asks for."""
+    base = p.entity_const[i]
+    rear = 0.5 * p.const[base + slot.E_LENGTH] - p.const[base + slot.E_CENTER]
+    keep = max(LEAST_GAP, p.const[slot.K_GAP_FRONT] * st.v[i])
+    for j in range(p.entity_count[0]):
+        if j != i and in_lane(st, j) == 1 and st.far[j] > -rear - LEAST_GAP and st.near[j] < front + keep:
+            return 0
+    return 1
+
+
+@compiled
+def gap_behind_free(p: Program, st: State, i: int) -> int:
+    """Return 1 where nobody in the lane walked backwards closes up too soon."""
+    base = p.entity_const[i]
+    rear = 0.5 * p.const[base + slot.E_LENGTH] - p.const[base + slot.E_CENTER]
+    for j in range(p.entity_count[0]):
+        if j != i and in_lane(st, j) == 1 and st.near[j] > rear:
+            closing = max(-st.along[j] - st.v[i], 0.0)
+            if st.near[j] - rear < max(LEAST_GAP, p.const[slot.K_GAP_REAR] * closing):
+                return 0
+    return 1
+
+
+@compiled
+def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int, s: float) -> int:
+    """Return 1 where the ego may enter a lane beside it: front by time gap, behind by the time to close up.
+
+    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns anew.
+    """
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    for along in range(1, -2, -2):
+        walk(n, st, road, lane, s, along, GAP_HORIZON, preferred_road(p, st, road))
+        for j in range(p.entity_count[0]):
+            st.on_way[j] = 0
+            if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < GAP_HORIZON:
+                measure_on_way(n, p, st, j)
+        free = gap_ahead_free(p, st, i, front) if along == 1 else gap_behind_free(p, st, i)
+        if free == 0:
+            return 0
+    return 1

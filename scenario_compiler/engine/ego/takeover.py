@@ -1,0 +1,224 @@
+"""The takeover machine: from a cause to a warning, a request, escalation, an answer or the minimum-risk manoeuvre.
+
+It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver
+answers at a time drawn before the run; before it nothing but the automation acts.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
+from scenario_compiler.marker import compiled
+
+CLOSE = 5.0
+"""Distance to a blocked path within which the automation asks at any speed, m."""
+
+HISTORY_SIZE = 32
+
+
+@compiled
+def remember(st: State, cause: int, raw: int, count: float, of: float) -> None:
+    """Note whether there is a reason for a cause at this control step; it asks where there was in `count` of `of`."""
+    bits = (st.history[cause] * 2 + raw) & 0xFFFFFFFF
+    st.history[cause] = bits
+    st.asking[cause] = 0
+    if bits != 0:
+        found = 0
+        for k in range(HISTORY_SIZE):
+            if k < of:
+                found += (bits >> k) & 1
+        st.asking[cause] = 1 if found > 0 and found >= count else 0
+
+
+@compiled
+def lacks_confidence(p: Program, st: State) -> int:
+    """Return 1 where the lane confidence of both sides is too low."""
+    limit = p.const[slot.K_CONFIDENCE_REQUEST]
+    return 1 if st.conf_left[0] < limit and st.conf_right[0] < limit else 0
+
+
+@compiled
+def budget_distance(p: Program, st: State, i: int) -> float:
+    """Return the distance that the ego covers in the time budget, m."""
+    return max(p.const[slot.K_BUDGET] * st.v[i], CLOSE)
+
+
+@compiled
+def lane_ends(st: State, budget: float) -> int:
+    """Return 1 where the lane ends within the budget and the gap beside it is not free."""
+    if st.through_lane[0] != 0 and st.gap_free[0] == 0 and st.merging[0] == 0:
+        return 1 if st.lane_end_distance[0] <= budget else 0
+    return 0
+
+
+@compiled
+def asking_cause(p: Program, st: State, i: int) -> int:
+    """Return the cause that asks for a takeover now, CAUSE_NONE without one; every history is brought up to date."""
+    budget = budget_distance(p, st, i)
+    unwell = 1 if st.health[0] < p.const[slot.K_HEALTH_REQUEST] else 0
+    blocked = 1 if st.blocked_distance[0] <= budget else 0
+    low = lacks_confidence(p, st)
+    ending = lane_ends(st, budget)
+    st.quiet[0] = st.quiet[0] + 1 if low + unwell + blocked + ending + st.auto_request[0] == 0 else 0
+    if st.quiet[0] > HISTORY_SIZE:
+        return op.CAUSE_NONE
+    remember(st, op.CAUSE_LANE_CONFIDENCE, low, p.const[slot.K_CONFIDENCE_COUNT], p.const[slot.K_CONFIDENCE_OF])
+    remember(st, op.CAUSE_SENSOR_HEALTH, unwell, p.const[slot.K_HEALTH_COUNT], p.const[slot.K_HEALTH_OF])
+    remember(st, op.CAUSE_PATH_BLOCKED, blocked, p.const[slot.K_BLOCKED_COUNT], p.const[slot.K_BLOCKED_OF])
+    remember(st, op.CAUSE_LANE_ENDS, ending, p.const[slot.K_LANE_END_COUNT], p.const[slot.K_LANE_END_OF])
+    st.asking[op.CAUSE_CONTROLLER] = st.auto_request[0]
+    for k in range(p.cause_count[0]):
+        if st.asking[p.cause_order[k]] == 1:
+            return p.cause_order[k]
+    return op.CAUSE_NONE
+
+
+@compiled
+def warning_cause(p: Program, st: State) -> int:
+    """Return the cause that warns, CAUSE_NONE without one.
+
+    A side's confidence or the health is low, or a cause of the road ahead has been seen once.
+    """
+    if p.cause_on[op.CAUSE_SENSOR_HEALTH] == 1 and st.health[0] < p.const[slot.K_HEALTH_WARNING]:
+        return op.CAUSE_SENSOR_HEALTH
+    weaker = min(st.conf_left[0], st.conf_right[0])
+    if p.cause_on[op.CAUSE_LANE_CONFIDENCE] == 1 and weaker < p.const[slot.K_CONFIDENCE_WARNING]:
+        return op.CAUSE_LANE_CONFIDENCE
+    if p.cause_on[op.CAUSE_PATH_BLOCKED] == 1 and st.history[op.CAUSE_PATH_BLOCKED] % 2 == 1:
+        return op.CAUSE_PATH_BLOCKED
+    if p.cause_on[op.CAUSE_LANE_ENDS] == 1 and st.history[op.CAUSE_LANE_ENDS] % 2 == 1:
+        return op.CAUSE_LANE_ENDS
+    return op.CAUSE_NONE
+
+
+@compiled
+def takeover_time(p: Program, st: State) -> float:
+    """Return the driver's takeover time for the present request, s; FAR for no answer.
+
+    Fixed, or lognormal exp(mu + sigma z) with a probability of a lapse. The draws of the fourth request serve later
+    ones.
+    """
+    if p.driver_kind[0] == op.DRIVER_FIXED:
+        return max(p.const[slot.K_DRIVER_TIME], 0.0)
+    k = min(st.requests[0] - 1, 3)
+    if st.draw[2 * k + 1] < p.const[slot.K_DRIVER_LAPSE]:
+        return op.FAR
+    return exp(clip(p.const[slot.K_DRIVER_MU] + p.const[slot.K_DRIVER_SIGMA] * st.draw[2 * k], -20.0, 20.0))
+
+
+@compiled
+def request_takeover(p: Program, st: State, cause: int) -> None:
+    """Ask the driver, for a cause."""
+    now = st.clock[0]
+    st.takeover_state[0] = op.TAKEOVER_REQUEST
+    st.cause[0] = cause
+    st.requests[0] += 1
+    st.request_at[0] = now
+    if st.time_request[0] < 0.0:
+        st.time_request[0] = now
+    st.answer_at[0] = now + takeover_time(p, st)
+    log_event(st, op.EVENT_REQUEST, 1.0 * cause)
+
+
+@compiled
+def step_automated(p: Program, st: State, i: int) -> None:
+    """Automated or warning: request for a cause, warn, or end the warning."""
+    cause = asking_cause(p, st, i)
+    warned = warning_cause(p, st)
+    if cause != op.CAUSE_NONE:
+        request_takeover(p, st, cause)
+    elif warned != op.CAUSE_NONE and st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
+        st.takeover_state[0] = op.TAKEOVER_WARNING
+        st.cause[0] = warned
+        if st.time_warning[0] < 0.0:
+            st.time_warning[0] = st.clock[0]
+        log_event(st, op.EVENT_WARNING, 1.0 * warned)
+    elif warned == op.CAUSE_NONE and st.takeover_state[0] == op.TAKEOVER_WARNING:
+        st.takeover_state[0] = op.TAKEOVER_AUTOMATED
+        st.cause[0] = op.CAUSE_NONE
+        log_event(st, op.EVENT_WARNING_OVER, 0.0)
+
+
+@compiled
+def switch_hazard_lights(st: State, on: int) -> None:
+    """Switch the hazard lights, and log it where that changes them."""
+    if st.hazard_lights[0] != on:
+        st.hazard_lights[0] = on
+        log_event(st, op.EVENT_HAZARD_LIGHTS, 1.0 * on)
+
+
+@compiled
+def answer(st: State) -> None:
+    """The driver takes over."""
+    now = st.clock[0]
+    st.takeover_state[0] = op.TAKEOVER_MANUAL
+    st.manual_since[0] = now
+    st.manoeuvre[0] = op.MANOEUVRE_KEEP
+    st.answer_at[0] = op.FAR
+    if st.time_response[0] < 0.0:
+        st.time_response[0] = now
+    log_event(st, op.EVENT_RESPONSE, now - st.request_at[0])
+    switch_hazard_lights(st, 0)
+
+
+@compiled
+def step_requested(p: Program, st: State, i: int) -> None:
+    """Requested, escalated or in the minimum-risk manoeuvre: look for an answer, standstill, manoeuvre, escalation."""
+    now = st.clock[0]
+    state = st.takeover_state[0]
+    if now >= st.answer_at[0] - 1.0e-6:
+        answer(st)
+    elif state == op.TAKEOVER_MINIMUM_RISK:
+        if st.v[i] <= 0.0:
+            st.takeover_state[0] = op.TAKEOVER_STANDSTILL
+            st.time_standstill[0] = now
+            log_event(st, op.EVENT_STANDSTILL, 0.0)
+    elif minimum_risk_due(p, st, i) == 1:
+        st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
+        if st.time_minimum_risk[0] < 0.0:
+            st.time_minimum_risk[0] = now
+        log_event(st, op.EVENT_MINIMUM_RISK, 0.0)
+        switch_hazard_lights(st, p.hazard_lights[0])
+    elif state == op.TAKEOVER_REQUEST and now - st.request_at[0] >= p.const[slot.K_ESCALATE_AFTER] - 1.0e-6:
+        st.takeover_state[0] = op.TAKEOVER_ESCALATION
+        if st.time_escalation[0] < 0.0:
+            st.time_escalation[0] = now
+        log_event(st, op.EVENT_ESCALATION, 0.0)
+
+
+@compiled
+def step_manual(p: Program, st: State, i: int) -> None:
+    """Manual: hand back after the given time where nothing asks; a control step later the automation drives."""
+    cause = asking_cause(p, st, i)
+    if st.takeover_state[0] == op.TAKEOVER_HAND_BACK:
+        st.takeover_state[0] = op.TAKEOVER_AUTOMATED
+        log_event(st, op.EVENT_ACTIVATION, 0.0)
+        return
+    wait = p.const[slot.K_HAND_BACK_AFTER]
+    if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != op.CAUSE_NONE:
+        return
+    if warning_cause(p, st) == op.CAUSE_NONE and st.manoeuvre[0] == op.MANOEUVRE_KEEP and st.crashed[0] == 0:
+        st.takeover_state[0] = op.TAKEOVER_HAND_BACK
+        st.cause[0] = op.CAUSE_NONE
+        for c in range(op.CAUSES):
+            st.history[c] = 0
+        log_event(st, op.EVENT_HAND_BACK, 0.0)
+
+
+@compiled
+def step_takeover(p: Program, st: State, i: int) -> None:
+    """Step the machine once."""
+    state = st.takeover_state[0]
+    if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
+        step_automated(p, st, i)
+    elif state in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
+        step_manual(p, st, i)
+    elif state != op.TAKEOVER_STANDSTILL:
+        step_requested(p, st, i)

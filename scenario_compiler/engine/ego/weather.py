@@ -1,0 +1,49 @@
+"""The weather now: CARLA's 14 numbers, each on a straight line from what it was to what it is to be."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.visibility import weather_visibility
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def reset_weather(p: Program, st: State) -> None:
+    """Put the weather to that of the start, where the program has one."""
+    if p.weather_count[0] > 0:
+        for k in range(op.WEATHER_SIZE):
+            st.weather[k] = p.const[p.weather_const[0] + k]
+            st.weather_from[k] = st.weather[k]
+    st.paint_seen[0] = weather_visibility(st)
+
+
+@compiled
+def begin_weather(p: Program, st: State, action: int) -> None:
+    """Let the weather change from now on as an action says."""
+    st.weather_to[0] = p.action_other[action]
+    st.weather_since[0] = st.clock[0]
+    st.weather_over[0] = p.const[p.action_const[action] + slot.A_DYNAMICS]
+    for k in range(op.WEATHER_SIZE):
+        st.weather_from[k] = st.weather[k]
+
+
+@compiled
+def update_weather(p: Program, st: State) -> None:
+    """Bring the weather to where its change has come."""
+    target = st.weather_to[0]
+    if target < 0:
+        return
+    over = st.weather_over[0]
+    share = 1.0
+    if over > 1.0e-9:
+        share = clip((st.clock[0] - st.weather_since[0]) / over, 0.0, 1.0)
+    base = p.weather_const[target]
+    for k in range(op.WEATHER_SIZE):
+        st.weather[k] = st.weather_from[k] + share * (p.const[base + k] - st.weather_from[k])
+    st.paint_seen[0] = weather_visibility(st)
+    if share >= 1.0:
+        st.weather_to[0] = op.NONE

@@ -1,0 +1,36 @@
+"""What both forms raise where the engine's arithmetic has no result: a fault of the engine, with its place."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+
+KINDS = ("division by zero", "no real result", "a number too large", "an index outside its column")
+"""What can fail, in the order of the FAIL_... numbers of engine.h, from 1 on."""
+
+
+class EngineError(Exception):
+    """The engine broke off: its arithmetic had no result.
+
+    Attributes:
+        kind: One of KINDS.
+        file: File of the marked function, its name without folders.
+        line: Line in it.
+    """
+
+    def __init__(self, kind: str, file: str, line: int) -> None:
+        """Keep what failed and where."""
+        super().__init__(f"the engine broke off at {file}:{line}: {kind}")
+        self.kind, self.file, self.line = kind, file, line
+
+
+def of_exception(error: ArithmeticError | ValueError | IndexError) -> EngineError:
+    """Return what an exception inside a marked function means, as the compiled form says it."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    if isinstance(error, ZeroDivisionError):
+        kind = KINDS[0]
+    elif isinstance(error, IndexError):
+        kind = KINDS[3]
+    else:
+        kind = KINDS[1] if isinstance(error, ValueError) and "NaN" not in str(error) else KINDS[2]
+    return EngineError(kind, Path(place.filename).name, place.lineno or 0)

@@ -1,0 +1,148 @@
+"""Entities that are put somewhere: teleports, entities that appear and disappear, and what sees them.
+
+A teleport leaves the speed as it is, and is all that moves its entity in that step (esmini 3.6). On a lane the entity
+is led by that lane from then on, with the offset and the heading that it has there; off every road it goes straight on.
+Its trailers stand in line behind it.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import fault
+from scenario_compiler.engine.columns.numbers import angle_between, heading_in_circle, is_number
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.entities import place_scripted
+from scenario_compiler.engine.motion.on_tracks import place_anywhere
+from scenario_compiler.engine.motion.path import leave_road, locate_ego, set_path
+from scenario_compiler.engine.motion.places import clear_place
+from scenario_compiler.engine.motion.positions import PLACE_NONE, PLACE_ON_LANE, position_is_number
+from scenario_compiler.engine.motion.trailers import straighten_trailers
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def lead_along(n: RoadTables, st: State, i: int, road: int, lane: int, s: float, offset: float, h: float) -> None:
+    """Let a lane lead an entity from a place on it, with the heading that it has in the world."""
+    _, _, _, along, _, _ = lane_pose(n, road, lane, s, offset)
+    direction = lane_direction(n, road, lane)
+    away = angle_between(h, along if direction > 0 else along + pi)
+    st.road[i] = road
+    st.s[i] = s
+    st.kept_lane[i] = lane
+    st.kept_off[i] = offset
+    st.facing[i] = direction
+    st.turn[i] = away
+    if cos(away) < 0.0:
+        st.facing[i] = -direction
+        st.turn[i] = angle_between(away, pi)
+
+
+@compiled
+def stand_free(st: State, i: int, x: float, y: float, z: float, h: float) -> None:
+    """Put an entity at a point off every road."""
+    leave_road(st, i)
+    st.kept_lane[i] = 0
+    st.kept_off[i] = 0.0
+    st.facing[i] = 1
+    st.turn[i] = 0.0
+    st.x[i] = x
+    st.y[i] = y
+    st.z[i] = z
+    st.h[i] = heading_in_circle(h)
+    st.pitch[i] = 0.0
+    st.roll[i] = 0.0
+
+
+@compiled
+def put_at(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
+    """Put an entity at a position; one that lies nowhere is a fault of the run."""
+    kind, road, lane, s, offset, x, y, z, h = place_anywhere(n, p, st, k, i)
+    if kind == PLACE_NONE:
+        fault(st, op.FAULT_OFF_ROAD_START, i)
+        return
+    if p.position_guide[k] >= 0:
+        st.guide[i] = p.position_guide[k]
+    if kind == PLACE_ON_LANE:
+        lead_along(n, st, i, road, lane, s, offset, h)
+        place_scripted(n, p, st, i)
+    else:
+        stand_free(st, i, x, y, z, h)
+    note_arrival(n, p, st, i)
+
+
+@compiled
+def start_entity(n: RoadTables, p: Program, st: State, order: int) -> None:
+    """Put the entity at a place of the order where it starts; one without a start at the world's origin."""
+    i = p.entity_order[order]
+    k = p.entity_position[i]
+    if k < 0:
+        stand_free(st, i, 0.0, 0.0, 0.0, 0.0)
+        note_arrival(n, p, st, i)
+    elif is_number(st.v[i]) == 0 or position_is_number(p, k) == 0:
+        leave_road(st, i)
+        fault(st, op.FAULT_NOT_FINITE, i)
+    elif p.position_op[k] == op.POSITION_RANDOM:
+        start_at_random(n, p, st, i, order)
+    else:
+        put_at(n, p, st, i, k)
+
+
+@compiled
+def start_at_random(n: RoadTables, p: Program, st: State, i: int, order: int) -> None:
+    """Put an entity at a place that is drawn, clear of the entities before it in the order."""
+    k = p.entity_position[i]
+    road, lane, s, offset, direction = clear_place(n, p, st, k, order, 0, op.PLACE_ATTEMPTS)
+    if road < 0:
+        leave_road(st, i)
+        fault(st, op.FAULT_NO_ROOM, i)
+        return
+    st.road[i] = road
+    st.s[i] = s
+    st.kept_lane[i] = lane
+    st.kept_off[i] = offset
+    st.facing[i] = direction
+    st.turn[i] = p.const[p.position_const[k] + slot.P_TURN]
+    place_scripted(n, p, st, i)
+    note_arrival(n, p, st, i)
+
+
+@compiled
+def note_arrival(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Let what goes with an entity follow to where it has been put: its odometer, its trailers, the ego's path."""
+    st.ended[i] = 0
+    st.last_x[i] = st.x[i]
+    st.last_y[i] = st.y[i]
+    if i == p.ego[0]:
+        set_path(n, st, st.road[i], st.kept_lane[i], st.s[i])
+        if p.entity_motion[i] == op.MOTION_BICYCLE or p.entity_motion[i] == op.MOTION_POSED:
+            locate_ego(n, p, st, i)
+    straighten_trailers(n, p, st, i)
+
+
+@compiled
+def add_entity(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
+    """Let an entity appear at a position; one that is there already stays where it is."""
+    if st.present[i] == 1:
+        return
+    st.present[i] = 1
+    put_at(n, p, st, i, k)
+
+
+@compiled
+def delete_entity(p: Program, st: State, i: int) -> None:
+    """Let an entity disappear; what it tows stays behind."""
+    st.present[i] = 0
+    st.v[i] = 0.0
+    st.a[i] = 0.0
+    if st.towed[i] >= 0:
+        st.towed_by[st.towed[i]] = op.NONE
+        st.towed[i] = op.NONE
+    if st.towed_by[i] >= 0:
+        st.towed[st.towed_by[i]] = op.NONE
+        st.towed_by[i] = op.NONE

@@ -1,0 +1,142 @@
+"""Collisions: oriented boxes in the plane, with a sweep along x as broad phase."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.numbers import safe_sqrt
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def reported_entity(p: Program) -> int:
+    """Return the vehicle whose collisions count: the ego, without one the first entity."""
+    return p.ego[0] if p.ego[0] >= 0 else 0
+
+
+@compiled
+def update_boxes(p: Program, st: State) -> None:
+    """Place the centre of every entity's box; sort the entities by its left end (insertion: they are nearly sorted).
+
+    Most drive straight on: cosine and sine of a heading are kept.
+    """
+    for i in range(p.entity_count[0]):
+        h = st.h[i]
+        if h != st.box_h[i]:
+            st.box_h[i] = h
+            st.box_cos[i] = cos(h)
+            st.box_sin[i] = sin(h)
+        center = p.const[p.entity_const[i] + slot.E_CENTER]
+        st.middle_x[i] = st.x[i] + center * st.box_cos[i]
+        st.middle_y[i] = st.y[i] + center * st.box_sin[i]
+    before = -op.FAR
+    for k in range(p.entity_count[0]):
+        i = st.order[k]
+        left = st.middle_x[i] - st.reach[i]
+        if left >= before:
+            before = left
+            continue
+        at = k
+        while at > 0 and st.middle_x[st.order[at - 1]] - st.reach[st.order[at - 1]] > left:
+            st.order[at] = st.order[at - 1]
+            at = at - 1
+        st.order[at] = i
+
+
+@compiled
+def separated(p: Program, st: State, i: int, j: int, dx: float, dy: float, c_turned: float, s_turned: float) -> int:
+    """Return 1 where an axis of box i divides it from box j.
+
+    From centre to centre it is (dx, dy); the boxes are turned against each other by an angle of which the absolute
+    cosine and sine are given.
+    """
+    c = st.box_cos[i]
+    s = st.box_sin[i]
+    a = p.entity_const[i]
+    b = p.entity_const[j]
+    long = 0.5 * p.const[b + slot.E_LENGTH]
+    wide = 0.5 * p.const[b + slot.E_WIDTH]
+    if abs(dx * c + dy * s) > 0.5 * p.const[a + slot.E_LENGTH] + long * c_turned + wide * s_turned:
+        return 1
+    if abs(dy * c - dx * s) > 0.5 * p.const[a + slot.E_WIDTH] + long * s_turned + wide * c_turned:
+        return 1
+    return 0
+
+
+@compiled
+def overlap(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 where the boxes of two present entities overlap (separating axis theorem), none above the other."""
+    if st.present[i] == 0 or st.present[j] == 0:
+        return 0
+    dx = st.middle_x[j] - st.middle_x[i]
+    dy = st.middle_y[j] - st.middle_y[i]
+    reach = st.reach[i] + st.reach[j]
+    if dx * dx + dy * dy > reach * reach:
+        return 0
+    above = st.z[j] - st.z[i]
+    if above > p.const[p.entity_const[i] + slot.E_HEIGHT] or -above > p.const[p.entity_const[j] + slot.E_HEIGHT]:
+        return 0
+    turned = st.box_h[j] - st.box_h[i]
+    c = abs(cos(turned))
+    s = abs(sin(turned))
+    if separated(p, st, i, j, dx, dy, c, s) == 1 or separated(p, st, j, i, dx, dy, c, s) == 1:
+        return 0
+    return 1
+
+
+@compiled
+def note_collision(p: Program, st: State, i: int, j: int) -> None:
+    """Log each new contact of the vehicle that is reported, and the first contact of any two others.
+
+    An entity and its trailer touch where they are coupled; two that stand were placed so.
+    """
+    if st.towed[i] == j or st.towed[j] == i:
+        return
+    ego = reported_entity(p)
+    if ego in (i, j):
+        other = j if i == ego else i
+        if st.contact[other] == 0:
+            log_event(st, op.EVENT_COLLISION, 1.0 * other)
+        st.contact[other] = 2
+        st.crashed[0] = 1
+        return
+    known = st.struck[i] == 1 and st.struck[j] == 1
+    if known or (st.v[i] == 0.0 and st.v[j] == 0.0):
+        return
+    st.struck[i] = 1
+    st.struck[j] = 1
+    if 2 * st.log_count[0] < op.LOG_SIZE:  # the rest of the log is for what the reported vehicle meets
+        log_event(st, op.EVENT_CONTACT, 1.0 * (min(i, j) * p.entity_count[0] + max(i, j)))
+
+
+@compiled
+def check_collisions(p: Program, st: State) -> None:
+    """Find all overlapping pairs."""
+    count = p.entity_count[0]
+    for a in range(count):
+        i = st.order[a]
+        right = st.middle_x[i] + st.reach[i]
+        b = a + 1
+        while b < count and st.middle_x[st.order[b]] - st.reach[st.order[b]] <= right:
+            if overlap(p, st, i, st.order[b]) == 1:
+                note_collision(p, st, i, st.order[b])
+            b = b + 1
+    if st.crashed[0] == 1:
+        for i in range(count):
+            st.contact[i] = 1 if st.contact[i] == 2 else 0
+
+
+@compiled
+def prepare_boxes(p: Program, st: State) -> None:
+    """Write what does not change about the boxes."""
+    for i in range(p.entity_count[0]):
+        base = p.entity_const[i]
+        long = p.const[base + slot.E_LENGTH]
+        wide = p.const[base + slot.E_WIDTH]
+        st.reach[i] = 0.5 * safe_sqrt(long * long + wide * wide)
+        st.order[i] = i

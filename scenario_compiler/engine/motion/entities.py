@@ -1,0 +1,268 @@
+"""How entities move: scripted along a lane, as a bicycle by throttle, steer and brake, or posed from outside.
+
+Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
+dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
+there, its speed is kept for the step that no longer moves it and is then 0. Where only its lane ends it goes on in the
+middle of the nearest lane that does. The bicycle is the usual kinematic one about the rear axle, without side slip.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, sqrt, tan
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import fault
+from scenario_compiler.engine.columns.numbers import CIRCLE, LARGEST, clip, heading_in_circle
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.following import follow_leader
+from scenario_compiler.engine.motion.path import locate_ego
+from scenario_compiler.engine.motion.routes import leave_guide, next_turn
+from scenario_compiler.engine.motion.surroundings import grip
+from scenario_compiler.engine.motion.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import piece_curvature, road_pose
+from scenario_compiler.roads.lane_end import lane_after_end
+from scenario_compiler.roads.lanes import (
+    BORDER_TOLERANCE,
+    lane_at,
+    lane_centre,
+    lane_direction,
+    row_place,
+    row_width,
+)
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance, stretch_at
+
+STEER_RATE = 0.7
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
+driver's.
+"""
+
+
+@compiled
+def look_here(n: RoadTables, st: State, i: int) -> None:
+    """Find the lane's row and the road's piece below an entity on a road, and how far along s both go on.
+
+    They hold for many steps, so they are kept. Without such a lane they hold for this place alone.
+    """
+    road = st.road[i]
+    lane = st.kept_lane[i]
+    s = st.s[i]
+    if s >= st.here_from[i] and s < st.here_to[i] and st.here_road[i] == road and st.here_lane[i] == lane:
+        return
+    row, piece, begin, end = stretch_at(n, road, lane, s)
+    st.here_road[i] = road
+    st.here_lane[i] = lane
+    st.here_from[i] = begin
+    st.here_to[i] = end
+    st.here_row[i] = row
+    st.here_piece[i] = piece
+
+
+@compiled
+def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None:
+    """Move a scripted entity along the lane it is led by, signed along its forward direction; off roads, straight on.
+
+    Off every road the pose is written at once, on a road `place_scripted` evaluates it.
+    """
+    road = st.road[i]
+    if road < 0:
+        st.x[i] += distance * cos(st.h[i])
+        st.y[i] += distance * sin(st.h[i])
+        return
+    look_here(n, st, i)
+    s = st.s[i]
+    stretch = 1.0 - piece_curvature(n, st.here_piece[i], s) * st.t[i]
+    if stretch < 0.1:
+        stretch = 0.1
+    to_s = s + st.facing[i] * distance / stretch
+    if to_s >= st.here_from[i] and to_s < st.here_to[i]:
+        st.s[i] = to_s
+    else:
+        glide_beyond(n, p, st, i, st.facing[i] * distance / stretch)
+        look_here(n, st, i)
+
+
+@compiled
+def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> None:
+    """Move a scripted entity by a distance along s that takes it to where another lane's row or piece begins."""
+    road = st.road[i]
+    lane = st.kept_lane[i]
+    s = st.s[i]
+    direction = lane_direction(n, road, lane)
+    ahead = direction * along
+    sense = st.facing[i] * direction
+    to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
+    if rest > op.TOLERANCE:
+        forward = 1 if ahead > 0.0 else -1
+        beside, from_s = lane_after_end(n, to_road, to_lane, to_s, st.kept_off[i], forward)
+        if beside != 0:
+            turn = next_turn(n, p, st, i, to_road)
+            to_road, to_lane, to_s, rest = advance(n, to_road, beside, from_s, forward * rest, turn)
+            st.kept_off[i] = 0.0
+    if rest > op.TOLERANCE and to_road == road and abs(to_s - s) <= op.TOLERANCE:
+        st.ended[i] = 1
+    if to_road != road or to_lane != lane:
+        facing = sense * lane_direction(n, to_road, to_lane)
+        if facing != st.facing[i]:
+            st.kept_off[i] = -st.kept_off[i]
+        st.facing[i] = facing
+        st.road[i] = to_road
+        st.kept_lane[i] = to_lane
+        leave_guide(p, st, i)
+    st.s[i] = to_s
+
+
+@compiled
+def place_scripted(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Evaluate the pose of a scripted entity and the lane that its point is in; off every road it is kept."""
+    if st.road[i] < 0:
+        return
+    look_here(n, st, i)
+    place_here(n, st, i)
+
+
+@compiled
+def place_here(n: RoadTables, st: State, i: int) -> None:
+    """Do what `place_scripted` does, on the row and the piece that are known."""
+    road = st.road[i]
+    s = st.s[i]
+    lane = st.kept_lane[i]
+    off = st.kept_off[i]
+    row = st.here_row[i]
+    x, y, z, h, pitch, roll, t = row_place(n, road, row, st.here_piece[i], s, off)
+    st.x[i] = x
+    st.y[i] = y
+    st.z[i] = z
+    if st.facing[i] < 0:
+        h = h + pi
+        pitch = -pitch
+        roll = -roll
+    h = h + st.turn[i]
+    st.h[i] = h if h > 0.0 and h < CIRCLE else heading_in_circle(h)
+    st.pitch[i] = pitch
+    st.roll[i] = roll
+    st.t[i] = t
+    if off != 0.0 and (row < 0 or abs(off) >= 0.5 * row_width(n, row, s) - BORDER_TOLERANCE):
+        inside = lane_at(n, road, s, t)
+        if inside not in (0, lane):
+            lane = inside
+            centre, _ = lane_centre(n, road, lane, s)
+            off = t - centre
+            if st.lateral[i] < 0:
+                st.kept_lane[i] = lane
+                st.kept_off[i] = off
+    st.lane[i] = lane
+    st.off[i] = off
+
+
+@compiled
+def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
+    """Move a scripted entity by its speed, unless an action has done so; at the end of its road it comes to a stand.
+
+    Off every road it goes straight on, but stands where a trajectory has ended (esmini 3.6).
+    """
+    if st.follows[i] == 1 and st.longitudinal[i] < 0 and st.road[i] >= 0:
+        follow_leader(n, p, st, i, dt)
+    if st.moved[i] == 1 or abs(st.v[i]) <= op.TOLERANCE:
+        return
+    if st.road[i] < 0 and st.ended[i] == 1:
+        st.v[i] = 0.0
+        return
+    stood = st.ended[i]
+    st.ended[i] = 0
+    glide(n, p, st, i, st.v[i] * dt)
+    if st.road[i] >= 0:
+        place_here(n, st, i)
+    if stood == 1 and st.ended[i] == 1:
+        st.v[i] = 0.0
+
+
+@compiled
+def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
+    """Move the ego by its commands; braking stops it exactly and never drives it backwards."""
+    base = p.entity_const[i]
+    st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
+    st.brake[i] = clip(st.command_brake[i], 0.0, 1.0)
+    gain = st.throttle[i] * grip(st, p.const[base + slot.E_MAX_ACCELERATION])
+    loss = st.brake[i] * grip(st, p.const[base + slot.E_MAX_DECELERATION])
+    speed = clip(st.v[i] + (gain - loss) * dt, 0.0, p.const[base + slot.E_MAX_SPEED])
+    wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + slot.E_MAX_STEER]
+    st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -STEER_RATE * dt, STEER_RATE * dt)
+    swing = speed * tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1) * dt
+    middle = st.h[i] + 0.5 * swing
+    st.x[i] += speed * dt * cos(middle)
+    st.y[i] += speed * dt * sin(middle)
+    st.h[i] = heading_in_circle(st.h[i] + swing)
+    st.v[i] = speed
+
+
+@compiled
+def settle(n: RoadTables, st: State, i: int) -> None:
+    """Put the ego on the surface of the road below it."""
+    road = st.road[i]
+    if road < 0:
+        return
+    if n.road_flat[road] == 1:
+        st.z[i] = 0.0
+        st.pitch[i] = 0.0
+        st.roll[i] = 0.0
+        return
+    _, _, z, h, pitch, roll = road_pose(n, road, st.s[i], st.t[i])
+    forward = cos(st.h[i] - h)
+    side = sin(st.h[i] - h)
+    st.z[i] = z
+    st.pitch[i] = pitch * forward - roll * side
+    st.roll[i] = roll * forward + pitch * side
+
+
+@compiled
+def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Move every present entity that the engine moves but traffic; a posed one has been moved from outside."""
+    for i in range(p.entity_count[0]):
+        if st.present[i] == 0 or st.towed_by[i] >= 0:
+            continue
+        kind = p.entity_motion[i]
+        if kind == op.MOTION_SCRIPTED:
+            move_scripted(n, p, st, i, dt)
+        elif kind == op.MOTION_BICYCLE:
+            move_bicycle(p, st, i, dt)
+        elif kind not in (op.MOTION_STATIC, op.MOTION_POSED, op.MOTION_TRAFFIC, op.MOTION_WALKER):
+            fault(st, op.FAULT_UNKNOWN_MOTION, i)
+
+
+@compiled
+def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """After all have moved: places on the road, distance covered, acceleration, what is watched; and no numbers."""
+    watches = p.watches[0]
+    for i in range(p.entity_count[0]):
+        x = st.x[i]
+        y = st.y[i]
+        v = st.v[i]
+        total = x + y + st.h[i] + v + st.steer[i]
+        if not (total > -LARGEST and total < LARGEST):
+            fault(st, op.FAULT_NOT_FINITE, i)
+            return
+        kind = p.entity_motion[i]
+        if kind >= op.MOTION_BICYCLE and kind <= op.MOTION_POSED and st.present[i] == 1:
+            locate_ego(n, p, st, i)
+            if kind == op.MOTION_BICYCLE:
+                settle(n, st, i)
+        if dt > 0.0:
+            dx = x - st.last_x[i]
+            dy = y - st.last_y[i]
+            st.odometer[i] += sqrt(dx * dx + dy * dy)
+            st.a[i] = (v - st.last_v[i]) / dt
+        else:
+            st.a[i] = 0.0
+        st.last_x[i] = x
+        st.last_y[i] = y
+        st.last_v[i] = v
+        st.moved[i] = 0
+        if watches != 0 and st.present[i] == 1:
+            if watches & WATCH_MOTION != 0:
+                measure_motion(st, i, watches, dt)
+            if watches >= WATCH_STILL:
+                watch_entity(n, st, i, watches, dt)

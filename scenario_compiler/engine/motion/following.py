@@ -1,0 +1,80 @@
+"""Car following: the intelligent driver model of Treiber, Hennecke and Helbing (2000), Physical Review E 62, 1805.
+
+a (1 - (v / v0)^4 - (s* / s)^2) with s* = s0 + max(0, v T + v (v - v_lead) / (2 sqrt(a b))).
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip, length_of, ratio, safe_sqrt
+from scenario_compiler.engine.columns.presence import there_for
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.ahead import measure_on_way, walk
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.tables import RoadTables
+
+FOLLOW_HORIZON = 200.0
+"""How far ahead a leader is looked for, m."""
+
+
+@compiled
+def idm_acceleration(p: Program, i: int, v: float, desired: float, gap: float, lead: float) -> float:
+    """Return the model's acceleration for entity i, no stronger than its brakes; `gap` is FAR without a leader."""
+    base = p.entity_const[i]
+    a = p.const[base + slot.E_ACCELERATION]
+    b = p.const[base + slot.E_DECELERATION]
+    free = ratio(v, desired, 2.0)
+    free = free * free
+    pull = 1.0 - free * free
+    if pull < -b / max(a, 0.1):
+        pull = -b / max(a, 0.1)
+    if gap < op.FAR:
+        closing = ratio(v * (v - lead), 2.0 * safe_sqrt(a * b), 0.0)
+        wanted = p.const[base + slot.E_MINIMUM_GAP] + max(0.0, v * p.const[base + slot.E_TIME_GAP] + closing)
+        near = wanted / max(gap, 0.1)
+        pull = pull - near * near
+    return clip(a * pull, -p.const[base + slot.E_MAX_DECELERATION], a)
+
+
+@compiled
+def leader_gap(p: Program, st: State, i: int, centre: float, watched: int, slowest: float) -> tuple[float, float]:
+    """Return (gap, speed) of the nearest entity on the way whose box overlaps the corridor of i about `centre`.
+
+    The gap is from i's front; FAR without one. With `watched` 1 only seen entities count, and none slower along the way
+    than `slowest`. The columns of the last look are read.
+    """
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    half = 0.5 * p.const[base + slot.E_WIDTH] + 0.1
+    gap = op.FAR
+    speed = 0.0
+    for j in range(p.entity_count[0]):
+        if j == i or st.on_way[j] == 0 or (watched == 1 and st.seen[j] == 0):
+            continue
+        if st.along[j] < slowest:
+            continue
+        ahead = st.near[j] - front
+        if st.far[j] > front and ahead < gap and st.low[j] < centre + half and st.high[j] > centre - half:
+            gap = ahead
+            speed = st.along[j]
+    return gap, speed
+
+
+@compiled
+def follow_leader(n: RoadTables, p: Program, st: State, i: int, dt: float) -> None:
+    """Give a scripted entity the speed that the model takes after dt behind whoever is ahead in its lane."""
+    road = st.road[i]
+    lane = st.lane[i]
+    along = st.facing[i] * lane_direction(n, road, lane)
+    walk(n, st, road, lane, st.s[i], along, FOLLOW_HORIZON, -1)
+    for j in range(p.entity_count[0]):
+        st.on_way[j] = 0
+        near = length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < FOLLOW_HORIZON
+        if j != i and near and there_for(st, j, op.SEEN_BY_TRAFFIC) == 1:
+            measure_on_way(n, p, st, j)
+    gap, speed = leader_gap(p, st, i, st.facing[i] * st.off[i], 0, -op.FAR)
+    pull = idm_acceleration(p, i, st.v[i], st.desired[i], gap, speed)
+    st.v[i] = max(0.0, st.v[i] + dt * pull)

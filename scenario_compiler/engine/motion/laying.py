@@ -1,0 +1,263 @@
+"""Where a trajectory lies when its action begins: its vertices, with headings, distances, times and speeds.
+
+A polyline's vertices are its own. Clothoids get samples at even distances, which `tracks` integrates from; a NURBS at
+even parameters, each sample a weighted sum of control points.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import fault
+from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip, length_of
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.positions import PLACE_NONE, place_of
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+GAUSS_SIDE = 0.1127016653792583
+GAUSS_SIDE_WEIGHT = 0.2777777777777778
+GAUSS_MIDDLE_WEIGHT = 0.4444444444444444
+"""Nodes (this, 1/2, 1 - this) and weights of the three-point Gauss rule on 0 to 1."""
+
+SPIRAL_STEP = 2.0
+MOST_SPIRAL_STEPS = 64.0
+"""Greatest length of a clothoid that one application of the rule is for, m, and the most applications."""
+
+
+@compiled
+def gauss_step(h: float, bend: float, rate: float, length: float) -> tuple[float, float]:
+    """Return (dx, dy) over a short piece of a clothoid of a heading, curvature and change of curvature with length."""
+    x = 0.0
+    y = 0.0
+    for node in range(3):
+        share = 0.5
+        weight = GAUSS_MIDDLE_WEIGHT
+        if node == 0:
+            share = GAUSS_SIDE
+            weight = GAUSS_SIDE_WEIGHT
+        if node == 2:
+            share = 1.0 - GAUSS_SIDE
+            weight = GAUSS_SIDE_WEIGHT
+        at = share * length
+        turned = h + bend * at + 0.5 * rate * at * at
+        x = x + weight * length * cos(turned)
+        y = y + weight * length * sin(turned)
+    return x, y
+
+
+@compiled
+def spiral_step(h: float, bend: float, rate: float, length: float) -> tuple[float, float, float]:
+    """Return (dx, dy, change of heading) over a piece of a clothoid."""
+    count = int(clip(abs(length) / SPIRAL_STEP, 0.0, MOST_SPIRAL_STEPS)) + 1
+    part = length / max(count, 1)
+    x = 0.0
+    y = 0.0
+    for q in range(count):
+        at = q * part
+        dx, dy = gauss_step(h + bend * at + 0.5 * rate * at * at, bend + rate * at, rate, part)
+        x = x + dx
+        y = y + dy
+    return x, y, bend * length + 0.5 * rate * length * length
+
+
+@compiled
+def corner_place(n: RoadTables, p: Program, st: State, c: int, i: int) -> tuple[float, float, float]:
+    """Return (x, y, heading) of a corner for entity i; a fault where it lies nowhere."""
+    kind, _, _, _, _, x, y, _, h = place_of(n, p, st, p.corner_position[c], i)
+    if kind == PLACE_NONE:
+        fault(st, op.FAULT_OFF_ROAD_START, i)
+    return x, y, h
+
+
+@compiled
+def lay_polyline(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
+    """Place the vertices of a polyline."""
+    v = p.track_vertex[track]
+    for c in range(p.track_corner[track], p.track_corner[track + 1]):
+        x, y, h = corner_place(n, p, st, c, i)
+        st.track_x[v] = x
+        st.track_y[v] = y
+        st.track_h[v] = h
+        st.track_time[v] = p.const[p.corner_const[c] + slot.T_TIME]
+        v = v + 1
+
+
+@compiled
+def lay_clothoids(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
+    """Place the samples of clothoids: each piece's begin, samples inside it, and the last one's end.
+
+    A first piece without a place of its own begins where the entity is.
+    """
+    v = p.track_vertex[track]
+    x = 0.0
+    y = 0.0
+    h = 0.0
+    if i >= 0:
+        x = st.x[i]
+        y = st.y[i]
+        h = st.h[i]
+    last = p.track_corner[track + 1] - 1
+    for c in range(p.track_corner[track], last + 1):
+        base = p.corner_const[c]
+        if p.corner_position[c] >= 0:
+            x, y, h = corner_place(n, p, st, c, i)
+        h = h + p.const[base + slot.T_TURN]
+        count = p.corner_samples[c]
+        length = p.const[base + slot.T_LENGTH] / max(count, 1)
+        bend = p.const[base + slot.T_CURVATURE]
+        rate = 0.0
+        if p.const[base + slot.T_LENGTH] > op.TOLERANCE:
+            rate = (p.const[base + slot.T_CURVATURE_END] - bend) / p.const[base + slot.T_LENGTH]
+        begin = p.const[base + slot.T_TIME]
+        end = begin
+        if c < last and begin >= 0.0:
+            end = p.const[p.corner_const[c + 1] + slot.T_TIME]
+        for q in range(max(count, 1)):
+            st.track_x[v] = x
+            st.track_y[v] = y
+            st.track_h[v] = h
+            st.track_bend[v] = bend
+            st.track_bend_rate[v] = rate
+            st.track_time[v] = begin + (end - begin) * q / max(count, 1)
+            dx, dy, turned = spiral_step(h, bend, rate, length)
+            x = x + dx
+            y = y + dy
+            h = h + turned
+            bend = bend + rate * length
+            v = v + 1
+
+
+@compiled
+def time_of_sample(p: Program, track: int, place: float) -> float:
+    """Return the time at a place between a NURBS' control points, counted from 0; negative for none."""
+    first = p.track_corner[track]
+    last = p.track_corner[track + 1] - 1
+    c = first + int(clip(place, 0.0, 1.0e6))
+    if c >= last:
+        return p.const[p.corner_const[last] + slot.T_TIME]
+    begin = p.const[p.corner_const[c] + slot.T_TIME]
+    return begin + (place - (c - first)) * (p.const[p.corner_const[c + 1] + slot.T_TIME] - begin)
+
+
+@compiled
+def lay_nurbs(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
+    """Place the samples of a NURBS: weighted sums of its control points, and of their headings where they have any."""
+    first = p.track_vertex[track]
+    last = p.track_vertex[track + 1]
+    order = p.track_order[track]
+    sample = p.track_sample[track] - first
+    corner = p.track_corner[track]
+    base_h = 0.0
+    for v in range(first, last):
+        st.track_x[v] = 0.0
+        st.track_y[v] = 0.0
+        st.track_h[v] = 0.0
+        st.track_time[v] = time_of_sample(p, track, p.const[p.sample_const[sample + v] + order])
+    for c in range(corner, p.track_corner[track + 1]):
+        x, y, h = corner_place(n, p, st, c, i)
+        if c == corner:
+            base_h = h
+        for v in range(first, last):
+            q = c - corner - p.sample_corner[sample + v]
+            if q >= 0 and q < order:
+                weight = p.const[p.sample_const[sample + v] + q]
+                st.track_x[v] += weight * x
+                st.track_y[v] += weight * y
+                st.track_h[v] += weight * angle_between(h, base_h)
+    for v in range(first, last):
+        st.track_h[v] += base_h
+
+
+@compiled
+def measure_track(p: Program, st: State, track: int) -> None:
+    """Measure the distances of a trajectory's vertices from its begin."""
+    first = p.track_vertex[track]
+    kind = p.track_kind[track]
+    along = 0.0
+    st.track_s[first] = 0.0
+    for c in range(p.track_corner[track], p.track_corner[track + 1]):
+        if kind == op.TRACK_CLOTHOIDS:
+            count = p.corner_samples[c]
+            for _ in range(count):
+                first = first + 1
+                along = along + p.const[p.corner_const[c] + slot.T_LENGTH] / max(count, 1)
+                st.track_s[first] = along
+    if kind != op.TRACK_CLOTHOIDS:
+        for v in range(first + 1, p.track_vertex[track + 1]):
+            along = along + length_of(st.track_x[v] - st.track_x[v - 1], st.track_y[v] - st.track_y[v - 1])
+            st.track_s[v] = along
+
+
+@compiled
+def line_heading(p: Program, st: State, track: int, v: int) -> float:
+    """Return the direction of the line behind a vertex; before the end, and where it has no length, that before it."""
+    first = p.track_vertex[track]
+    last = p.track_vertex[track + 1] - 1
+    while v > first and (v == last or st.track_s[v + 1] - st.track_s[v] <= op.TOLERANCE):
+        v = v - 1
+    if v == last:
+        return st.track_h[v]
+    return bearing(st.track_x[v + 1] - st.track_x[v], st.track_y[v + 1] - st.track_y[v])
+
+
+@compiled
+def head_vertices(p: Program, st: State, track: int) -> None:
+    """Give the vertices without a heading of their own that of the line behind them, those of a NURBS the curve's."""
+    if p.track_kind[track] == op.TRACK_CLOTHOIDS:
+        return
+    first = p.track_vertex[track]
+    last = p.track_vertex[track + 1] - 1
+    for v in range(first, last + 1):
+        if p.vertex_heading[v] == 1:
+            continue
+        h = line_heading(p, st, track, v)
+        if p.track_kind[track] == op.TRACK_NURBS and v > first and v < last:
+            before = line_heading(p, st, track, v - 1)
+            h = before + 0.5 * angle_between(h, before)
+        st.track_h[v] = h
+
+
+@compiled
+def pace_vertices(p: Program, st: State, track: int, speed: float, smooth: int) -> None:
+    """Give the vertices the speeds and accelerations with which a polyline's times are kept.
+
+    Where `smooth` is 1 an entity accelerates evenly from vertex to vertex, from its own speed at the begin on, and may
+    be there too early where it would have to turn round; else its speed is even.
+    """
+    first = p.track_vertex[track]
+    for v in range(first, p.track_vertex[track + 1]):
+        st.track_v[v] = speed
+        st.track_a[v] = 0.0
+        if v == p.track_vertex[track + 1] - 1:
+            return
+        ds = st.track_s[v + 1] - st.track_s[v]
+        span = st.track_time[v + 1] - st.track_time[v]
+        mean = ds / span if span > op.TOLERANCE else 0.0
+        if smooth == 0:
+            st.track_v[v] = mean
+        elif ds <= op.TOLERANCE or span <= op.TOLERANCE:
+            speed = 0.0
+        elif 2.0 * mean < speed:
+            st.track_a[v] = -0.5 * speed * speed / ds
+            speed = 0.0
+        else:
+            st.track_a[v] = 2.0 * (mean - speed) / span
+            speed = 2.0 * mean - speed
+
+
+@compiled
+def lay_track(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
+    """Place a trajectory's vertices for entity i, NONE for no one in particular."""
+    kind = p.track_kind[track]
+    if kind == op.TRACK_CLOTHOIDS:
+        lay_clothoids(n, p, st, track, i)
+    elif kind == op.TRACK_NURBS:
+        lay_nurbs(n, p, st, track, i)
+    else:
+        lay_polyline(n, p, st, track, i)
+    measure_track(p, st, track)
+    head_vertices(p, st, track)

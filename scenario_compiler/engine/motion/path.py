@@ -1,0 +1,276 @@
+"""The ego's path: the lane that it is to follow, and where the ego is along and beside it.
+
+The path goes from lane to lane over links, at a junction to the next road of the plan's route or else straight on. It
+holds the ego to one connecting road of a junction where several overlap.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns.numbers import angle_between
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.geometry import piece_heading
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import (
+    lane_at,
+    lane_centre,
+    lane_direction,
+    lane_exists,
+    lane_row,
+    lane_type,
+    row_centre,
+    row_width,
+)
+from scenario_compiler.roads.locate import project_on_piece, project_on_road, track
+from scenario_compiler.roads.tables import LINE, RoadTables
+from scenario_compiler.roads.travel import advance, stretch_at
+
+HALF_TURN = 3.141592653589793
+STEP_OVER = 0.001
+"""How far beyond a road's end the next road is asked for, m."""
+
+CLEARLY = 1.0e-3
+"""How far from a lane's borders a point is in the lane without a look at the lanes beside it, m."""
+
+
+@compiled
+def preferred_road(p: Program, st: State, road: int) -> int:
+    """Return the road that the route takes after `road`, -1 off the route."""
+    for k in range(st.route_at[0], p.route_count[0] - 1):
+        if p.route_road[k] == road:
+            return p.route_road[k + 1]
+    return -1
+
+
+@compiled
+def advance_route(p: Program, st: State, road: int) -> None:
+    """Move the ego's place in the route on to `road`, where the route still comes to it."""
+    for k in range(st.route_at[0], p.route_count[0]):
+        if p.route_road[k] == road:
+            st.route_at[0] = k
+            return
+
+
+@compiled
+def section_holds(n: RoadTables, row: int, s: float) -> int:
+    """Return 1 where the lane section of a lane's row holds s; its end belongs to the next."""
+    if row < 0:
+        return 0
+    section = n.lane_section[row]
+    return 1 if s >= n.section_s[section] and s < n.section_end[section] else 0
+
+
+@compiled
+def path_ahead(n: RoadTables, p: Program, st: State, ds: float) -> tuple[int, int, int, float, float]:
+    """Return (road, lane, the lane's row or -1, s, left over) ds >= 0 ahead of the path's place, along the route."""
+    s = st.path_s[0] + st.path_sense[0] * ds
+    if section_holds(n, st.path_row[0], s) == 1:
+        return st.path_road[0], st.path_lane[0], st.path_row[0], s, 0.0
+    road, lane, s, rest = advance_routed(n, p, st, st.path_road[0], st.path_lane[0], st.path_s[0], ds)
+    return road, lane, lane_row(n, road, lane, s), s, rest
+
+
+@compiled
+def advance_routed(
+    n: RoadTables, p: Program, st: State, road: int, lane: int, s: float, ds: float
+) -> tuple[int, int, float, float]:
+    """Return (road, lane, s, left over) after ds >= 0 in the direction of travel, along the ego's route."""
+    left = ds
+    for _ in range(64):
+        room = n.road_length[road] - s
+        if lane_direction(n, road, lane) < 0:
+            room = s
+        step = min(left, room)
+        road, lane, s, rest = advance(n, road, lane, s, step, -1)
+        left = left - step
+        if left <= 0.0 or rest > 0.0:
+            return road, lane, s, left + rest
+        before = road
+        road, lane, s, rest = advance(n, road, lane, s, STEP_OVER, preferred_road(p, st, road))
+        if rest > 0.0 or road == before:
+            return road, lane, s, left
+        left = max(left - STEP_OVER, 0.0)
+    return road, lane, s, left
+
+
+@compiled
+def set_path(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
+    """Put the path on a lane, and find what holds about this place: the lane's row, its sense, the road's piece."""
+    st.path_road[0] = road
+    st.path_lane[0] = lane
+    st.path_s[0] = s
+    st.path_row[0] = -1
+    st.path_sense[0] = 1
+    st.path_from[0] = 0.0
+    st.path_to[0] = 0.0
+    if road < 0:
+        return
+    row, piece, begin, end = stretch_at(n, road, lane, s)
+    st.path_row[0] = row
+    st.path_piece[0] = piece
+    st.path_sense[0] = lane_direction(n, road, lane)
+    st.path_from[0] = begin
+    st.path_to[0] = end
+
+
+@compiled
+def project_on_path(n: RoadTables, st: State, x: float, y: float) -> tuple[float, float]:
+    """Return (s, t) of a point near the path's place on its road's reference line, continued beyond its ends."""
+    road = st.path_road[0]
+    piece = st.path_piece[0]
+    if n.piece_kind[piece] == LINE and n.road_superelevation_first[road] >= n.road_superelevation_last[road]:
+        s, t = project_on_piece(n, piece, 0.0, 0.0, x, y)
+        if s >= st.path_from[0] and s < st.path_to[0]:
+            return s, t
+    return project_on_road(n, road, st.path_s[0], x, y)
+
+
+@compiled
+def follow_path(n: RoadTables, p: Program, st: State, i: int) -> tuple[float, float]:
+    """Move the path's place on to the ego's projection, over the road's end if need be; return (s, t) there.
+
+    s may lie beyond the ends of the path's road.
+    """
+    road = st.path_road[0]
+    s, t = project_on_path(n, st, st.x[i], st.y[i])
+    if s >= st.path_from[0] and s < st.path_to[0]:
+        st.path_s[0] = s
+        return s, t
+    lane = st.path_lane[0]
+    direction = st.path_sense[0]
+    limit = n.road_length[road]
+    beyond = s - limit if direction > 0 else -s
+    inside = min(max(s, 0.0), limit)
+    ahead = direction * (inside - st.path_s[0])
+    road, lane, at, rest = advance(n, road, lane, st.path_s[0], ahead, -1)
+    if rest > 0.0 or road != st.path_road[0]:
+        road = st.path_road[0]
+        lane = lane_at(n, road, inside, t)
+        if lane == 0:
+            lane = st.path_lane[0]
+    set_path(n, st, road, lane, inside)
+    if beyond > 0.0:
+        road, lane, at, rest = advance(n, road, lane, inside, beyond + STEP_OVER, preferred_road(p, st, road))
+        if rest <= 0.0:
+            s, t = project_on_road(n, road, at, st.x[i], st.y[i])
+            set_path(n, st, road, lane, min(max(s, 0.0), n.road_length[road]))
+            advance_route(p, st, road)
+    return s, t
+
+
+@compiled
+def leave_road(st: State, i: int) -> None:
+    """Note that an entity is off every road."""
+    st.road[i] = -1
+    st.lane[i] = 0
+    st.s[i] = 0.0
+    st.off[i] = 0.0
+    st.t[i] = 0.0
+
+
+@compiled
+def note_lane(n: RoadTables, st: State, i: int, road: int, s: float, t: float, lane: int) -> None:
+    """Write an entity's place on the road."""
+    centre, _ = lane_centre(n, road, lane, s)
+    note_place(st, i, road, s, t, lane, t - centre)
+
+
+@compiled
+def note_place(st: State, i: int, road: int, s: float, t: float, lane: int, off: float) -> None:
+    """Write an entity's place on the road, its offset in the lane too."""
+    st.road[i] = road
+    st.lane[i] = lane
+    st.s[i] = s
+    st.t[i] = t
+    st.off[i] = off
+
+
+@compiled
+def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Find the ego's road, lane, s and offset from its point, first on its path, then anywhere."""
+    if st.path_road[0] >= 0:
+        beside, t = follow_path(n, p, st, i)
+        road = st.path_road[0]
+        s = st.path_s[0]
+        off = t - measure_path_at(n, st, i, t)
+        inside = 1 if beside > -1.0 and beside < n.road_length[road] + 1.0 else 0
+        if inside == 1 and within_row(n, st.path_row[0], s, off) == 1:
+            note_place(st, i, road, s, t, st.path_lane[0], off)
+            st.path_found[0] = 1
+            return
+        lane = lane_at(n, road, s, t)
+        if inside == 1 and lane != 0:
+            note_lane(n, st, i, road, s, t, lane)
+            st.path_found[0] = 1
+            return
+    locate_anew(n, st, i)
+    measure_path(n, st, i)
+
+
+@compiled
+def within_row(n: RoadTables, row: int, s: float, off: float) -> int:
+    """Return 1 where an offset from the centre of a lane's row lies clearly inside the lane."""
+    if row < 0:
+        return 0
+    return 1 if abs(off) < 0.5 * row_width(n, row, s) - CLEARLY else 0
+
+
+@compiled
+def locate_anew(n: RoadTables, st: State, i: int) -> None:
+    """Find the ego anywhere; its path goes on from there where one may drive."""
+    found, road, s, t = track(n, st.x[i], st.y[i], st.path_road[0], st.path_s[0])
+    lane = 0
+    if found == 1:
+        lane = lane_at(n, road, s, t)
+    if lane == 0:
+        leave_road(st, i)
+        st.path_found[0] = 0
+        return
+    if is_drivable(lane_type(n, road, lane, s)) == 1:
+        set_path(n, st, road, lane, s)
+    note_lane(n, st, i, road, s, t, lane)
+    st.path_found[0] = 1
+
+
+@compiled
+def measure_path(n: RoadTables, st: State, i: int) -> None:
+    """Measure the ego's offset and heading relative to its path, positive to the left of the direction of travel."""
+    road = st.path_road[0]
+    if road < 0:
+        st.path_off[0] = 0.0
+        st.path_heading[0] = 0.0
+        return
+    _, t = project_on_path(n, st, st.x[i], st.y[i])
+    measure_path_at(n, st, i, t)
+
+
+@compiled
+def measure_path_at(n: RoadTables, st: State, i: int, t: float) -> float:
+    """Do what `measure_path` does where the ego's t on the path's road is known; return t of the lane's centre."""
+    road = st.path_road[0]
+    s = st.path_s[0]
+    direction = st.path_sense[0]
+    h = piece_heading(n, st.path_piece[0], s)
+    row = st.path_row[0]
+    if row >= 0:
+        centre, slope = row_centre(n, road, row, s)
+    else:
+        centre, slope = lane_centre(n, road, st.path_lane[0], s)
+    st.path_off[0] = direction * (t - centre)
+    along = h + slope if direction > 0 else h + slope + HALF_TURN
+    st.path_heading[0] = angle_between(st.h[i], along)
+    st.facing[i] = direction if abs(st.path_heading[0]) < 0.5 * HALF_TURN else -direction
+    return centre
+
+
+@compiled
+def take_present_lane(n: RoadTables, st: State, i: int) -> None:
+    """Let the path follow the lane that the ego is in, where one may drive there in the ego's direction."""
+    road = st.road[i]
+    if road < 0 or road != st.path_road[0] or st.lane[i] == st.path_lane[0]:
+        return
+    lane = st.lane[i]
+    same = lane_direction(n, road, lane) == lane_direction(n, road, st.path_lane[0])
+    if same and lane_exists(n, road, lane, st.s[i]) == 1 and is_drivable(lane_type(n, road, lane, st.s[i])) == 1:
+        set_path(n, st, road, lane, st.s[i])

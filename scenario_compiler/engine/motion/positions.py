@@ -1,0 +1,181 @@
+"""Where a position of the plan lies at the moment it is used: on a lane, or off every road.
+
+One way for all who use positions: teleports, conditions, entities that appear, the vertices of trajectories. What is
+relative to an entity is counted from where that entity is then. Distances along a road are those of its reference
+line, as in esmini 3.6; where a road ends they end there.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import is_number
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.places import resolve_position
+from scenario_compiler.engine.motion.routes import next_turn
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.below import place_below
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.relative import across_road, lanes_away
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
+
+PLACE_NONE = 0
+"""A position that lies nowhere: beside an entity that is off the road, in a lane that is not there."""
+PLACE_ON_LANE = 1
+PLACE_FREE = 2
+
+HOPS = 64
+"""Junctions that a distance along the road leads over at most."""
+
+OVER_END = 0.001
+"""How far beyond a road's end the next road is asked for, m."""
+
+
+@compiled
+def turn_for(n: RoadTables, p: Program, st: State, i: int, other: int, road: int) -> int:
+    """Return the road after `road` on the way of the entity that is to stand there, else of the one it is relative to.
+
+    -1 where neither has a way from there.
+    """
+    turn = op.NONE
+    if i >= 0:
+        turn = next_turn(n, p, st, i, road)
+    if turn < 0 and other >= 0:
+        turn = next_turn(n, p, st, other, road)
+    return turn
+
+
+@compiled
+def advance_by_way(
+    n: RoadTables, p: Program, st: State, i: int, other: int, road: int, lane: int, s: float, ds: float
+) -> tuple[int, int, float]:
+    """Return (road, lane, s) after ds along the lane's travel (against it for ds < 0), on the way of `turn_for`.
+
+    Where the lane ends the place is its end.
+    """
+    left = abs(ds)
+    forward = 1.0 if ds >= 0.0 else -1.0
+    for _ in range(HOPS):
+        sense = forward * lane_direction(n, road, lane)
+        room = n.road_length[road] - s if sense > 0.0 else s
+        step = min(left, room)
+        road, lane, s, rest = advance(n, road, lane, s, forward * step, -1)
+        left = left - step
+        if left <= 0.0 or rest > 0.0:
+            return road, lane, s
+        before = road
+        next_road, next_lane, next_s, rest = advance(
+            n, road, lane, s, forward * min(left, OVER_END), turn_for(n, p, st, i, other, road)
+        )
+        if rest > 0.0 or next_road == before:
+            return road, lane, s
+        road = next_road
+        lane = next_lane
+        s = next_s
+        left = left - OVER_END
+        if left <= 0.0:
+            return road, lane, s
+    return road, lane, s
+
+
+@compiled
+def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> tuple[int, int, float, float, float]:
+    """Return (road, lane, s, offset, heading to turn from) of a place counted from an entity's; road -1 for none.
+
+    In lanes along the lane, ahead and left are those of the lane's travel, else those of the road's s.
+    """
+    other = p.position_entity[k]
+    road = st.road[other]
+    if road < 0:
+        return -1, 0, 0.0, 0.0, 0.0
+    base = p.position_const[k]
+    lane = st.lane[other]
+    direction = lane_direction(n, road, lane)
+    ahead = p.const[base + slot.P_S]
+    along_lane = 1 if p.position_flags[k] & op.POSITION_ALONG_LANE != 0 else 0
+    if along_lane == 0:
+        ahead = ahead * direction
+    road, lane, s = advance_by_way(n, p, st, i, other, road, lane, st.s[other], ahead)
+    if p.position_op[k] == op.POSITION_LANES_AWAY:
+        lane, offset, h = lanes_away(n, road, lane, s, p.position_lane[k], p.const[base + slot.P_OFFSET], along_lane)
+    else:
+        aside = st.off[other] * direction * lane_direction(n, road, lane)
+        lane, offset, h = across_road(n, road, lane, s, aside, p.const[base + slot.P_OFFSET])
+    if lane == 0:
+        return -1, 0, 0.0, 0.0, 0.0
+    return road, lane, s, offset, h
+
+
+@compiled
+def point_of(p: Program, st: State, k: int) -> tuple[float, float, float, float, int]:
+    """Return (x, y, z, heading, 1 where z counts) of a position that is a point of the world."""
+    base = p.position_const[k]
+    x = p.const[base + slot.P_S]
+    y = p.const[base + slot.P_OFFSET]
+    turn = p.const[base + slot.P_TURN]
+    z = p.const[base + slot.P_Z]
+    kind = p.position_op[k]
+    if kind == op.POSITION_FREE:
+        return x, y, z, turn, 1 if p.position_flags[k] & op.POSITION_WITH_HEIGHT != 0 else 0
+    other = p.position_entity[k]
+    h = turn
+    if p.position_flags[k] & op.POSITION_ABSOLUTE == 0:
+        h = st.h[other] + turn
+    if kind == op.POSITION_RELATIVE_OBJECT:
+        c = cos(st.h[other])
+        w = sin(st.h[other])
+        ahead = x
+        x = ahead * c - y * w
+        y = ahead * w + y * c
+    return st.x[other] + x, st.y[other] + y, st.z[other] + z, h, 1
+
+
+@compiled
+def position_is_number(p: Program, k: int) -> int:
+    """Return 1 where the numbers of a position are finite."""
+    base = p.position_const[k]
+    total = p.const[base + slot.P_S] + p.const[base + slot.P_OFFSET] + p.const[base + slot.P_TURN]
+    kind = p.position_op[k]
+    if kind in (op.POSITION_FREE, op.POSITION_RELATIVE_OBJECT, op.POSITION_RELATIVE_WORLD):
+        total = total + p.const[base + slot.P_Z]
+    return is_number(total)
+
+
+@compiled
+def place_of(
+    n: RoadTables, p: Program, st: State, k: int, i: int
+) -> tuple[int, int, int, float, float, float, float, float, float]:
+    """Return (PLACE_... code, road, lane, s, offset, x, y, z, heading) of a position, for entity i (NONE for none).
+
+    Positions along trajectories lie nowhere here: they are made of others, and `on_tracks` finds them.
+    """
+    if position_is_number(p, k) == 0 or p.position_op[k] == op.POSITION_ON_TRAJECTORY:
+        return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    kind = p.position_op[k]
+    if kind in (op.POSITION_FREE, op.POSITION_RELATIVE_OBJECT, op.POSITION_RELATIVE_WORLD):
+        x, y, z, h, with_height = point_of(p, st, k)
+        found, road, lane, s, offset = place_below(n, x, y, h, z, with_height)
+        if found == 0:
+            return PLACE_FREE, -1, 0, 0.0, 0.0, x, y, z, h
+        _, _, surface, _, _, _ = lane_pose(n, road, lane, s, offset)
+        return PLACE_ON_LANE, road, lane, s, offset, x, y, surface, h
+    if kind in (op.POSITION_LANES_AWAY, op.POSITION_RELATIVE_ROAD):
+        road, lane, s, offset, along = place_from_entity(n, p, st, k, i)
+    else:
+        road, lane, s, offset, direction = resolve_position(n, p, st, k)
+        along = 0.0
+        if road >= 0:
+            _, _, _, along, _, _ = lane_pose(n, road, lane, s, offset)
+            if direction < 0:
+                along = along + pi
+    if road < 0:
+        return PLACE_NONE, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    h = p.const[p.position_const[k] + slot.P_TURN]
+    if p.position_flags[k] & op.POSITION_ABSOLUTE == 0:
+        h = along + h
+    x, y, z, _, _, _ = lane_pose(n, road, lane, s, offset)
+    return PLACE_ON_LANE, road, lane, s, offset, x, y, z, h

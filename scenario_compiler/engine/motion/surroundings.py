@@ -1,0 +1,41 @@
+"""What surrounds the vehicles beside the weather: the time of day and the road's friction."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.marker import compiled
+
+SETS_TIME = 1
+TIME_RUNS = 2
+SETS_FRICTION = 4
+"""Bits of an environment action's flags."""
+
+
+@compiled
+def change_surroundings(p: Program, st: State, k: int) -> None:
+    """Set the time of day and the friction that an action gives."""
+    flags = p.action_flags[k]
+    base = p.action_const[k]
+    if flags & SETS_TIME != 0:
+        st.day_known[0] = 1
+        st.day_runs[0] = 1 if flags & TIME_RUNS != 0 else 0
+        st.day_from[0] = p.const[base + slot.A_TARGET]
+        st.day_since[0] = st.clock[0]
+    if flags & SETS_FRICTION != 0:
+        st.friction[0] = max(p.const[base + slot.A_DYNAMICS], 0.0)
+
+
+@compiled
+def time_of_day(st: State) -> float:
+    """Return the date and time now as seconds since 1970."""
+    if st.day_runs[0] == 1:
+        return st.day_from[0] + (st.clock[0] - st.day_since[0])
+    return st.day_from[0]
+
+
+@compiled
+def grip(st: State, limit: float) -> float:
+    """Return what the road's friction leaves of a vehicle's greatest acceleration or deceleration."""
+    return limit * min(st.friction[0], 1.0)

@@ -1,0 +1,133 @@
+"""Poses on a trajectory, at a distance or a time.
+
+A clothoid is integrated; everything else is straight between two vertices. The heading of a line is that of esmini
+3.6: it turns near the corners alone, or, where the vertices give headings and are followed smoothly, evenly from one
+vertex to the next.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.laying import spiral_step
+from scenario_compiler.marker import compiled
+
+CORNER = 2.0
+"""Distance before and behind a corner over which the heading turns, m (esmini 3.6)."""
+
+
+@compiled
+def track_length(p: Program, st: State, track: int) -> float:
+    """Return the length of a trajectory, m."""
+    return st.track_s[p.track_vertex[track + 1] - 1]
+
+
+@compiled
+def track_is_timed(p: Program, st: State, track: int) -> int:
+    """Return 1 where a trajectory's vertices have times."""
+    first = p.track_vertex[track]
+    last = p.track_vertex[track + 1] - 1
+    return 1 if st.track_time[first] >= 0.0 and st.track_time[last] > st.track_time[first] else 0
+
+
+@compiled
+def vertex_before(p: Program, st: State, track: int, s: float) -> int:
+    """Return the vertex that a distance lies behind, the first one where several lie there; not the last vertex."""
+    low = p.track_vertex[track]
+    high = p.track_vertex[track + 1] - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if st.track_s[middle] < s - op.TOLERANCE:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def distance_at_time(p: Program, st: State, track: int, time: float) -> float:
+    """Return the distance along a trajectory at a time of its own."""
+    v = p.track_vertex[track]
+    last = p.track_vertex[track + 1] - 1
+    if time > st.track_time[last]:
+        return st.track_s[last]
+    while v < last - 1 and st.track_time[v + 1] < time:
+        v = v + 1
+    t = max(time - st.track_time[v], 0.0)
+    if p.track_kind[track] == op.TRACK_POLYLINE:
+        a = st.track_a[v]
+        if a < 0.0:
+            t = min(t, -st.track_v[v] / a)
+        return st.track_s[v] + t * st.track_v[v] + 0.5 * a * t * t
+    if last == v:
+        return 0.0
+    span = st.track_time[v + 1] - st.track_time[v]
+    share = clip(t / span, 0.0, 1.0) if span > op.TOLERANCE else 1.0
+    return st.track_s[v] + share * (st.track_s[v + 1] - st.track_s[v])
+
+
+@compiled
+def time_at_distance(p: Program, st: State, track: int, s: float) -> float:
+    """Return the time at a distance along a trajectory as if speeds were even between vertices."""
+    v = vertex_before(p, st, track, s)
+    if v == p.track_vertex[track + 1] - 1:
+        return st.track_time[v]
+    length = st.track_s[v + 1] - st.track_s[v]
+    share = clip((s - st.track_s[v]) / length, 0.0, 1.0) if length > op.TOLERANCE else 0.0
+    return st.track_time[v] + share * (st.track_time[v + 1] - st.track_time[v])
+
+
+@compiled
+def corner_heading(p: Program, st: State, track: int, v: int, s: float) -> float:
+    """Return the heading behind vertex v of a polyline that turns near its corners alone."""
+    begin = st.track_s[v]
+    end = st.track_s[v + 1]
+    radius = min(CORNER, 0.5 * (end - begin))
+    h = st.track_h[v]
+    if radius <= op.TOLERANCE:
+        return h
+    if s < begin + radius and v > p.track_vertex[track]:
+        share = (radius + s - begin) / (2.0 * radius)
+        return st.track_h[v - 1] + share * angle_between(h, st.track_h[v - 1])
+    if s > end - radius:
+        share = (s - end + radius) / (2.0 * radius)
+        return h + share * angle_between(st.track_h[v + 1], h)
+    return h
+
+
+@compiled
+def track_pose(p: Program, st: State, track: int, s: float, smooth: int) -> tuple[float, float, float, float]:
+    """Return (x, y, heading, direction in which the trajectory goes) at a distance along it, no farther than its ends.
+
+    `smooth` is 1 where given headings are followed smoothly.
+    """
+    last = p.track_vertex[track + 1] - 1
+    if last == p.track_vertex[track]:
+        h = st.track_h[last]
+        return st.track_x[last], st.track_y[last], h, h
+    s = clip(s, 0.0, st.track_s[last])
+    v = vertex_before(p, st, track, s)
+    if p.track_kind[track] == op.TRACK_CLOTHOIDS:
+        dx, dy, turned = spiral_step(st.track_h[v], st.track_bend[v], st.track_bend_rate[v], s - st.track_s[v])
+        h = st.track_h[v] + turned
+        return st.track_x[v] + dx, st.track_y[v] + dy, h, h
+    length = st.track_s[v + 1] - st.track_s[v]
+    share = clip((s - st.track_s[v]) / length, 0.0, 1.0) if length > op.TOLERANCE else 0.0
+    x = st.track_x[v] + share * (st.track_x[v + 1] - st.track_x[v])
+    y = st.track_y[v] + share * (st.track_y[v + 1] - st.track_y[v])
+    along = bearing(st.track_x[v + 1] - st.track_x[v], st.track_y[v + 1] - st.track_y[v])
+    if length <= op.TOLERANCE:
+        along = st.track_h[v]
+    if p.track_kind[track] == op.TRACK_NURBS or (smooth == 1 and p.vertex_heading[v] == 1):
+        return x, y, st.track_h[v] + share * angle_between(st.track_h[v + 1], st.track_h[v]), along
+    return x, y, corner_heading(p, st, track, v, s), along
+
+
+@compiled
+def beside_track(x: float, y: float, h: float, ahead: float, left: float) -> tuple[float, float]:
+    """Return the point ahead and to the left of a pose."""
+    return x + ahead * cos(h) + left * cos(h + 0.5 * pi), y + ahead * sin(h) + left * sin(h + 0.5 * pi)

@@ -1,0 +1,47 @@
+"""Actions on how an entity looks and moves its parts, which the log tells of: lights and animations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.moves.entry import Entry, Told
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+if TYPE_CHECKING:
+    from scenario_compiler.vocabulary.actions import AnimationAction, LightAction
+
+LIGHTS = "A light of `entity`, or an animation: `cause` which, `message` what it does."
+
+
+@compiled
+def step_animation(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Let the time of an animation pass; return 1 when it is over."""
+    del n
+    st.action_progress[k] = st.action_progress[k] + dt
+    return 1 if st.action_progress[k] >= p.const[p.action_const[k] + slot.A_DYNAMICS] - op.TOLERANCE else 0
+
+
+def light_row(draft: ProgramDraft, word: LightAction, actor: int) -> ActionRow:
+    """Return the row of a light that is switched."""
+    del draft, word, actor
+    return ActionRow()
+
+
+def animation_row(draft: ProgramDraft, word: AnimationAction, actor: int) -> ActionRow:
+    """Return the row of an animation."""
+    del draft, actor
+    return ActionRow((word.state, 0.0 if word.duration is None else word.duration))
+
+
+def _animation_words(word: AnimationAction) -> tuple[str, str]:
+    return word.type, f"to {word.state:g}" if isinstance(word.state, float) else "moves"
+
+
+LIGHT = Entry(("light",), light_row, told=Told("light", LIGHTS, lambda word: (word.type, word.mode)))
+ANIMATION = Entry(("animation",), animation_row, step=step_animation, told=Told("light", LIGHTS, _animation_words))

@@ -1,0 +1,164 @@
+"""Reaching and keeping a distance or a time gap to another entity along the road.
+
+Without limits the entity is put at the distance and takes the other's speed; with them a critically damped spring
+drives it there. The distance is that along the roads, or along the entity's own axis, between the reference points or
+the boxes. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from math import cos
+from typing import TYPE_CHECKING
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.declaration import index
+from scenario_compiler.engine.columns.numbers import angle_between, clip
+from scenario_compiler.engine.columns.program import ENTITY, Program
+from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.distances import along_axis, along_roads, gap_beyond, half_extent, turned_against
+from scenario_compiler.engine.motion.entities import glide, place_scripted
+from scenario_compiler.engine.motion.spring import spring_acceleration
+from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
+from scenario_compiler.engine.moves.speeds import push_speed, set_speed
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+if TYPE_CHECKING:
+    from scenario_compiler.vocabulary.actions import LongitudinalDistanceAction
+
+NEAR_ENOUGH = 0.1
+"""Error at which a distance counts as reached, m (esmini 3.6)."""
+
+
+@compiled
+def limit_or(p: Program, k: int, place: int, otherwise: float) -> float:
+    """Return a limit of an action, or another number where the action sets none (negative)."""
+    value = p.const[p.action_const[k] + place]
+    return value if value >= 0.0 else otherwise
+
+
+@compiled
+def limit_of_vehicle(p: Program, k: int, place: int, of_vehicle: int) -> float:
+    """Return a limit of an action, or its vehicle's own where the action sets none."""
+    return limit_or(p, k, place, max(p.const[p.entity_const[p.action_entity[k]] + of_vehicle], 0.0))
+
+
+@compiled
+def ahead_between(n: RoadTables, p: Program, st: State, k: int) -> tuple[float, float]:
+    """Return (how far the other is ahead, what of it the boxes take): between the points, or the boxes' centres.
+
+    FAR ahead where no road leads there.
+    """
+    i = p.action_entity[k]
+    j = p.action_other[k]
+    freespace = p.action_flags[k] & op.FLAG_FREESPACE
+    if p.action_mode[k] in (op.FRAME_ENTITY, op.FRAME_WORLD):
+        axis = st.h[i]
+        if freespace == 0:
+            return along_axis(axis, st.x[j] - st.x[i], st.y[j] - st.y[i], op.MEASURE_ALONG), 0.0
+        reach = half_extent(p, i, 0.0) + half_extent(p, j, angle_between(st.h[j], axis))
+        ahead = along_axis(axis, st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i], op.MEASURE_ALONG)
+        return ahead, reach
+    ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if ahead >= op.FAR or freespace == 0:
+        return ahead, 0.0
+    own = turned_against(n, st.road[i], st.s[i], st.facing[i], st.h[i])
+    other = turned_against(n, st.road[j], st.s[j], direction, st.h[j])
+    ahead = (
+        ahead
+        + p.const[p.entity_const[j] + slot.E_CENTER] * cos(other)
+        - p.const[p.entity_const[i] + slot.E_CENTER] * cos(own)
+    )
+    return ahead, half_extent(p, i, own) + half_extent(p, j, other)
+
+
+@compiled
+def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Choose the side, where any will do the present one, and the distance, where none is given the present one."""
+    st.longitudinal[p.action_entity[k]] = k
+    flags = p.action_flags[k]
+    ahead, reach = ahead_between(n, p, st, k)
+    side = 1.0
+    if flags & op.FLAG_AHEAD != 0 or (flags & op.FLAG_BEHIND == 0 and ahead < 0.0):
+        side = -1.0
+    st.action_a[k] = side
+    st.action_b[k] = p.const[p.action_const[k] + slot.A_TARGET]
+    if flags & op.FLAG_PRESENT != 0 and ahead < op.FAR:
+        st.action_b[k] = side * gap_beyond(ahead, reach)
+    st.action_change[k] = 0.0
+
+
+@compiled
+def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Go on towards the distance; return 1 where it is reached and need not be kept."""
+    i = p.action_entity[k]
+    j = p.action_other[k]
+    if j < 0 or (p.entity_motion[i] != op.MOTION_SCRIPTED and i != p.ego[0]):
+        return 1
+    ahead, reach = ahead_between(n, p, st, k)
+    if ahead >= op.FAR:
+        return 0
+    flags = p.action_flags[k]
+    wanted = st.action_b[k]
+    if flags & op.FLAG_TIME_GAP != 0:
+        wanted = wanted * abs(st.v[j])
+    error = gap_beyond(ahead, reach) - st.action_a[k] * wanted
+    if flags & op.FLAG_CONTINUOUS == 0 and abs(error) < NEAR_ENOUGH:
+        return 1
+    if flags & op.FLAG_LIMITED != 0:
+        drive_to_distance(p, st, k, error, dt)
+    else:
+        if p.entity_motion[i] == op.MOTION_SCRIPTED:
+            glide(n, p, st, i, error)
+            place_scripted(n, p, st, i)
+        set_speed(p, st, i, st.v[j])
+    return 0
+
+
+@compiled
+def drive_to_distance(p: Program, st: State, k: int, error: float, dt: float) -> None:
+    """Change the speed for one step as the spring and the limits say."""
+    i = p.action_entity[k]
+    most = limit_of_vehicle(p, k, slot.A_ACCELERATION, slot.E_MAX_ACCELERATION)
+    least = limit_of_vehicle(p, k, slot.A_DECELERATION, slot.E_MAX_DECELERATION)
+    stiff = most if error < 0.0 else least
+    acceleration = spring_acceleration(error, st.v[i] - st.v[p.action_other[k]], stiff, most, least)
+    before = st.action_change[k]
+    rise = limit_or(p, k, slot.A_ACCELERATION_RATE, op.FAR) * dt
+    fall = limit_or(p, k, slot.A_DECELERATION_RATE, op.FAR) * dt
+    acceleration = clip(acceleration, before - fall, before + rise)
+    st.action_change[k] = acceleration
+    fastest = limit_of_vehicle(p, k, slot.A_MOST_SPEED, slot.E_MAX_SPEED)
+    push_speed(p, st, i, acceleration, fastest, dt)
+
+
+def keep_distance_row(draft: ProgramDraft, word: LongitudinalDistanceAction, actor: int) -> ActionRow:
+    """Return the row of a distance that is kept along the road."""
+    del actor
+    given = word.time_gap if word.time_gap is not None else word.distance
+    return ActionRow(
+        (0.0 if given is None else given, 0.0, *limits_of(word.limits)),
+        other=draft.entities[word.to],
+        mode=FRAMES[word.coordinates],
+        flags=flags_of(
+            (op.FLAG_CONTINUOUS, word.continuous),
+            (op.FLAG_FREESPACE, word.freespace),
+            (op.FLAG_TIME_GAP, word.time_gap is not None),
+            (op.FLAG_PRESENT, given is None),
+            (op.FLAG_LIMITED, word.limits is not None),
+            (op.FLAG_BEHIND, word.displacement == "trailingReferencedEntity"),
+            (op.FLAG_AHEAD, word.displacement == "leadingReferencedEntity"),
+        ),
+    )
+
+
+KEEP_DISTANCE = Entry(
+    ("keep_distance",),
+    keep_distance_row,
+    start_keep_distance,
+    step_keep_distance,
+    holds=HOLDS_SPEED,
+    refers={"other": index(ENTITY)},
+)

@@ -1,0 +1,207 @@
+"""Changes of lane: to a neighbouring lane, counted from the entity's own or another one's, or to the lane of an id.
+
+The entity is led by its new lane from the begin, offset by the gap to it. Offsets of a running change are kept as
+seen in the entity's forward direction, so that a road that runs the other way does not turn it round. By time or
+rate, the speed is that along the path: what the entity moves to the side is missing ahead; it is placed by the
+progress after the step, and heads by the slope before it. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from math import atan, atan2, pi
+from typing import TYPE_CHECKING
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import fault
+from scenario_compiler.engine.columns.numbers import is_number, safe_sqrt
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, dynamics_of
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.beside import count_lanes
+from scenario_compiler.engine.motion.entities import glide, place_scripted
+from scenario_compiler.engine.motion.path import set_path
+from scenario_compiler.engine.motion.shapes import shape_slope, shape_value, transition_span
+from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
+from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_centre, lane_exists
+from scenario_compiler.roads.tables import RoadTables
+
+if TYPE_CHECKING:
+    from scenario_compiler.vocabulary.actions import LaneChangeAction, LaneChangeToAction
+
+LANES_AWAY = 0
+LANE_BY_ID = 1
+"""Whether a change counts lanes, or names the lane by its id."""
+
+OFFSET_ACCELERATION = 1.0
+"""Greatest lateral acceleration with which the ego's automation moves to an offset, m/s2."""
+
+
+@compiled
+def lane_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> int:
+    """Return the target lane of a change, on the road that its entity is on, 0 where there is none.
+
+    Lanes are counted from the lane of the entity itself, or of another one, to the left of where that one faces.
+    """
+    i = p.action_entity[k]
+    target = p.action_lanes[k]
+    if p.action_mode[k] == LANES_AWAY:
+        of = p.action_other[k]
+        if of < 0:
+            of = i
+        if st.road[of] < 0:
+            return 0
+        target = count_lanes(st.lane[of], p.action_lanes[k], st.facing[of])
+    return target if lane_exists(n, st.road[i], target, st.s[i]) == 1 else 0
+
+
+@compiled
+def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Freeze the target lane and lead the entity by it, offset by the present gap; its heading is reset to the lane's.
+
+    The ego's automation takes the target as its lane and steers there by itself. A target that does not exist leaves a
+    change of 0.
+    """
+    i = p.action_entity[k]
+    road = st.road[i]
+    st.action_from[k] = 0.0
+    st.action_change[k] = 0.0
+    st.action_span[k] = 0.0
+    st.lateral[i] = k
+    if road < 0:
+        return
+    offset = p.const[p.action_const[k] + slot.A_TARGET]
+    if is_number(offset) == 0:
+        fault(st, op.FAULT_NOT_FINITE, i)
+        return
+    target = lane_aimed_at(n, p, st, k)
+    if p.entity_motion[i] != op.MOTION_SCRIPTED:
+        if i == p.ego[0] and target != 0:
+            set_path(n, st, road, target, st.s[i])
+            if offset != 0.0:
+                plan_shift(st, i, st.facing[i] * offset, shift_distance(st.v[i], offset, OFFSET_ACCELERATION))
+        return
+    if target == 0:
+        st.action_from[k] = st.facing[i] * st.kept_off[i]
+        return
+    centre, _ = lane_centre(n, road, target, st.s[i])
+    gap = st.t[i] - centre
+    st.kept_lane[i] = target
+    st.kept_off[i] = gap
+    st.turn[i] = 0.0
+    st.action_from[k] = st.facing[i] * gap
+    st.action_change[k] = st.facing[i] * (offset - gap)
+    value = p.const[p.action_const[k] + slot.A_DYNAMICS]
+    st.action_span[k] = transition_span(p.action_shape[k], p.action_dimension[k], value, offset - gap)
+
+
+@compiled
+def shift_to(n: RoadTables, st: State, k: int, i: int, progress: float, left: float) -> int:
+    """Write the progress and offset of a lane change; return 1 when it is done, with the heading along the lane."""
+    st.action_progress[k] = progress
+    done = 0
+    if progress >= st.action_span[k] - op.TOLERANCE:
+        left = st.action_from[k] + st.action_change[k]
+        st.turn[i] = 0.0
+        done = 1
+    st.kept_off[i] = st.facing[i] * left
+    centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
+    st.t[i] = centre + st.kept_off[i]
+    return done
+
+
+@compiled
+def lane_change_by_distance(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
+    """Move an entity through a lane change whose progress is the distance ahead; return 1 when it is done."""
+    span = max(st.action_span[k], op.TOLERANCE)
+    progress = st.action_progress[k]
+    slope = st.action_change[k] * shape_slope(p.action_shape[k], progress / span) / span
+    ahead = st.v[i] * dt / safe_sqrt(1.0 + slope * slope)
+    st.turn[i] = atan(slope)
+    progress = min(progress + abs(ahead), span)
+    share = shape_value(st, p.action_shape[k], progress / span)
+    left = st.action_from[k] + st.action_change[k] * share
+    done = shift_to(n, st, k, i, progress, left)
+    glide(n, p, st, i, ahead)
+    return done
+
+
+@compiled
+def lane_change_by_time(n: RoadTables, p: Program, st: State, k: int, i: int, dt: float) -> int:
+    """Move an entity through a lane change whose progress is time; return 1 when it is done.
+
+    Where the change asks for more than the entity moves in the step, it goes straight sideways as far as it can, with
+    the share done as if the shape were linear. The offset is shifted first: on a curve s moves by the new offset.
+    """
+    span = max(st.action_span[k], op.TOLERANCE)
+    progress = st.action_progress[k]
+    change = st.action_change[k]
+    side = dt * abs(change) * shape_slope(p.action_shape[k], progress / span) / span
+    path = abs(st.v[i]) * dt
+    sign = 1.0 if change > 0.0 else -1.0
+    if side > path:
+        st.turn[i] = sign * 0.5 * pi
+        progress = min(progress + span * path / max(abs(change), op.TOLERANCE), span)
+        return shift_to(n, st, k, i, progress, st.action_from[k] + change * progress / span)
+    ahead = safe_sqrt(path * path - side * side)
+    st.turn[i] = sign * atan2(side, ahead) if side > 0.0 else 0.0
+    progress = min(progress + dt, span)
+    share = shape_value(st, p.action_shape[k], progress / span)
+    left = st.action_from[k] + change * share
+    done = shift_to(n, st, k, i, progress, left)
+    glide(n, p, st, i, ahead if st.v[i] > 0.0 else -ahead)
+    return done
+
+
+@compiled
+def step_lane_change(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Step a lane change or a move to an offset over a time; return 1 when it is done.
+
+    A standing entity waits; the ego has done so at once.
+    """
+    i = p.action_entity[k]
+    if p.entity_motion[i] != op.MOTION_SCRIPTED or st.road[i] < 0:
+        return 1
+    if st.action_span[k] <= 0.0:
+        st.kept_off[i] = st.facing[i] * (st.action_from[k] + st.action_change[k])
+        place_scripted(n, p, st, i)
+        return 1
+    if abs(st.v[i]) < op.TOLERANCE or dt <= 0.0:
+        return 0
+    if p.action_dimension[k] == op.DIMENSION_DISTANCE:
+        done = lane_change_by_distance(n, p, st, k, i, dt)
+    else:
+        done = lane_change_by_time(n, p, st, k, i, dt)
+    st.moved[i] = 1
+    place_scripted(n, p, st, i)
+    if st.ended[i] == 1:
+        return 1
+    return done
+
+
+def lane_change_row(draft: ProgramDraft, word: LaneChangeAction, actor: int) -> ActionRow:
+    """Return the row of a change by a number of lanes."""
+    del actor
+    value, dimension = dynamics_of(word.over_time, word.dynamics)
+    return ActionRow(
+        (word.offset, value),
+        shape=SHAPES[word.shape],
+        dimension=dimension,
+        lanes=word.by,
+        other=draft.entities[word.of] if word.of else op.NONE,
+        mode=LANES_AWAY,
+    )
+
+
+def lane_change_to_row(draft: ProgramDraft, word: LaneChangeToAction, actor: int) -> ActionRow:
+    """Return the row of a change to the lane of an id."""
+    del draft, actor
+    value, dimension = dynamics_of(word.over_time, word.dynamics)
+    shape = SHAPES[word.shape]
+    return ActionRow((word.offset, value), shape=shape, dimension=dimension, lanes=word.lane, mode=LANE_BY_ID)
+
+
+LANE_CHANGE = Entry(("lane_change",), lane_change_row, start_lane_change, step_lane_change, holds=HOLDS_LANE)
+LANE_CHANGE_TO = Entry(("lane_change_to",), lane_change_to_row, start_lane_change, step_lane_change, holds=HOLDS_LANE)

@@ -1,0 +1,191 @@
+"""Following a trajectory: at the entity's own speed, or by the trajectory's times. After esmini 3.6.
+
+Without timing the distance along it grows by speed times step. An entity that drives backwards when it begins faces
+against the trajectory, so that it goes along it; where the vertices give headings these decide which way it goes. What
+is left over at the end goes straight on. With timing the place is that of the time after the step, and the speed is
+the way over the step. It ends at its end, or at its last time; a closed one without timing goes on at its begin.
+
+An entity that is elsewhere leaps onto its trajectory: where `begin` says, or the time that it is. The leap is no
+distance covered and makes no speed.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi
+from typing import TYPE_CHECKING
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.declaration import index
+from scenario_compiler.engine.columns.numbers import heading_in_circle, ratio
+from scenario_compiler.engine.columns.program import TRACK, Program
+from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft, flags_of
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.free import place_free
+from scenario_compiler.engine.motion.laying import lay_track, pace_vertices
+from scenario_compiler.engine.motion.tracks import (
+    beside_track,
+    distance_at_time,
+    time_at_distance,
+    track_is_timed,
+    track_length,
+    track_pose,
+)
+from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+if TYPE_CHECKING:
+    from scenario_compiler.vocabulary.actions import FollowTrajectoryAction
+
+
+@compiled
+def keeps_times(p: Program, st: State, k: int) -> int:
+    """Return 1 where an action follows its trajectory by times."""
+    return 1 if p.action_mode[k] != op.TIMING_NONE and track_is_timed(p, st, p.action_other[k]) == 1 else 0
+
+
+@compiled
+def heads_itself(p: Program, track: int) -> int:
+    """Return 1 where a trajectory's vertices give headings."""
+    return 1 if p.track_kind[track] != op.TRACK_CLOTHOIDS and p.vertex_heading[p.track_vertex[track]] == 1 else 0
+
+
+@compiled
+def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond: float) -> int:
+    """Put an entity at a distance along its trajectory, and straight on beyond it.
+
+    Returns 1 where it faces the way the trajectory goes, else -1.
+    """
+    i = p.action_entity[k]
+    smooth = 1 if p.action_flags[k] & op.FOLLOW_SMOOTHLY != 0 else 0
+    x, y, h, along = track_pose(p, st, p.action_other[k], s, smooth)
+    h = h + st.action_from[k]
+    x, y = beside_track(x, y, along, beyond, 0.0)
+    st.action_a[k] = s
+    st.x[i] = x
+    st.y[i] = y
+    st.h[i] = heading_in_circle(h)
+    place_free(n, st, i)
+    return 1 if cos(h - along) >= 0.0 else -1
+
+
+@compiled
+def time_on_track(p: Program, st: State, k: int, clock: float) -> float:
+    """Return the time of a timed trajectory at a time of the run; a relative one keeps its own."""
+    base = p.action_const[k]
+    scale = p.const[base + slot.J_SCALE]
+    time = st.action_b[k]
+    if p.action_mode[k] == op.TIMING_ABSOLUTE:
+        time = ratio(clock, scale, clock)
+    return time - ratio(p.const[base + slot.J_OFFSET], scale, 0.0)
+
+
+@compiled
+def start_trajectory(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Lay the trajectory for its entity, which is on it from then on; one at rest takes its first speed."""
+    i = p.action_entity[k]
+    if p.entity_motion[i] != op.MOTION_SCRIPTED:
+        return
+    track = p.action_other[k]
+    lay_track(n, p, st, track, i)
+    timed = keeps_times(p, st, k)
+    smooth = p.action_flags[k] & op.FOLLOW_SMOOTHLY != 0
+    if timed == 1:
+        pace_vertices(p, st, track, abs(st.v[i]), 1 if smooth else 0)
+    begin = p.const[p.action_const[k] + slot.J_BEGIN]
+    st.action_from[k] = pi if timed == 0 and heads_itself(p, track) == 0 and st.v[i] < 0.0 else 0.0
+    st.action_b[k] = time_at_distance(p, st, track, begin)
+    st.lateral[i] = k
+    st.ended[i] = 0
+    s = begin
+    if timed == 1:
+        s = distance_at_time(p, st, track, time_on_track(p, st, k, st.clock[0]))
+    sense = put_on_track(n, p, st, k, s, 0.0)
+    st.last_x[i] = st.x[i]
+    st.last_y[i] = st.y[i]
+    st.action_change[k] = 1.0 * sense
+    if timed == 1 and st.v[i] == 0.0 and p.track_kind[track] == op.TRACK_POLYLINE:
+        st.v[i] = sense * st.track_v[p.track_vertex[track]]
+
+
+@compiled
+def step_by_time(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Move an entity to where its trajectory is at the time after dt; return 1 where the last time has come."""
+    i = p.action_entity[k]
+    track = p.action_other[k]
+    st.action_b[k] += ratio(dt, p.const[p.action_const[k] + slot.J_SCALE], dt)
+    time = time_on_track(p, st, k, st.clock[0] + dt)
+    last = st.track_time[p.track_vertex[track + 1] - 1]
+    before = st.action_a[k]
+    s = distance_at_time(p, st, track, time)
+    beyond = max(time - last, 0.0) * abs(st.v[i])
+    sense = put_on_track(n, p, st, k, s, beyond)
+    if dt > 0.0 and time < last + op.TOLERANCE:
+        st.v[i] = sense * (s - before) / dt
+    return 1 if time >= last - op.TOLERANCE else 0
+
+
+@compiled
+def step_by_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Move an entity along its trajectory at its speed; return 1 where it has come to an end of it.
+
+    Where the vertices give headings what is left over goes ahead of where the entity faces, even when it reverses.
+    """
+    i = p.action_entity[k]
+    track = p.action_other[k]
+    length = track_length(p, st, track)
+    sense = st.action_change[k]
+    ds = sense * st.v[i] * dt
+    s = st.action_a[k] + ds
+    if p.track_closed[track] == 1 and length > op.TOLERANCE:
+        put_on_track(n, p, st, k, s % length, 0.0)
+        return 0
+    beyond = max(s - length, 0.0)
+    if heads_itself(p, track) == 1:
+        beyond = sense * beyond
+    put_on_track(n, p, st, k, min(max(s, 0.0), length), beyond)
+    return 1 if (ds > 0.0 and s > length - op.TOLERANCE) or (ds < 0.0 and s < op.TOLERANCE) else 0
+
+
+@compiled
+def step_trajectory(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
+    """Move an entity along its trajectory; return 1 where it has come to the end, off every road to stand there."""
+    i = p.action_entity[k]
+    if p.entity_motion[i] != op.MOTION_SCRIPTED:
+        return 1
+    st.moved[i] = 1
+    if keeps_times(p, st, k) == 1:
+        done = step_by_time(n, p, st, k, dt)
+    else:
+        done = step_by_speed(n, p, st, k, dt)
+    if done == 1 and st.road[i] < 0:
+        st.ended[i] = 1
+    return done
+
+
+TIMINGS = {"absolute": op.TIMING_ABSOLUTE, "relative": op.TIMING_RELATIVE}
+"""Codes of what a trajectory's times count from."""
+
+
+def follow_trajectory_row(draft: ProgramDraft, word: FollowTrajectoryAction, actor: int) -> ActionRow:
+    """Return the row of a trajectory that is followed."""
+    del actor
+    timing = word.timing
+    scale, offset = (1.0, 0.0) if timing is None else (timing.scale, timing.offset)
+    return ActionRow(
+        (word.begin, offset, scale),
+        other=draft.track(word.trajectory),
+        mode=op.TIMING_NONE if timing is None else TIMINGS[timing.domain],
+        flags=flags_of((op.FLAG_OWN_PATH, True), (op.FOLLOW_SMOOTHLY, word.following == "follow")),
+    )
+
+
+FOLLOW_TRAJECTORY = Entry(
+    ("follow_trajectory",),
+    follow_trajectory_row,
+    start_trajectory,
+    step_trajectory,
+    holds=HOLDS_LANE,
+    refers={"other": index(TRACK)},
+)

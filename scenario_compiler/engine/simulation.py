@@ -1,0 +1,171 @@
+"""`Simulation`: the one way to run a program, in whichever form of the engine there is."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State, new_state
+from scenario_compiler.engine.columns.trace import SUMMARY_SIZE, trace_width
+from scenario_compiler.engine.forms.compiled import Compiled, MachineCode, library
+from scenario_compiler.roads.tables import RoadTables
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """What lies ahead of the ego.
+
+    Attributes:
+        gap: Distance from the front bumper to the leader that the forward sensor sees, m; FAR without one.
+        lead_speed: Its speed along the way, m/s.
+        junction: Distance along the way to the next junction, m; FAR where there is none in reach.
+        way: Points of the planned way 1 m apart, (x ahead, y left) of the reference point, m.
+    """
+
+    gap: float
+    lead_speed: float
+    junction: float
+    way: tuple[tuple[float, float], ...]
+
+
+class EngineForm(Protocol):
+    """A form of the engine: the containers, and the entries that are called with them."""
+
+    name: str
+    tables: RoadTables
+    program: Program
+    state: State
+
+    def enter(self, entry: str, *arguments: Any) -> Any:
+        """Call an entry with the containers and further arguments; EngineError where it breaks off."""
+        ...
+
+
+def form_of(
+    tables: RoadTables, program: Program, *, interpreted: bool = False, machine_code: MachineCode | None = None
+) -> EngineForm:
+    """Return the compiled form, or the interpreted one where that is asked for or there is no machine code.
+
+    Args:
+        tables: The roads.
+        program: The program.
+        interpreted: Whether the interpreted form is asked for.
+        machine_code: The library to use in place of the package's own.
+    """
+    made = None if interpreted else machine_code or library()
+    if made is not None:
+        return Compiled(tables, program, new_state(program), made)
+    from scenario_compiler.engine.forms.interpreted import Interpreted
+
+    return Interpreted(tables, program, new_state(program))
+
+
+class Simulation:
+    """A program that is run, once or many times.
+
+    Attributes:
+        form: The form of the engine that runs it.
+    """
+
+    def __init__(
+        self,
+        tables: RoadTables,
+        program: Program,
+        *,
+        interpreted: bool = False,
+        machine_code: MachineCode | None = None,
+    ) -> None:
+        """Prepare a program; see `form_of`."""
+        self.form = form_of(tables, program, interpreted=interpreted, machine_code=machine_code)
+        self._width = trace_width(program)
+        self._trace: Any = None
+
+    @property
+    def state(self) -> State:
+        """The state now."""
+        return self.form.state
+
+    def reset(self, draws: Sequence[float]) -> None:
+        """Put the state to the row of t = 0; `draws` are DRAWS_PER_RUN numbers (see `make_draws`)."""
+        for k, value in enumerate(draws):
+            self.state.draw[k] = value
+        self.form.enter("reset")
+
+    @property
+    def over(self) -> bool:
+        """Whether the run has ended."""
+        return self.state.stop[0] != op.STOP_NONE
+
+    def begin(self) -> bool:
+        """Begin a step: the storyboard, and at control steps the ego's commands; return False where the run is over.
+
+        After it, `move` and `end` make the step's row.
+        """
+        return bool(self.form.enter("begin_step"))
+
+    def move(self) -> None:
+        """Move time and all that the engine moves; a vehicle that is posed from outside is posed after this."""
+        self.form.enter("move_step")
+
+    def end(self) -> None:
+        """Take stock of where all are now: places on the road, collisions, and whether this row is the last."""
+        self.form.enter("end_step")
+
+    def step(self) -> bool:
+        """Do a whole step; return False where the run was over before it."""
+        return bool(self.form.enter("step"))
+
+    def look_out(self) -> Outlook:
+        """Return what lies ahead of the ego, as its controller is told."""
+        out = array("d", bytes(8 * op.OUTLOOK_SIZE))
+        count = self.form.enter("look_out", out)
+        points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
+        return Outlook(out[0], out[1], out[2], points)
+
+    def sweep(
+        self,
+        rows: Sequence[Sequence[float]] | NDArray[np.float64],
+        draws: Sequence[Sequence[float]] | NDArray[np.float64],
+        limit: int,
+        trace_rows: int = 0,
+        every: int = 1,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Run many variants of the program.
+
+        Args:
+            rows: The numbers of each variant, (variants, len(Program.const)).
+            draws: The draws of each, (variants, DRAWS_PER_RUN).
+            limit: Steps that a run has at most.
+            trace_rows: Rows that a trace has room for; 0 for no traces.
+            every: Steps from one row of a trace to the next.
+
+        Returns:
+            The summaries, (variants, SUMMARY_SIZE), and the traces, (variants, trace_rows * trace_width). The traces'
+            memory is used again by the next call and is not cleared: only a run's own rows count.
+
+        Raises:
+            EngineError: The engine's arithmetic had no result.
+        """
+        import numpy as np
+
+        count = len(rows)
+        numbers = np.ascontiguousarray(rows, dtype=np.float64).reshape(-1)
+        drawn = np.ascontiguousarray(draws, dtype=np.float64).reshape(-1)
+        if numbers.size != count * len(self.form.program.const) or drawn.size != count * op.DRAWS_PER_RUN:
+            raise ValueError("rows or draws do not have the width of the program")
+        stride = trace_rows * self._width
+        out = np.zeros(count * SUMMARY_SIZE)
+        if self._trace is None or self._trace.size < count * stride:
+            self._trace = np.zeros(max(count * stride, 1))
+        trace = self._trace
+        steps = every if trace_rows else 0
+        self.form.enter("sweep", count, numbers, drawn, limit, trace, stride, steps, out)
+        return out.reshape(count, SUMMARY_SIZE), trace[: count * stride].reshape(count, stride)

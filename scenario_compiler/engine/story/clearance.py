@@ -1,0 +1,157 @@
+"""Relative clearance: whether the lanes around an entity are free of others over some distance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.declaration import Allowed, Of
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.rows import ConditionRow, ProgramDraft
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.beside import neighbour_lane
+from scenario_compiler.engine.motion.distances import along_roads, road_distance_between
+from scenario_compiler.engine.story.entry import Condition
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_direction, lane_type
+from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.roads.travel import advance
+
+if TYPE_CHECKING:
+    from scenario_compiler.vocabulary.conditions import RelativeClearanceCondition
+
+CLEARANCE_FREESPACE = 1
+CLEARANCE_OPPOSITE = 2
+"""Bits of a clearance condition's flags: boxes count, not reference points; lanes of the other direction count."""
+
+
+MOST_LANES = 16
+"""Lanes to each side that are looked for."""
+
+
+@compiled
+def is_member(p: Program, row: int, value: int) -> int:
+    """Return 1 where a set of the program holds a value, or holds nothing at all."""
+    if p.set_first[row] == p.set_first[row + 1]:
+        return 1
+    for k in range(p.set_first[row], p.set_first[row + 1]):
+        if p.set_member[k] == value:
+            return 1
+    return 0
+
+
+@compiled
+def in_ranges(p: Program, row: int, value: int) -> int:
+    """Return 1 where a set of pairs holds one that the value lies between, or holds nothing at all."""
+    if p.set_first[row] == p.set_first[row + 1]:
+        return 1
+    for k in range(p.set_first[row], p.set_first[row + 1] - 1, 2):
+        if p.set_member[k] <= value <= p.set_member[k + 1]:
+            return 1
+    return 0
+
+
+@compiled
+def lanes_between(lane: int, other: int, direction: int) -> int:
+    """Return how many lanes `other` lies to the left of `lane`, as seen along s (1) or against it (-1).
+
+    The centre lane is not counted.
+    """
+    count = other - lane
+    if lane < 0 and other > 0:
+        count = count - 1
+    if lane > 0 and other < 0:
+        count = count + 1
+    return direction * count
+
+
+@compiled
+def lane_over(n: RoadTables, st: State, i: int, road: int, ahead: float) -> int:
+    """Return the lane that continues i's own on a road `ahead` of it; one of its own number where none leads there."""
+    if st.road[i] == road:
+        return st.lane[i]
+    along = st.facing[i] * lane_direction(n, st.road[i], st.lane[i])
+    at_road, at_lane, _, _ = advance(n, st.road[i], st.lane[i], st.s[i], along * ahead, -1)
+    if at_road == road:
+        return at_lane
+    return st.lane[i]
+
+
+@compiled
+def in_the_way(n: RoadTables, p: Program, st: State, c: int, i: int, j: int) -> int:
+    """Return 1 where entity j keeps a clearance condition of entity i from being true."""
+    if st.road[i] < 0 or st.road[j] < 0 or is_member(p, p.condition_other[c], j) == 0:
+        return 0
+    ahead, _, direction = along_roads(n, st, i, st.road[j], st.s[j], st.t[j], st.x[j], st.y[j])
+    if ahead >= op.FAR:
+        return 0
+    own = lane_over(n, st, i, st.road[j], ahead)
+    away = lanes_between(own, st.lane[j], direction)
+    if in_ranges(p, p.condition_other[c] + 1, away) == 0:
+        return 0
+    same = lane_direction(n, st.road[j], own) == lane_direction(n, st.road[j], st.lane[j])
+    if not same and p.condition_flags[c] & CLEARANCE_OPPOSITE == 0:
+        return 0
+    gap = ahead
+    if p.condition_flags[c] & CLEARANCE_FREESPACE != 0:
+        gap = road_distance_between(n, p, st, i, j, op.MEASURE_ALONG, 1)
+    base = p.condition_const[c]
+    return 1 if -p.const[base + slot.C_BACKWARD] <= gap <= p.const[base + slot.C_FORWARD] else 0
+
+
+@compiled
+def has_lane(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where one of the lanes that a clearance condition asks for is there for driving, and counts."""
+    row = p.condition_other[c] + 1
+    road = st.road[i]
+    if road < 0 or p.set_first[row] == p.set_first[row + 1]:
+        return 1
+    for k in range(p.set_first[row], p.set_first[row + 1] - 1, 2):
+        for by in range(max(p.set_member[k], -MOST_LANES), min(p.set_member[k + 1], MOST_LANES) + 1):
+            lane = neighbour_lane(n, road, st.lane[i], st.s[i], by, st.facing[i])
+            if lane == 0 or is_drivable(lane_type(n, road, lane, st.s[i])) == 0:
+                continue
+            same = lane_direction(n, road, lane) == lane_direction(n, road, st.lane[i])
+            if same or p.condition_flags[c] & CLEARANCE_OPPOSITE != 0:
+                return 1
+    return 0
+
+
+@compiled
+def is_clear(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where no entity is in the way of a clearance condition of entity i, and the lanes are there (esmini)."""
+    if has_lane(n, p, st, c, i) == 0:
+        return 0
+    for j in range(p.entity_count[0]):
+        if j != i and st.present[j] == 1 and in_the_way(n, p, st, c, i, j) == 1:
+            return 0
+    return 1
+
+
+ALL_LANES = 1 << 20
+"""Number of lanes that no road has: the end of a range without one."""
+
+
+def clearance_row(draft: ProgramDraft, word: RelativeClearanceCondition) -> ConditionRow:
+    """Return the row of a clearance: the set of the others that count, and after it that of ranges of lanes."""
+    others = draft.members(draft.entities[one] for one in word.of)
+    draft.members(
+        end
+        for lanes in word.lanes
+        for end in (
+            -ALL_LANES if lanes.least is None else lanes.least,
+            ALL_LANES if lanes.greatest is None else lanes.greatest,
+        )
+    )
+    flags = (CLEARANCE_FREESPACE if word.freespace else 0) | (CLEARANCE_OPPOSITE if word.opposite_lanes else 0)
+    return ConditionRow(entity=word.entity, other=others, flags=flags, const=(word.forward, word.backward))
+
+
+CLEARANCE = Condition(
+    ("clearance",),
+    clearance_row,
+    is_clear,
+    refers={"other": Allowed(Of("set that another follows", lambda p: len(p.set_first) - 2))},
+)

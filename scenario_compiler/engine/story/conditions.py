@@ -1,0 +1,91 @@
+"""When a condition fires: its value for its triggering entities, then its edge and its delay.
+
+A condition is evaluated on the states before the step. Edges need an earlier evaluation that is forgotten whenever the
+edge fires, and a delay shifts the record of the edge's results in time: all as in esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import fault
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.story.table import HOLDS, OF_THE_RUN
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def edge_of(p: Program, st: State, c: int, now: int) -> int:
+    """Return 1 where the wanted change of a condition's value has come; the first evaluation is never a change."""
+    edge = p.condition_edge[c]
+    if edge > op.EDGE_BOTH:
+        fault(st, op.FAULT_UNKNOWN_EDGE, c)
+        return 0
+    before = st.condition_before[c]
+    st.condition_before[c] = now
+    if before == 1 - now and edge != (op.EDGE_FALLING if now == 1 else op.EDGE_RISING):
+        st.condition_before[c] = op.NONE
+        return 1
+    return 0
+
+
+@compiled
+def delayed(p: Program, st: State, c: int, now: int) -> int:
+    """Return what a condition's result was one delay ago; 0 before there was any.
+
+    The record keeps changes only, in a ring of DELAY_RECORDS.
+    """
+    ring = p.condition_ring[c]
+    base = ring * op.DELAY_RECORDS
+    first = st.ring_first[ring]
+    size = st.ring_size[ring]
+    changed = 1
+    if size > 0:
+        changed = 1 if st.ring_value[base + (first + size - 1) % op.DELAY_RECORDS] != now else 0
+    if changed == 1:
+        if size == op.DELAY_RECORDS:
+            fault(st, op.FAULT_DELAY_OVERFLOW, c)
+            return 0
+        place = base + (first + size) % op.DELAY_RECORDS
+        st.ring_time[place] = st.clock[0]
+        st.ring_value[place] = now
+        size = size + 1
+    wanted = st.clock[0] - p.const[p.condition_const[c] + slot.C_DELAY] + op.TOLERANCE
+    while size > 1 and st.ring_time[base + (first + 1) % op.DELAY_RECORDS] <= wanted:
+        first = (first + 1) % op.DELAY_RECORDS
+        size = size - 1
+    st.ring_first[ring] = first
+    st.ring_size[ring] = size
+    if st.ring_time[base + first] <= wanted:
+        return st.ring_value[base + first]
+    return 0
+
+
+@compiled
+def holds_for_entities(n: RoadTables, p: Program, st: State, c: int) -> int:
+    """Return 1 where a condition holds for all its triggering entities, or for any; for none that is not there."""
+    every = p.condition_all[c]
+    for k in range(p.condition_first[c], p.condition_first[c + 1]):
+        i = p.condition_entity[k]
+        result = 0
+        if st.present[i] == 1:
+            result = HOLDS[p.condition_op[c]](n, p, st, c, i)
+        if result != every:
+            return result
+    return every
+
+
+@compiled
+def condition_fires(n: RoadTables, p: Program, st: State, c: int) -> int:
+    """Return 1 where a condition's value, edge and delay say so in this frame."""
+    if OF_THE_RUN[p.condition_op[c]] == 1:
+        result = HOLDS[p.condition_op[c]](n, p, st, c, op.NONE)
+    else:
+        result = holds_for_entities(n, p, st, c)
+    if p.condition_edge[c] != op.EDGE_NONE:
+        result = edge_of(p, st, c, result)
+    if p.condition_ring[c] >= 0:
+        result = delayed(p, st, c, result)
+    return result

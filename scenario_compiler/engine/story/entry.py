@@ -1,0 +1,71 @@
+"""`Condition`: the one declaration of a condition, from which its number, its dispatch and its checks follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.declaration import Allowed
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.rows import ConditionRow, ProgramDraft
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.story.comparing import compare
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+RULES = {
+    "lessThan": op.RULE_LESS,
+    "lessOrEqual": op.RULE_LESS_OR_EQUAL,
+    "greaterThan": op.RULE_GREATER,
+    "greaterOrEqual": op.RULE_GREATER_OR_EQUAL,
+    "equalTo": op.RULE_EQUAL,
+    "notEqualTo": op.RULE_NOT_EQUAL,
+}
+"""Codes of comparisons."""
+
+
+@compiled
+def compared(p: Program, st: State, c: int, value: float) -> int:
+    """Return 1 where a value compares with the condition's as its rule says."""
+    return compare(st, p.condition_rule[c], value, p.const[p.condition_const[c] + slot.C_VALUE])
+
+
+@compiled
+def time_compared(p: Program, st: State, c: int, time: float) -> int:
+    """Return what `compared` does of a time, 0 where the time is not defined, which is below 0."""
+    return 0 if time < 0.0 else compared(p, st, c, time)
+
+
+@compiled
+def other_is_gone(p: Program, st: State, c: int) -> int:
+    """Return 1 where a condition speaks of another entity that is not there."""
+    other = p.condition_other[c]
+    return 1 if other >= 0 and st.present[other] == 0 else 0
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition of the engine.
+
+    Attributes:
+        words: Tags of the words of the language that become it.
+        row: Makes its row from the draft and its word.
+        holds: The marked function `(n, p, st, c, i)` of the condition's row c that returns 1 where it holds: for the
+            triggering entity i, or for the run, where i is NONE.
+        of_the_run: Whether it speaks of the run as a whole, not of a triggering entity.
+        refers: What fields of its row refer to, beyond what every condition's may.
+    """
+
+    words: tuple[str, ...]
+    row: Callable[[ProgramDraft, Any], ConditionRow]
+    holds: Callable[[RoadTables, Program, State, int, int], int]
+    of_the_run: bool = False
+    refers: Mapping[str, Allowed] = field(default_factory=dict)
+
+    @property
+    def module(self) -> str:
+        """The module that executes it, below the package."""
+        return self.holds.__module__.removeprefix("scenario_compiler.")

@@ -1,0 +1,434 @@
+"""Conditions on an entity: what they measure of it, on the states before the step.
+
+As in esmini 3.6, what is not defined (the time gap to an entity behind, the time to a collision that does not come)
+fulfils no condition, and where no road leads to is far away.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+from typing import TYPE_CHECKING
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.declaration import index
+from scenario_compiler.engine.columns.numbers import angle_between, length_of, safe_sqrt
+from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
+from scenario_compiler.engine.columns.rows import FRAMES, ConditionRow, ProgramDraft
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.collision import overlap
+from scenario_compiler.engine.motion.distances import distance_between, distance_to
+from scenario_compiler.engine.motion.on_tracks import point_at
+from scenario_compiler.engine.motion.watching import (
+    WATCH_ACCELERATION,
+    WATCH_AT_END,
+    WATCH_MOTION,
+    WATCH_OFF_ROAD,
+    WATCH_STILL,
+)
+from scenario_compiler.engine.story.entry import RULES, Condition, compared, other_is_gone, time_compared
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
+from scenario_compiler.roads.tables import RoadTables
+
+if TYPE_CHECKING:
+    from scenario_compiler.vocabulary.conditions import (
+        AccelerationCondition,
+        AngleCondition,
+        CollisionCondition,
+        DistanceCondition,
+        EndOfRoadCondition,
+        OffroadCondition,
+        PositionDistanceCondition,
+        ReachPositionCondition,
+        RelativeAngleCondition,
+        RelativeSpeedCondition,
+        SpeedCondition,
+        StandstillCondition,
+        TimeHeadwayCondition,
+        TimeToCollisionCondition,
+        TraveledDistanceCondition,
+    )
+
+    Gap = TimeHeadwayCondition | DistanceCondition | TimeToCollisionCondition | PositionDistanceCondition
+
+MEASURES = {
+    "euclidianDistance": op.MEASURE_STRAIGHT,
+    "longitudinal": op.MEASURE_ALONG,
+    "lateral": op.MEASURE_ACROSS,
+}
+PARTS = {
+    "total": op.PART_TOTAL,
+    "longitudinal": op.PART_ALONG,
+    "lateral": op.PART_ACROSS,
+    "vertical": op.PART_UP,
+}
+ANGLES = {"heading": op.ANGLE_HEADING, "pitch": op.ANGLE_PITCH, "roll": op.ANGLE_ROLL}
+KINDS = {
+    "": op.KIND_ANY,
+    "vehicle": op.KIND_VEHICLE,
+    "pedestrian": op.KIND_PEDESTRIAN,
+    "miscellaneous": op.KIND_THING,
+}
+"""Codes of how distances are measured, of parts of a motion, of angles, and of kinds of entities."""
+
+
+@compiled
+def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
+    """Return the time gap to the other entity ahead, s; -1 where it is behind, or i stands or drives backwards."""
+    gap = distance_between(n, p, st, i, p.condition_other[c], p.condition_mode[c], p.condition_flags[c] & 1)
+    if gap < 0.0 or st.v[i] < op.TOLERANCE:
+        return -1.0
+    return min(gap / st.v[i], op.FAR)
+
+
+@compiled
+def closing_speed(st: State, i: int, j: int) -> float:
+    """Return how fast entity i comes up to j: the difference of speeds along the velocity of j (esmini 3.6), m/s.
+
+    Where j stands, or is none, it is the speed of i.
+    """
+    if j < 0:
+        return st.v[i]
+    speed = length_of(st.velocity_x[j], st.velocity_y[j])
+    if speed < op.TOLERANCE:
+        return st.v[i]
+    along = (st.velocity_x[i] * st.velocity_x[j] + st.velocity_y[i] * st.velocity_y[j]) / speed
+    closing = along - abs(st.v[j]) if along >= 0.0 else abs(st.v[j]) - along
+    return closing if st.v[i] >= 0.0 else -closing
+
+
+@compiled
+def time_to_collision(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
+    """Return the distance to the other entity, or the position, over the closing speed, s; -1 where there is none."""
+    other = p.condition_other[c]
+    if other >= 0:
+        gap = distance_between(n, p, st, i, other, p.condition_mode[c], p.condition_flags[c] & 1)
+    else:
+        gap = distance_to(n, p, st, i, p.condition_position[c], p.condition_mode[c], p.condition_flags[c] & 1)
+    closing = closing_speed(st, i, other)
+    if abs(gap) < op.TOLERANCE or abs(closing) < op.TOLERANCE:
+        return -1.0
+    time = gap / closing
+    return min(time, op.FAR) if time >= 0.0 else -1.0
+
+
+@compiled
+def part_of(st: State, i: int, x: float, y: float, z: float, part: int) -> float:
+    """Return the part of a vector of the world that is asked for, in an entity's own axes, or the vector's length."""
+    if part == op.PART_ALONG:
+        return x * cos(st.h[i]) + y * sin(st.h[i])
+    if part == op.PART_ACROSS:
+        return y * cos(st.h[i]) - x * sin(st.h[i])
+    if part == op.PART_TOTAL:
+        return safe_sqrt(x * x + y * y + z * z)
+    return z
+
+
+@compiled
+def relative_speed(st: State, i: int, j: int, part: int) -> float:
+    """Return how much faster i is than j: by their speeds, or by a part of the relative velocity in i's axes."""
+    if part == op.PART_TOTAL:
+        return st.v[i] - st.v[j]
+    x = st.velocity_x[i] - st.velocity_x[j]
+    y = st.velocity_y[i] - st.velocity_y[j]
+    return part_of(st, i, x, y, st.velocity_z[i] - st.velocity_z[j], part)
+
+
+@compiled
+def own_angle(st: State, i: int, kind: int) -> float:
+    """Return an entity's heading, pitch or roll in the world."""
+    if kind == op.ANGLE_HEADING:
+        return st.h[i]
+    return st.pitch[i] if kind == op.ANGLE_PITCH else st.roll[i]
+
+
+@compiled
+def angle_of(n: RoadTables, st: State, i: int, kind: int, frame: int) -> float:
+    """Return an entity's angle in the world, or against the road (along s) or the lane (its travel) below it."""
+    angle = own_angle(st, i, kind)
+    if frame in (op.FRAME_WORLD, op.FRAME_ENTITY) or st.road[i] < 0:
+        return angle
+    _, _, _, h, pitch, roll = lane_pose(n, st.road[i], st.lane[i], st.s[i], st.off[i])
+    sense = 1.0
+    if frame != op.FRAME_ROAD and lane_direction(n, st.road[i], st.lane[i]) < 0:
+        h = h + pi
+        sense = -1.0
+    if kind == op.ANGLE_HEADING:
+        return angle - h
+    return angle - sense * (pitch if kind == op.ANGLE_PITCH else roll)
+
+
+@compiled
+def speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the speed, or a part of it, compares."""
+    del n
+    part = p.condition_mode[c]
+    if part == op.PART_TOTAL:
+        return compared(p, st, c, st.v[i])
+    return compared(p, st, c, part_of(st, i, st.velocity_x[i], st.velocity_y[i], st.velocity_z[i], part))
+
+
+@compiled
+def acceleration_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the acceleration, or a part of it, compares."""
+    del n
+    part = p.condition_mode[c]
+    return compared(p, st, c, part_of(st, i, st.acceleration_x[i], st.acceleration_y[i], st.acceleration_z[i], part))
+
+
+@compiled
+def traveled_distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the distance covered compares."""
+    del n
+    return compared(p, st, c, st.odometer[i])
+
+
+@compiled
+def standstill_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the time of standing compares."""
+    del n
+    return time_compared(p, st, c, st.still[i])
+
+
+@compiled
+def end_of_road_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the time at the end of a road compares."""
+    del n
+    return time_compared(p, st, c, st.at_end[i])
+
+
+@compiled
+def off_road_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the time off every lane compares."""
+    del n
+    return time_compared(p, st, c, st.off_road[i])
+
+
+@compiled
+def time_headway_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the time gap compares."""
+    if other_is_gone(p, st, c) == 1:
+        return 0
+    return time_compared(p, st, c, headway(n, p, st, c, i))
+
+
+@compiled
+def time_to_collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the time to a collision compares."""
+    if other_is_gone(p, st, c) == 1:
+        return 0
+    return time_compared(p, st, c, time_to_collision(n, p, st, c, i))
+
+
+@compiled
+def distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the distance to another entity compares; FAR where no road leads there."""
+    if other_is_gone(p, st, c) == 1:
+        return 0
+    freespace = p.condition_flags[c] & 1
+    gap = distance_between(n, p, st, i, p.condition_other[c], p.condition_mode[c], freespace)
+    return compared(p, st, c, abs(gap))
+
+
+@compiled
+def position_distance_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the distance to a position compares; FAR where no road leads there."""
+    gap = distance_to(n, p, st, i, p.condition_position[c], p.condition_mode[c], p.condition_flags[c] & 1)
+    return compared(p, st, c, abs(gap))
+
+
+@compiled
+def relative_speed_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the speed relative to another entity compares."""
+    del n
+    if other_is_gone(p, st, c) == 1:
+        return 0
+    return compared(p, st, c, relative_speed(st, i, p.condition_other[c], p.condition_mode[c]))
+
+
+@compiled
+def reach_position_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the distance to a point compares; FAR where the point lies nowhere."""
+    found, x, y = point_at(n, p, st, p.condition_position[c], i)
+    if found == 0:
+        return compared(p, st, c, op.FAR)
+    return compared(p, st, c, length_of(st.x[i] - x, st.y[i] - y))
+
+
+@compiled
+def collision_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the box of i overlaps that of the entity meant, or of any of the kind that is meant."""
+    del n
+    other = p.condition_other[c]
+    if other >= 0:
+        return overlap(p, st, i, other)
+    kind = p.condition_mode[c]
+    for j in range(p.entity_count[0]):
+        if j != i and (kind == 0 or p.entity_type[j] == kind) and overlap(p, st, i, j) == 1:
+            return 1
+    return 0
+
+
+@compiled
+def angle_compares(p: Program, c: int, angle: float) -> int:
+    """Return 1 where an angle is the condition's, within its tolerance."""
+    base = p.condition_const[c]
+    away = abs(angle_between(angle, p.const[base + slot.C_VALUE]))
+    return 1 if away <= p.const[base + slot.C_TOLERANCE] + op.TOLERANCE else 0
+
+
+@compiled
+def angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where an angle of the entity is the condition's."""
+    mode = p.condition_mode[c]
+    return angle_compares(p, c, angle_of(n, st, i, mode % 4, mode // 4))
+
+
+@compiled
+def relative_angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
+    """Return 1 where the angle to another entity is the condition's."""
+    del n
+    if other_is_gone(p, st, c) == 1:
+        return 0
+    other = p.condition_other[c]
+    kind = p.condition_mode[c]
+    return angle_compares(p, c, own_angle(st, other, kind) - own_angle(st, i, kind))
+
+
+def _gap(word: Gap, other: int, position: int) -> ConditionRow:
+    return ConditionRow(
+        RULES[word.rule],
+        word.below,
+        word.entity,
+        other=other,
+        mode=4 * FRAMES[word.coordinates] + MEASURES[word.distance],
+        flags=1 if word.freespace else 0,
+        position=position,
+    )
+
+
+def time_headway_row(draft: ProgramDraft, word: TimeHeadwayCondition) -> ConditionRow:
+    """Return the row of a time gap."""
+    return _gap(word, draft.entities[word.to], op.NONE)
+
+
+def distance_row(draft: ProgramDraft, word: DistanceCondition) -> ConditionRow:
+    """Return the row of a distance to another entity."""
+    return _gap(word, draft.entities[word.to], op.NONE)
+
+
+def position_distance_row(draft: ProgramDraft, word: PositionDistanceCondition) -> ConditionRow:
+    """Return the row of a distance to a position."""
+    return _gap(word, op.NONE, draft.position(word.position))
+
+
+def time_to_collision_row(draft: ProgramDraft, word: TimeToCollisionCondition) -> ConditionRow:
+    """Return the row of a time to a collision.
+
+    Raises:
+        ValueError: Neither an entity nor a position is named.
+    """
+    draft.program.watches[0] |= WATCH_MOTION
+    if word.to:
+        return _gap(word, draft.entities[word.to], op.NONE)
+    if word.position is None:
+        raise ValueError("a time to collision is to an entity or a position")
+    return _gap(word, op.NONE, draft.position(word.position))
+
+
+def _part(draft: ProgramDraft, direction: str) -> int:
+    """Return the code of a part of a motion, and let it be measured."""
+    if direction != "total":
+        draft.program.watches[0] |= WATCH_MOTION
+    return PARTS[direction]
+
+
+def speed_row(draft: ProgramDraft, word: SpeedCondition) -> ConditionRow:
+    """Return the row of a speed."""
+    return ConditionRow(RULES[word.rule], word.value, word.entity, mode=_part(draft, word.direction))
+
+
+def relative_speed_row(draft: ProgramDraft, word: RelativeSpeedCondition) -> ConditionRow:
+    """Return the row of a speed relative to another entity."""
+    part, other = _part(draft, word.direction), draft.entities[word.to]
+    return ConditionRow(RULES[word.rule], word.value, word.entity, other=other, mode=part)
+
+
+def acceleration_row(draft: ProgramDraft, word: AccelerationCondition) -> ConditionRow:
+    """Return the row of an acceleration."""
+    draft.program.watches[0] |= WATCH_MOTION | WATCH_ACCELERATION
+    return ConditionRow(RULES[word.rule], word.value, word.entity, mode=PARTS[word.direction])
+
+
+def reach_position_row(draft: ProgramDraft, word: ReachPositionCondition) -> ConditionRow:
+    """Return the row of a position that is reached."""
+    return ConditionRow(value=word.tolerance, entity=word.entity, position=draft.position(word.position))
+
+
+def traveled_distance_row(draft: ProgramDraft, word: TraveledDistanceCondition) -> ConditionRow:
+    """Return the row of a distance covered."""
+    del draft
+    return ConditionRow(op.RULE_GREATER_OR_EQUAL, word.distance, word.entity)
+
+
+def standstill_row(draft: ProgramDraft, word: StandstillCondition) -> ConditionRow:
+    """Return the row of a time of standing."""
+    draft.program.watches[0] |= WATCH_STILL
+    return ConditionRow(op.RULE_GREATER, word.duration, word.entity)
+
+
+def off_road_row(draft: ProgramDraft, word: OffroadCondition) -> ConditionRow:
+    """Return the row of a time off every lane."""
+    draft.program.watches[0] |= WATCH_OFF_ROAD
+    return ConditionRow(op.RULE_GREATER_OR_EQUAL, word.duration, word.entity)
+
+
+def end_of_road_row(draft: ProgramDraft, word: EndOfRoadCondition) -> ConditionRow:
+    """Return the row of a time at the end of a road."""
+    draft.program.watches[0] |= WATCH_AT_END
+    return ConditionRow(op.RULE_GREATER_OR_EQUAL, word.duration, word.entity)
+
+
+def collision_row(draft: ProgramDraft, word: CollisionCondition) -> ConditionRow:
+    """Return the row of a collision."""
+    other = draft.entities[word.with_entity] if word.with_entity else op.NONE
+    return ConditionRow(entity=word.entity, other=other, mode=KINDS[word.with_type])
+
+
+def angle_row(draft: ProgramDraft, word: AngleCondition) -> ConditionRow:
+    """Return the row of an angle."""
+    del draft
+    mode = 4 * FRAMES[word.coordinates] + ANGLES[word.kind]
+    return ConditionRow(value=word.value, entity=word.entity, mode=mode, const=(word.tolerance,))
+
+
+def relative_angle_row(draft: ProgramDraft, word: RelativeAngleCondition) -> ConditionRow:
+    """Return the row of an angle to another entity."""
+    return ConditionRow(
+        value=word.value,
+        entity=word.entity,
+        other=draft.entities[word.to],
+        mode=ANGLES[word.kind],
+        const=(word.tolerance,),
+    )
+
+
+BETWEEN = {"other": index(ENTITY)}
+AT = {"position": index(POSITION)}
+
+SPEED = Condition(("speed",), speed_row, speed_holds)
+ACCELERATION = Condition(("acceleration",), acceleration_row, acceleration_holds)
+TRAVELED_DISTANCE = Condition(("traveled",), traveled_distance_row, traveled_distance_holds)
+STANDSTILL = Condition(("standstill",), standstill_row, standstill_holds)
+END_OF_ROAD = Condition(("end_of_road",), end_of_road_row, end_of_road_holds)
+OFF_ROAD = Condition(("off_road",), off_road_row, off_road_holds)
+TIME_HEADWAY = Condition(("time_gap",), time_headway_row, time_headway_holds, refers=BETWEEN)
+TIME_TO_COLLISION = Condition(("time_to_collision",), time_to_collision_row, time_to_collision_holds)
+DISTANCE = Condition(("distance",), distance_row, distance_holds, refers=BETWEEN)
+POSITION_DISTANCE = Condition(("distance_to_position",), position_distance_row, position_distance_holds, refers=AT)
+RELATIVE_SPEED = Condition(("relative_speed",), relative_speed_row, relative_speed_holds, refers=BETWEEN)
+REACH_POSITION = Condition(("reached",), reach_position_row, reach_position_holds, refers=AT)
+COLLISION = Condition(("collision",), collision_row, collision_holds)
+ANGLE = Condition(("angle",), angle_row, angle_holds)
+RELATIVE_ANGLE = Condition(("relative_angle",), relative_angle_row, relative_angle_holds, refers=BETWEEN)

@@ -1,0 +1,39 @@
+"""Running actions: each is stepped once a frame, and completes what it completes when it is done."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.moves.table import STEPS
+from scenario_compiler.engine.story.storyboard import action_done
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def step_action(n: RoadTables, p: Program, st: State, k: int, dt: float) -> None:
+    """Step one running action and complete it where it is done."""
+    if STEPS[p.action_op[k]](n, p, st, k, dt) == 1:
+        action_done(p, st, k, 2 * (st.frame[0] + 1))
+
+
+@compiled
+def run_actions(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Step all running actions: the init's, then the story's in document order, below running elements."""
+    if st.init_acting[0] == 1:
+        st.init_acting[0] = 0
+        for c in range(p.init_count[0]):
+            if st.action_state[p.init_action[c]] == op.RUNNING:
+                st.init_acting[0] = 1
+                step_action(n, p, st, p.init_action[c], dt)
+    if st.acting[0] == 0:
+        return
+    e = 0
+    while e < p.element_count[0]:
+        if st.element_state[e] != op.RUNNING:
+            e = p.element_end[e]
+            continue
+        if p.element_kind[e] == op.ELEMENT_ACTION and p.element_action[e] >= 0:
+            step_action(n, p, st, p.element_action[e], dt)
+        e = e + 1

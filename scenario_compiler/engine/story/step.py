@@ -1,0 +1,185 @@
+"""One time step, a run, and a sweep of runs.
+
+`reset` gives the row of t = 0, with the frame of length 0 that ends the init. `step` then does, for the time t_k: the
+stop trigger, the triggers of the storyboard, the actions; at control steps what the ego senses, the takeover machine
+and who drives; it moves time and all entities on by one step and takes stock. So a condition that is true at t_k
+shows in the row of t_k + dt. A world that moves the ego itself does so between `move_step`, after which all others are
+where they will be, and `end_step`, which takes stock of it too.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.numbers import length_of
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.automation import control_ego
+from scenario_compiler.engine.ego.controllers import hold_inputs
+from scenario_compiler.engine.ego.failures import update_camera
+from scenario_compiler.engine.ego.weather import update_weather
+from scenario_compiler.engine.motion.collision import check_collisions, update_boxes
+from scenario_compiler.engine.motion.entities import move_entities, take_stock
+from scenario_compiler.engine.motion.trailers import draw_trailers
+from scenario_compiler.engine.motion.watching import begin_watches
+from scenario_compiler.engine.moves.signals import update_signals
+from scenario_compiler.engine.story.acting import start_action
+from scenario_compiler.engine.story.reset import reset_columns
+from scenario_compiler.engine.story.running import run_actions
+from scenario_compiler.engine.story.storyboard import displace, run_triggers, trigger_fires
+from scenario_compiler.engine.traffic.driving import move_traffic
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_pose
+from scenario_compiler.roads.tables import RoadTables
+
+ARRIVED = 5.0
+"""Distance to the destination at which a run ends, m."""
+
+STANDING_TIME = 3.0
+"""Time at a standstill, after the minimum-risk manoeuvre, a driver's stop or a collision, that ends a run, s."""
+
+
+@compiled
+def drives_ego(p: Program) -> int:
+    """Return 1 where the ego is driven by commands, so that the takeover is about it."""
+    ego = p.ego[0]
+    if ego < 0:
+        return 0
+    return 1 if p.entity_motion[ego] == op.MOTION_BICYCLE or p.entity_motion[ego] == op.MOTION_POSED else 0
+
+
+@compiled
+def play_story(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Run the triggers and then the actions of one frame."""
+    run_triggers(n, p, st)
+    run_actions(n, p, st, dt)
+
+
+@compiled
+def finish_frame(n: RoadTables, p: Program, st: State, dt: float) -> None:
+    """Take stock after all have moved."""
+    take_stock(n, p, st, dt)
+    if p.failure_count[0] > 0:
+        update_camera(p, st)
+    if st.weather_to[0] >= 0:
+        update_weather(p, st)
+    if p.controller_count[0] > 0:
+        update_signals(p, st)
+    if st.flag[0] != op.FAULT_NONE:
+        return
+    update_boxes(p, st)
+    check_collisions(p, st)
+
+
+@compiled
+def reset(n: RoadTables, p: Program, st: State) -> None:
+    """Put the state to the row of t = 0: start poses, init actions in order, and a frame of length 0."""
+    reset_columns(n, p, st)
+    if st.flag[0] != op.FAULT_NONE:
+        return
+    for c in range(p.init_count[0]):
+        displace(p, st, p.init_action[c], 0)
+        start_action(n, p, st, p.init_action[c], -1)
+    update_boxes(p, st)
+    begin_watches(p, st)
+    update_signals(p, st)
+    play_story(n, p, st, 0.0)
+    if st.trains[0] > 0:
+        draw_trailers(n, p, st)
+    finish_frame(n, p, st, 0.0)
+
+
+@compiled
+def begin_step(n: RoadTables, p: Program, st: State) -> int:
+    """Do a step up to the ego's commands; return 0, with `stop` set, where the run is over and no row follows."""
+    if st.stop[0] != op.STOP_NONE:
+        return 0
+    if p.stop_trigger[0] >= 0 and trigger_fires(n, p, st, p.stop_trigger[0]) == 1:
+        st.stop[0] = op.STOP_TRIGGER
+        return 0
+    st.frame[0] += 1
+    play_story(n, p, st, p.const[slot.K_STEP])
+    if drives_ego(p) == 1:
+        if (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
+            control_ego(n, p, st, p.ego[0])
+        hold_inputs(p, st, p.ego[0])
+    if st.flag[0] != op.FAULT_NONE:
+        return 0
+    return 1
+
+
+@compiled
+def note_stop_by_hand(st: State) -> None:
+    """Log that the driver has brought the ego to a standstill."""
+    if st.time_standstill[0] < 0.0:
+        st.time_standstill[0] = st.clock[0]
+    log_event(st, op.EVENT_STANDSTILL, 1.0)
+
+
+@compiled
+def watch_standstill(p: Program, st: State) -> None:
+    """End a run whose ego has stood for a while after a stop that ends the conflict."""
+    ego = p.ego[0]
+    state = st.takeover_state[0]
+    ended = st.crashed[0] == 1 or state in (op.TAKEOVER_STANDSTILL, op.TAKEOVER_MANUAL)
+    if st.v[ego] >= op.STANDING or not ended:
+        st.still_since[0] = -1.0
+        return
+    if st.still_since[0] < 0.0:
+        st.still_since[0] = st.clock[0]
+        if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0:
+            note_stop_by_hand(st)
+    if st.clock[0] - st.still_since[0] >= STANDING_TIME - 1.0e-6:
+        st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL
+
+
+@compiled
+def at_destination(n: RoadTables, p: Program, st: State) -> int:
+    """Return 1 where the ego is near its destination."""
+    road = p.destination_road[0]
+    if road < 0:
+        return 0
+    s = p.const[slot.K_DESTINATION_S]
+    x, y, _, _, _, _ = lane_pose(n, road, p.destination_lane[0], s, p.const[slot.K_DESTINATION_OFFSET])
+    ego = p.ego[0]
+    return 1 if length_of(x - st.x[ego], y - st.y[ego]) <= ARRIVED else 0
+
+
+@compiled
+def move_step(n: RoadTables, p: Program, st: State) -> None:
+    """Move time and all entities on that the engine moves."""
+    dt = p.const[slot.K_STEP]
+    st.clock[0] += dt
+    move_entities(n, p, st, dt)
+    if p.traffic_count[0] > 0:
+        move_traffic(n, p, st, dt)
+    if st.trains[0] > 0:
+        draw_trailers(n, p, st)
+
+
+@compiled
+def end_step(n: RoadTables, p: Program, st: State) -> None:
+    """Take stock of where all are now; set `stop` where this row is the last."""
+    finish_frame(n, p, st, p.const[slot.K_STEP])
+    if st.flag[0] != op.FAULT_NONE:
+        return
+    if drives_ego(p) == 1:
+        watch_standstill(p, st)
+        if st.stop[0] == op.STOP_NONE and at_destination(n, p, st) == 1:
+            st.stop[0] = op.STOP_DESTINATION
+    if st.stop[0] == op.STOP_NONE and st.clock[0] >= p.const[slot.K_DURATION] - 1.0e-6:
+        st.stop[0] = op.STOP_DURATION
+
+
+@compiled
+def step(n: RoadTables, p: Program, st: State) -> int:
+    """Do one step; return 1 where it made a new row, 0 where the run was over before it.
+
+    `stop` may be set with either: the row made is then the last.
+    """
+    if begin_step(n, p, st) == 0:
+        return 0
+    move_step(n, p, st)
+    end_step(n, p, st)
+    return 1

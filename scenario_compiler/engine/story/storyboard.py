@@ -1,0 +1,240 @@
+"""The storyboard: triggers, and the states of stories, acts, groups, maneuvers, events and actions.
+
+A frame has two passes. `run_triggers` goes through the elements in document order, parents before children, on the
+states before the step; what starts there acts in the same frame. `run_actions` (in `running`) steps the running
+actions and calls `action_done`, which completes parents at once. A transition leaves a mark, by which conditions see it
+for one frame (see `conditions`): twice the frame and one in a pass of triggers, twice the next frame while actions are
+run. After esmini 3.6.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.moves.entry import HOLDS_LANE, HOLDS_SPEED
+from scenario_compiler.engine.moves.table import HOLDS
+from scenario_compiler.engine.story.acting import end_action, start_action
+from scenario_compiler.engine.story.conditions import condition_fires
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
+    """Return 1 where all conditions of any group of a trigger fire; one without groups never fires.
+
+    All groups are evaluated. After a false condition the later ones of its group are not, so their memory of edges
+    grows stale, unless they have a delay.
+    """
+    fires = 0
+    for g in range(p.trigger_first[trigger], p.trigger_first[trigger + 1]):
+        all_fire = 1
+        for c in range(p.group_first[g], p.group_first[g + 1]):
+            if (all_fire == 1 or p.condition_ring[c] >= 0) and condition_fires(n, p, st, c) == 0:
+                all_fire = 0
+        if all_fire == 1:
+            fires = 1
+    return fires
+
+
+@compiled
+def start_element(p: Program, st: State, e: int, mark: int) -> None:
+    """Set an element running."""
+    st.element_state[e] = op.RUNNING
+    st.element_runs[e] += 1
+    st.element_started[e] = mark
+
+
+@compiled
+def stop_below(p: Program, st: State, e: int, mark: int) -> None:
+    """Stop an element and all that runs below it, actions included."""
+    for k in range(e, p.element_end[e]):
+        if st.element_state[k] == op.RUNNING:
+            st.element_stopped[k] = mark
+            if p.element_kind[k] == op.ELEMENT_EVENT:
+                st.element_busy[p.element_parent[k]] -= 1
+            if p.element_kind[k] == op.ELEMENT_ACTION and p.element_action[k] >= 0:
+                end_action(p, st, p.element_action[k])
+        st.element_state[k] = op.COMPLETE
+
+
+@compiled
+def rest_below(p: Program, st: State, e: int) -> None:
+    """Put everything below an element to standby with no executions, for its next one."""
+    for k in range(e + 1, p.element_end[e]):
+        st.element_state[k] = op.STANDBY
+        st.element_runs[k] = 0
+
+
+@compiled
+def children_complete(p: Program, st: State, e: int) -> int:
+    """Return 1 where all children of an element are complete."""
+    k = e + 1
+    while k < p.element_end[e]:
+        if st.element_state[k] != op.COMPLETE:
+            return 0
+        k = p.element_end[k]
+    return 1
+
+
+@compiled
+def parent_done(p: Program, st: State, e: int) -> int:
+    """Return the running parent of a complete element where all its children are complete, else NONE."""
+    parent = p.element_parent[e]
+    if parent < 0 or st.element_state[parent] != op.RUNNING:
+        return op.NONE
+    after = p.element_end[e]
+    if after < p.element_end[parent] and st.element_state[after] != op.COMPLETE:
+        return op.NONE
+    return parent if children_complete(p, st, parent) == 1 else op.NONE
+
+
+@compiled
+def complete_element(p: Program, st: State, e: int, mark: int) -> None:
+    """End an element, and its parents as far as all their children are complete.
+
+    An event or group with executions left goes back to standby instead.
+    """
+    at = e
+    while at >= 0:
+        st.element_ended[at] = mark
+        kind = p.element_kind[at]
+        if kind == op.ELEMENT_EVENT:
+            st.element_busy[p.element_parent[at]] -= 1
+            log_event(st, op.EVENT_STORYBOARD_END, 1.0 * at)
+        again = kind in (op.ELEMENT_EVENT, op.ELEMENT_GROUP)
+        if again and st.element_runs[at] < p.element_limit[at]:
+            st.element_state[at] = op.STANDBY
+            rest_below(p, st, at)
+            return
+        st.element_state[at] = op.COMPLETE
+        at = parent_done(p, st, at)
+
+
+@compiled
+def action_done(p: Program, st: State, k: int, mark: int) -> None:
+    """End an action of the story or the init, and complete what that completes."""
+    end_action(p, st, k)
+    e = st.action_element[k]
+    if e >= 0 and st.element_state[e] == op.RUNNING:
+        complete_element(p, st, e, mark)
+
+
+@compiled
+def displace(p: Program, st: State, k: int, mark: int) -> None:
+    """End what runs on the domains (speed, lane) of the entity that action k is about to take."""
+    i = p.action_entity[k]
+    if i < 0:
+        return
+    holds = HOLDS[p.action_op[k]]
+    older = st.longitudinal[i]
+    if holds & HOLDS_SPEED != 0 and older >= 0 and older != k:
+        action_done(p, st, older, mark)
+    older = st.lateral[i]
+    if holds & HOLDS_LANE != 0 and older >= 0 and older != k and older < p.action_count[0]:
+        action_done(p, st, older, mark)
+
+
+@compiled
+def start_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
+    """Start an event and its actions, in order; each ends the action that holds its entity's domain."""
+    start_element(p, st, e, mark)
+    st.element_busy[p.element_parent[e]] += 1
+    log_event(st, op.EVENT_STORYBOARD_START, 1.0 * e)
+    for c in range(e + 1, p.element_end[e]):
+        start_element(p, st, c, mark)
+        k = p.element_action[c]
+        if k >= 0:
+            displace(p, st, k, mark)
+            start_action(n, p, st, k, c)
+
+
+@compiled
+def child_at(p: Program, parent: int, e: int) -> int:
+    """Return the child of an element that holds element e."""
+    at = e
+    while p.element_parent[at] != parent:
+        at = p.element_parent[at]
+    return at
+
+
+@compiled
+def stop_siblings(p: Program, st: State, e: int, mark: int) -> None:
+    """Stop the other running events of the same maneuver; executions that they have left are lost.
+
+    They are looked for backwards from the event, then forwards: the one that runs is mostly the one before.
+    """
+    parent = p.element_parent[e]
+    k = e - 1
+    while k > parent and st.element_busy[parent] > 0:
+        k = child_at(p, parent, k)
+        if st.element_state[k] == op.RUNNING:
+            stop_below(p, st, k, mark)
+        k = k - 1
+    k = p.element_end[e]
+    while k < p.element_end[parent] and st.element_busy[parent] > 0:
+        if st.element_state[k] == op.RUNNING:
+            stop_below(p, st, k, mark)
+        k = p.element_end[k]
+
+
+@compiled
+def try_event(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
+    """Start an event in standby where its trigger fires and its priority lets it."""
+    trigger = p.element_start[e]
+    if trigger >= 0 and trigger_fires(n, p, st, trigger) == 0:
+        return
+    priority = p.element_priority[e]
+    if priority == op.PRIORITY_SKIP and st.element_busy[p.element_parent[e]] > 0:
+        st.element_skipped[e] = mark
+        return
+    if priority == op.PRIORITY_OVERRIDE:
+        stop_siblings(p, st, e, mark)
+    start_event(n, p, st, e, mark)
+    if p.element_end[e] == e + 1:
+        complete_element(p, st, e, mark)
+
+
+@compiled
+def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
+    """Stop a running act whose stop trigger fires.
+
+    That stop is an end of the act too (esmini 3.6): conditions see both transitions.
+    """
+    if trigger_fires(n, p, st, p.element_stop[e]) == 0:
+        return
+    stop_below(p, st, e, mark)
+    st.element_ended[e] = mark
+    parent = parent_done(p, st, e)
+    if parent >= 0:
+        complete_element(p, st, parent, mark)
+
+
+@compiled
+def run_triggers(n: RoadTables, p: Program, st: State) -> None:
+    """Go through all elements in document order; what stands below an element that does not run is passed over."""
+    e = 0
+    mark = 2 * st.frame[0] + 1
+    st.acting[0] = 0
+    count = p.element_count[0]
+    while e < count:
+        kind = p.element_kind[e]
+        state = st.element_state[e]
+        if state == op.STANDBY:
+            if kind == op.ELEMENT_EVENT:
+                try_event(n, p, st, e, mark)
+            elif p.element_start[e] < 0 or trigger_fires(n, p, st, p.element_start[e]) == 1:
+                start_element(p, st, e, mark)
+            state = st.element_state[e]
+        if state == op.RUNNING and p.element_stop[e] >= 0:
+            try_stop(n, p, st, e, mark)
+            state = st.element_state[e]
+        if state != op.RUNNING:
+            e = p.element_end[e]
+        elif kind == op.ELEMENT_EVENT:
+            st.acting[0] = 1
+            e = p.element_end[e]
+        else:
+            e = e + 1

@@ -1,0 +1,119 @@
+"""Many variants of one plan in one call, each a row of numbers and a row of draws.
+
+All arrays are flat: `rows` holds the numbers of `Program.const` variant by variant, `draws` DRAWS_PER_RUN of them,
+`out` gets SUMMARY_SIZE numbers a variant and `trace` the rows of its run.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.trace import SUMMARY_SIZE, TRACE_FIELDS, TRACE_HEAD
+from scenario_compiler.engine.story.step import reset, step
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
+    """Write the row of now into a trace from `base` on; return where the next one goes."""
+    trace[base] = st.clock[0]
+    trace[base + 1] = 1.0 * st.takeover_state[0]
+    trace[base + 2] = 1.0 * st.cause[0]
+    trace[base + 3] = st.conf_left[0]
+    trace[base + 4] = st.conf_right[0]
+    trace[base + 5] = st.health[0]
+    trace[base + 6] = st.blocked_distance[0]
+    trace[base + 7] = st.lane_end_distance[0]
+    at = base + TRACE_HEAD
+    for i in range(p.entity_count[0]):
+        trace[at] = st.x[i]
+        trace[at + 1] = st.y[i]
+        trace[at + 2] = st.z[i]
+        trace[at + 3] = st.h[i]
+        trace[at + 4] = st.v[i]
+        trace[at + 5] = st.a[i]
+        trace[at + 6] = st.steer[i]
+        trace[at + 7] = 1.0 * st.road[i]
+        trace[at + 8] = 1.0 * st.lane[i]
+        trace[at + 9] = st.s[i]
+        trace[at + 10] = st.off[i]
+        trace[at + 11] = st.throttle[i]
+        trace[at + 12] = st.brake[i]
+        trace[at + 13] = 1.0 * st.present[i]
+        at = at + TRACE_FIELDS
+    return at
+
+
+@compiled
+def first_logged(st: State, kind: int) -> int:
+    """Return the place in the log of the first event of a kind, -1 where there is none."""
+    for at in range(min(st.log_count[0], op.LOG_SIZE)):
+        if st.log_kind[at] == kind:
+            return at
+    return -1
+
+
+@compiled
+def summarise(st: State, rows: int, out: list[float], base: int) -> None:
+    """Write the summary of a run that is over into `out` from `base` on, by `SUMMARY`."""
+    out[base] = 1.0 * rows
+    out[base + 1] = 1.0 * st.stop[0]
+    out[base + 2] = 1.0 * st.flag[0]
+    out[base + 3] = st.time_warning[0]
+    out[base + 4] = st.time_request[0]
+    out[base + 5] = st.time_escalation[0]
+    out[base + 6] = st.time_response[0]
+    out[base + 7] = st.time_minimum_risk[0]
+    out[base + 8] = st.time_standstill[0]
+    crash = first_logged(st, op.EVENT_COLLISION)
+    out[base + 9] = st.log_time[max(crash, 0)] if crash >= 0 else -1.0
+    out[base + 10] = st.log_value[max(crash, 0)] if crash >= 0 else -1.0
+
+
+@compiled
+def run_variant(n: RoadTables, p: Program, st: State, limit: int, trace: list[float], base: int, every: int) -> int:
+    """Run from reset to stop, at most `limit` steps; return the number of rows, that of t = 0 included.
+
+    With `every` above 0, each such row goes into the trace from `base` on, as long as it has room.
+    """
+    reset(n, p, st)
+    rows = 1
+    at = base
+    size = TRACE_HEAD + TRACE_FIELDS * p.entity_count[0]
+    if every > 0 and at + size <= len(trace):
+        at = trace_row(p, st, trace, at)
+    while st.stop[0] == op.STOP_NONE and rows <= limit and step(n, p, st) == 1:
+        if every > 0 and rows % every == 0 and at + size <= len(trace):
+            at = trace_row(p, st, trace, at)
+        rows = rows + 1
+    return rows
+
+
+@compiled
+def sweep(
+    n: RoadTables,
+    p: Program,
+    st: State,
+    count: int,
+    rows: list[float],
+    draws: list[float],
+    limit: int,
+    trace: list[float],
+    stride: int,
+    every: int,
+    out: list[float],
+) -> None:
+    """Run `count` variants.
+
+    Variant k's trace starts at k * stride, with a row each `every` steps (0: none), its summary at k * SUMMARY_SIZE.
+    """
+    width = len(p.const)
+    for k in range(count):
+        for q in range(width):
+            p.const[q] = rows[k * width + q]
+        for q in range(op.DRAWS_PER_RUN):
+            st.draw[q] = draws[k * op.DRAWS_PER_RUN + q]
+        made = run_variant(n, p, st, limit, trace, k * stride, every)
+        summarise(st, made, out, k * SUMMARY_SIZE)

@@ -1,0 +1,1 @@
+"""Background traffic: how it drives, where it appears and disappears."""

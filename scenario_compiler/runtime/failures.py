@@ -1,0 +1,13 @@
+"""What ends a run before its end beside a lost world, a failed controller and a number that is none."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Code
+
+ENGINE_BROKE_OFF = Code(
+    "SC522",
+    "engine-broke-off",
+    "The engine's arithmetic had no result, such as a division by zero: a fault of the program, not of the scenario. "
+    "What was recorded until then is kept. Please report it with the scenario and the seed."
+    "\n\n    scenario-compiler run conflict.xml --seed 7 --interpreted     gives the same with Python's own debugger",
+)

@@ -1,0 +1,139 @@
+"""A world that moves the ego by its own physics, one that is lost, and one that notices things by itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenario_compiler import Plan, Recording, compile_scenario, judge, load_network, open_world, run
+from scenario_compiler.compiler import Overrides
+from scenario_compiler.recording.store import read_recording, write_recording
+from scenario_compiler.roads import Network, Pose
+from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot, WorldError, WorldEvent
+from scenario_compiler.worlds.kinematic import KinematicWorld
+
+STEER_RATE = 0.7
+"""Greatest rate of the front wheels' angle, rad/s, as the built-in vehicle has it."""
+
+MOST_SPEED = 1.0e3
+"""Far above what any vehicle of these runs reaches, m/s."""
+
+
+class OwnPhysics(KinematicWorld):
+    """The kinematic bicycle about the rear axle once more, in a world of its own."""
+
+    moves_ego = True
+
+    def __init__(self, plan: Plan, network: Network) -> None:
+        super().__init__(plan, network)
+        self.state: EgoState | None = None
+
+    def reset(self, snapshot: Snapshot, seed: int) -> None:
+        """Take over the ego where it starts."""
+        ego = snapshot.entities[0]
+        self.state = EgoState(ego.pose, ego.speed, 0.0, 0.0, 0.0)
+        super().reset(snapshot, seed)
+
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
+        """Move the ego."""
+        assert self.state is not None
+        vehicle, dt, before = self.plan.ego.vehicle, self.plan.step, self.state
+        throttle, brake = min(max(command.throttle, 0.0), 1.0), min(max(command.brake, 0.0), 1.0)
+        gain = throttle * vehicle.max_acceleration - brake * vehicle.max_deceleration
+        speed = min(max(before.speed + gain * dt, 0.0), MOST_SPEED)
+        wanted = min(max(command.steer, -1.0), 1.0) * math.radians(vehicle.max_steer)
+        turned = min(max(wanted - before.steering, -STEER_RATE * dt), STEER_RATE * dt)
+        steering = before.steering + turned
+        swing = speed * math.tan(steering) / vehicle.wheelbase * dt
+        middle = before.pose.heading + 0.5 * swing
+        x = before.pose.x + speed * dt * math.cos(middle)
+        y = before.pose.y + speed * dt * math.sin(middle)
+        pose = Pose(x, y, 0.0, (before.pose.heading + swing) % math.tau, 0.01, -0.02)
+        self.state = EgoState(pose, speed, steering, throttle, brake)
+        return self.state
+
+
+class LostWorld(OwnPhysics):
+    """A world whose server ends after a while."""
+
+    ends = 2.0
+
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
+        """Move the ego, as long as there is a server."""
+        if snapshot.t > self.ends:
+            raise WorldError("the server at localhost:2000 does not answer")
+        return super().step(snapshot, command)
+
+
+class WatchfulWorld(KinematicWorld):
+    """A world with sensors of its own."""
+
+    def events(self) -> Sequence[WorldEvent]:
+        """Notice the same things at every step."""
+        return (WorldEvent("lane_invasion", 1.0, message="solid"), WorldEvent("world_collision", 1.5, "blocker", ""))
+
+
+@pytest.fixture(scope="module")
+def plan() -> Plan:
+    """A blocked lane, 35 s long, on a flat road."""
+    conflict = Path(__file__).parents[2] / "library" / "conflicts" / "obstacle_ahead.xml"
+    return compile_scenario(conflict, overrides=Overrides(perception="ideal"))
+
+
+def recorded(plan: Plan, world: Callable[[Plan, Network], KinematicWorld]) -> Recording:
+    """Return a run in a world."""
+    with world(plan, load_network(plan.map.file)) as opened:
+        return run(plan, opened)
+
+
+def test_a_world_with_the_same_physics_leaves_the_same_run(plan: Plan) -> None:
+    with open_world("kinematic", plan, load_network(plan.map.file)) as built_in:
+        usual = run(plan, built_in)
+    own = recorded(plan, OwnPhysics)
+    assert len(own.t) == len(usual.t) > 200
+    assert np.abs(own.x - usual.x).max() < 1e-9
+    assert np.abs(own.y - usual.y).max() < 1e-9
+    assert np.array_equal(own.takeover_state, usual.takeover_state)
+    assert [event.kind for event in own.events] == [event.kind for event in usual.events]
+    assert judge(plan, own).result == judge(plan, usual).result
+
+
+def test_what_the_world_says_of_the_ego_is_recorded(plan: Plan) -> None:
+    own = recorded(plan, OwnPhysics)
+    assert own.brake[:, 0].max() > 0.1
+    assert np.abs(own.steer[:, 0]).max() > 0.0
+    assert np.allclose(own.pitch[1:, 0], 0.01)
+    assert np.allclose(own.roll[1:, 0], -0.02)
+
+
+def test_a_lost_world_keeps_the_recording_so_far(plan: Plan, tmp_path: Path) -> None:
+    recording = recorded(plan, LostWorld)
+    assert recording.stop_reason == "world_lost"
+    assert recording.t[-1] == pytest.approx(2.0, abs=0.06)
+    broken = recording.events[-2]
+    assert (broken.kind, broken.cause) == ("broken_off", "SC520")
+    assert broken.message == "the server at localhost:2000 does not answer"
+    assert judge(plan, recording).result == "error"
+    write_recording(recording, tmp_path / "recording.parquet")
+    assert read_recording(tmp_path / "recording.parquet") == recording
+
+
+def test_a_world_that_is_lost_at_once_leaves_the_first_row(plan: Plan) -> None:
+    class NeverThere(KinematicWorld):
+        def reset(self, snapshot: Snapshot, seed: int) -> None:
+            raise WorldError("nobody listens")
+
+    recording = recorded(plan, NeverThere)
+    assert (recording.stop_reason, list(recording.t)) == ("world_lost", [0.0])
+
+
+def test_what_a_world_notices_is_in_the_events(plan: Plan) -> None:
+    events = recorded(plan, WatchfulWorld).events
+    invasion = next(event for event in events if event.kind == "lane_invasion")
+    collision = next(event for event in events if event.kind == "world_collision")
+    assert (invasion.t, invasion.message) == (1.0, "solid")
+    assert (collision.t, collision.entity) == (1.5, "blocker")
