@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import NoReturn
 
 INTERRUPTED = 130
 """Exit code of a program that Ctrl-C or SIGTERM ended: 128 and the number of SIGINT, as shells have it."""
 
 
-def main() -> NoReturn:
+def main() -> None:
     """Run the command line and exit; an interruption is one line and no traceback."""
     try:
         from scenario_compiler.interruption import ignore_from_now_on, raise_when_ended
@@ -37,5 +36,12 @@ def _say_interrupted() -> None:
     os.write(2, b"scenario-compiler: interrupted\n")
 
 
+def _forget_current_folder() -> None:
+    """Import nothing from the current folder, which `python -m` looks into before Python's own library."""
+    if not getattr(sys.flags, "safe_path", False):  # `python -P`, from 3.11 on, leaves it out itself
+        del sys.path[0]
+
+
 if __name__ == "__main__":
+    _forget_current_folder()
     main()

@@ -194,6 +194,27 @@ def test_an_exported_conflict_names_code_in_vain(tmp_path: Path) -> None:
     assert not (tmp_path / "it_ran").exists()
 
 
+def test_nothing_is_imported_from_the_current_folder(tmp_path: Path) -> None:
+    """`python -m` looks there first: a stranger's folder may hold modules of any name."""
+    file = written(tmp_path, "lane_detection")
+    for name in ("lxml", "pydantic", "numpy", "rich", "tomllib", "difflib", "argparse", "scenario_compiler_data"):
+        (tmp_path / f"{name}.py").write_text(HOSTILE)
+    command = [sys.executable, "-m", "scenario_compiler", "validate", str(file)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (0, "1 file checked, 0 errors\n"), done.stderr
+    assert not (tmp_path / "it_ran").exists()
+
+
+def test_a_module_that_the_command_line_names_is_found_in_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "elsewhere.py").write_text(STEERING)
+    monkeypatch.chdir(tmp_path / "here")
+    assert call("run", written(tmp_path, "lane_detection"), "--controller", "elsewhere:Mine") == 0
+    assert call("run", written(tmp_path, "elsewhere_else:Mine"), "--trust", tmp_path / "named.xml") == 1
+
+
 def test_a_plan_is_data_too(tmp_path: Path) -> None:
     file = written(tmp_path, "stranger:Mine", code=HOSTILE)
     plan = tmp_path / "plan.json"

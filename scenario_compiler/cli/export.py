@@ -24,6 +24,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.interruption import put_off
 from scenario_compiler.outputs import make_folder, write_whole
 
 if TYPE_CHECKING:
@@ -65,9 +66,11 @@ def export_command(options: argparse.Namespace) -> int:
     keep_inputs([options.target, *inputs_of(plan)], *changed)
     if changed and not options.force:
         raise WrongUse(f"{changed[0]} is there already and differs; --force writes over it")
-    for path, content in files.items():
-        make_folder(path.parent)
-        write_whole(path, content)
+    with put_off():  # all of them, or none
+        for path, content in files.items():
+            make_folder(path.parent)
+            write_whole(path, content)
+    for path in files:
         put(path, told(options))
     return FINE
 

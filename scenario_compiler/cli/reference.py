@@ -66,9 +66,9 @@ that you trust it. What you name is trusted:
 trust = ["our_lab.steering", "/home/me/steering.py"]
 ```
 
-A module that the command line names is looked for beside the scenario too; one that only a file names is not. The path
-of a Python file starts from the current folder on the command line, and from the scenario's folder in a scenario. So
-does a path in a property that the controller's `Params` declare as a `pathlib.Path`.
+A module that the command line names is looked for in the current folder and beside the scenario too; one that only a
+file names is not. The path of a Python file starts from the current folder on the command line, and from the scenario's
+folder in a scenario. So does a path in a property that the controller's `Params` declare as a `pathlib.Path`.
 
 ## Files
 

@@ -13,7 +13,7 @@ import math
 import sys
 import sysconfig
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -83,7 +83,7 @@ def load_class(name: str, code: CodeName, trust: Trust, named_in: str) -> type[C
     Args:
         name: The controller's name, for messages.
         code: What to import.
-        trust: What the user has named: such modules are looked for beside the scenario too.
+        trust: What the user has named: such modules are looked for in the current folder and beside the scenario too.
         named_in: Path of the file that names it.
 
     Raises:
@@ -94,8 +94,9 @@ def load_class(name: str, code: CodeName, trust: Trust, named_in: str) -> type[C
         if file is not None:
             module = _file_module(name, file)
         else:
-            beside = trust.beside if trust.names(code, named_in) else None
-            module = _module(name, code.source, beside)
+            named = trust.names(code, named_in)
+            folders = [Path.cwd(), *([] if trust.beside is None else [trust.beside])] if named else []
+            module = _module(name, code.source, folders)
     found = getattr(module, code.attribute, None)
     if found is None:
         raise ControllerError(f"cannot import the controller '{name}': there is no '{code.attribute}' in it")
@@ -104,9 +105,9 @@ def load_class(name: str, code: CodeName, trust: Trust, named_in: str) -> type[C
     return found
 
 
-def _module(name: str, source: str, beside: Path | None) -> Any:
+def _module(name: str, source: str, folders: Sequence[Path]) -> Any:
     try:
-        with _looked_for_in(beside):
+        with _looked_for_in(folders):
             return importlib.import_module(source)
     except ModuleNotFoundError as missing:
         if missing.name is not None and f"{source}.".startswith(f"{missing.name}."):
@@ -127,7 +128,7 @@ def _file_module(name: str, file: Path) -> Any:
     module = importlib.util.module_from_spec(spec)
     sys.modules[str(file)] = module
     try:
-        with _looked_for_in(file.parent):
+        with _looked_for_in([file.parent]):
             spec.loader.exec_module(module)
     except BaseException:
         del sys.modules[str(file)]
@@ -136,19 +137,15 @@ def _file_module(name: str, file: Path) -> Any:
 
 
 @contextmanager
-def _looked_for_in(folder: Path | None) -> Iterator[None]:
-    """Look for modules in a folder too, after all other places, and no longer than needed."""
-    if folder is None:
-        yield
-        return
-    entry = str(folder.resolve())
+def _looked_for_in(folders: Sequence[Path]) -> Iterator[None]:
+    """Look for modules in some folders too, after all other places, and no longer than needed."""
+    before = list(sys.path)
     importlib.invalidate_caches()
-    sys.path.append(entry)
+    sys.path.extend(str(folder.resolve()) for folder in folders)
     try:
         yield
     finally:
-        if entry in sys.path:
-            sys.path.remove(entry)
+        sys.path[:] = before
 
 
 @contextmanager
