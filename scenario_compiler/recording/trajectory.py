@@ -55,6 +55,8 @@ def read_trajectory(path: Path) -> Recording:
     try:
         text = io.StringIO(read_file(path).decode(), newline="")
         for row in csv.DictReader(text, strict=True):
+            if None in row.values():
+                raise ValueError(f"the row of {row['t']} s is not whole")
             row["road"] = cell_text(row["road"])
             rows.setdefault(_finite(row["t"]), {})[cell_text(row["name"])] = row
         return _recorded(path.stem, rows)

@@ -29,12 +29,16 @@ def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
         folder: Its folder.
         report: Write report.html too.
 
+    A map that has changed or gone since it was read is left out: the result of a long run is not lost for it.
+
     Raises:
-        OSError: They cannot be written, or the map has changed or gone since it was read.
+        OSError: They cannot be written.
     """
     make_folder(folder)
     write_plan(run.plan, folder / "plan.json")
-    write_whole(folder / MAP_OF_RUN, _map_of(run))
+    content = _map_of(run)
+    if content is not None:
+        write_whole(folder / MAP_OF_RUN, content)
     write_recording(run.recording, folder / "recording.parquet")
     write_events(run.recording.events, folder / "events.csv")
     write_outcome(run.outcome, folder / "outcome.json")
@@ -42,9 +46,10 @@ def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
         write_report([run], folder)
 
 
-def _map_of(run: Run) -> bytes:
-    """Return the content of the map that the run took place on."""
-    content = read_file(run.network.path, MAX_BYTES)
-    if hashlib.sha256(content).hexdigest() != run.network.sha256:
-        raise OSError(0, "the map has changed since it was read", str(run.network.path))
-    return content
+def _map_of(run: Run) -> bytes | None:
+    """Return the content of the map that the run took place on; None when it is no longer there as it was."""
+    try:
+        content = read_file(run.network.path, MAX_BYTES)
+    except OSError:
+        return None
+    return content if hashlib.sha256(content).hexdigest() == run.network.sha256 else None

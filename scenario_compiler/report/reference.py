@@ -49,7 +49,7 @@ Made from the program's own declarations by `make generate`. `scenario-compiler 
 | file | holds |
 |---|---|
 | `plan.json` | what was run: `run DIR/plan.json` runs it again |
-| `map.xodr` | the road file, so that the folder is whole on another machine too |
+| `map.xodr` | the road file, with which the folder is whole on another machine; left out if it changed during the run |
 | `recording.parquet` | everything that moved or was measured, row by row |
 | `events.csv` | what happened, and when |
 | `outcome.json` | criteria, the takeover's timeline, measures with their definitions |
