@@ -13,7 +13,7 @@ FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo test test-all fuzz check format generate wheel-test clean
+.PHONY: setup demo test test-all test-vscode fuzz check format generate wheel-test clean
 
 setup: .venv/.stamp
 	@$(BIN)/python -m scenario_compiler.engine.forms.making
@@ -43,6 +43,10 @@ fuzz: setup
 	$(BIN)/python -m tests.fuzz --slice $(SLICE) --mutants 20000 --runs 3000
 	$(BIN)/pytest -q tests/hostile
 
+# The VS Code extension against the language server of this checkout; needs Node.js with npm.
+test-vscode: setup
+	cd editors/vscode && npm ci --no-audit --no-fund --silent && SCENARIO_COMPILER=$(CURDIR)/$(BIN)/scenario-compiler npm test --silent
+
 check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -68,5 +72,5 @@ wheel-test: setup
 	tests/wheel_test.sh "$(CURDIR)/build/wheel"
 
 clean:
-	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv build dist editors/vscode/node_modules editors/vscode/dist .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

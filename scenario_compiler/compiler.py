@@ -29,6 +29,7 @@ from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import read_plan, sealed
+from scenario_compiler.resources import templates_from
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
@@ -206,6 +207,7 @@ def compile_scenario(
     *,
     overrides: Overrides | None = None,
     maps: Sequence[str | Path] = (),
+    templates: Sequence[str | Path] = (),
     trust: Trust | None = None,
     **arguments: object,
 ) -> Plan:
@@ -215,20 +217,22 @@ def compile_scenario(
         path: The file, with the scenario's name where it holds several.
         overrides: What is set in place of what the scenario says: perception, controller, step, duration.
         maps: Folders that its map is looked for in first.
+        templates: Folders that its templates are looked for in first.
         trust: Code that is trusted; of other code that the file names the spelling alone is checked.
         **arguments: Values of the scenario's parameters, by name.
 
     Raises:
         CompileError: The input is at fault; its `diagnostics` say how.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
-        TypeError: `overrides`, `maps` or `trust` got a value as a parameter has it; `compile_target` takes the values
-            of parameters of these names.
+        TypeError: `overrides`, `maps`, `templates` or `trust` got a value as a parameter has it; `compile_target` takes
+            the values of parameters of these names.
     """
-    _refuse_values(overrides, maps, trust)
+    _refuse_values(overrides, maps, templates, trust)
     sink = Diagnostics()
     texts = {name: _as_text(value) for name, value in arguments.items()}
     folders = [Path(one) for one in maps]
-    compilation = compile_target(path, texts, sink, maps=folders, overrides=overrides, trust=trust)
+    with templates_from([Path(one) for one in templates]):
+        compilation = compile_target(path, texts, sink, maps=folders, overrides=overrides, trust=trust)
     if compilation is None:
         raise CompileError(sink)
     return compilation.plan
@@ -257,12 +261,13 @@ def compile_built(
     return replace(done, plan=sealed(done.plan))
 
 
-def _refuse_values(overrides: object, maps: object, trust: object) -> None:
+def _refuse_values(overrides: object, maps: object, templates: object, trust: object) -> None:
     """Raise TypeError for what a caller meant as the value of a scenario's parameter of that name."""
     if not isinstance(overrides, Overrides | None):
         raise TypeError(f"overrides is an Overrides, not {overrides!r}; it gives no parameter its value")
-    if isinstance(maps, str) or not isinstance(maps, Sequence):
-        raise TypeError(f"maps is a list of folders, not {maps!r}; it gives no parameter its value")
+    for name, folders in (("maps", maps), ("templates", templates)):
+        if isinstance(folders, str) or not isinstance(folders, Sequence):
+            raise TypeError(f"{name} is a list of folders, not {folders!r}; it gives no parameter its value")
     if not isinstance(trust, Trust | None):
         raise TypeError(f"trust is a Trust, not {trust!r}; it gives no parameter its value")
 

@@ -1,19 +1,24 @@
-"""Diagnostics in the formats that other programs read: JSON, SARIF 2.1.0 and GitHub's workflow commands."""
+"""Diagnostics in the formats that other programs read.
+
+JSON, SARIF 2.1.0, GitHub's workflow commands, and the Code Quality report of GitLab.
+"""
 
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Iterable, Iterator
+from hashlib import blake2b
 from pathlib import PurePath
 from urllib.parse import quote
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Place, Severity, as_record, as_text, position_text
 from scenario_compiler.legible import legible_json, legible_line
 
-FORMATS = ("text", "json", "sarif", "github")
+FORMATS = ("text", "json", "sarif", "github", "gitlab")
 
 _SARIF_LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
+_GITLAB_LEVEL = {Severity.ERROR: "major", Severity.WARNING: "minor", Severity.NOTE: "info"}
 _GITHUB_LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 
 
@@ -28,9 +33,24 @@ def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
         return legible_json(json.dumps([as_record(d) for d in found], indent=1, ensure_ascii=False))
     if form == "sarif":
         return legible_json(json.dumps(_sarif(found), indent=1, ensure_ascii=False))
+    if form == "gitlab":
+        return legible_json(json.dumps([_gitlab(d) for d in found], indent=1, ensure_ascii=False))
     if form == "github":
         return "\n".join(map(_github, found))
     return "\n".join(as_text(d) for d in found)
+
+
+def _gitlab(d: Diagnostic) -> dict[str, object]:
+    """Return a finding as GitLab's Code Quality reports have it; its fingerprint does not change with its line."""
+    text = f"{d.message} ({d.hint})" if d.hint else d.message
+    told = "\0".join((d.code.id, d.place.file, d.message, d.place.source_line.strip())).encode("utf-8", "replace")
+    return {
+        "description": text,
+        "check_name": f"{d.code.id} {d.code.name}",
+        "fingerprint": blake2b(told, digest_size=16).hexdigest(),
+        "severity": _GITLAB_LEVEL[d.severity],
+        "location": {"path": d.place.file, "lines": {"begin": max(d.place.line, 1)}},
+    }
 
 
 def _sarif(found: list[Diagnostic]) -> dict[str, object]:

@@ -178,7 +178,29 @@ _TOKEN = re.compile(
 )
 
 
+_VISIBLE = re.compile(r"\S")
 _NAME_IN_TEXT = re.compile(r"\$([A-Za-z0-9_.]+)")
+
+
+def names_in(text: str) -> list[tuple[str, int]]:
+    """Return the parameters that a text names, each with the offset of its name, in order.
+
+    The text need not be a whole expression: what cannot be part of one is passed over.
+    """
+    found: list[tuple[str, int]] = []
+    at = 0
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None:
+            at = next(_VISIBLE.finditer(text, at)).end()
+            continue
+        name, before = match.group("name"), match.start("name")
+        at = max(match.end(), at + 1)
+        if name is None or name in ("and", "or", "not", "true", "false", "pi"):
+            continue
+        if name.startswith("$") or not text[match.end() :].lstrip().startswith("("):
+            found.append((name.lstrip("$"), before + name.startswith("$")))
+    return found
 
 
 class _Parser:

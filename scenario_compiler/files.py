@@ -9,6 +9,9 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 MAX_BYTES = 512 * 1024 * 1024
@@ -19,6 +22,19 @@ SCENARIO_BYTES = 16 * 1024 * 1024
 
 _PIECE = 1024 * 1024
 _AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
+
+_UNSAVED: ContextVar[Mapping[str, bytes] | None] = ContextVar("unsaved", default=None)
+"""What stands in for the contents of files, by their real paths."""
+
+
+@contextmanager
+def unsaved(contents: Mapping[str, bytes]) -> Iterator[None]:
+    """Let `read_file` return what an editor holds in place of what files hold, by their real paths, for a while."""
+    token = _UNSAVED.set(contents)
+    try:
+        yield
+    finally:
+        _UNSAVED.reset(token)
 
 
 def split_target(target: str | Path) -> tuple[str, str | None]:
@@ -31,7 +47,7 @@ def split_target(target: str | Path) -> tuple[str, str | None]:
 
 
 def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
-    """Return the content of an ordinary file.
+    """Return the content of an ordinary file, or what stands in for it (see `unsaved`).
 
     What kind of file it is is asked of the opened file, which nobody can put another in the place of, and it is opened
     without waiting for the other end of a pipe.
@@ -44,6 +60,9 @@ def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:
         OSError: There is no such file, it cannot be opened, is no ordinary one, or is too large.
         ValueError: No file can have such a name.
     """
+    standing_in = _UNSAVED.get()
+    if standing_in is not None and (held := standing_in.get(os.path.realpath(path))) is not None:
+        return held
     handle = os.open(path, os.O_RDONLY | _AT_ONCE)
     try:
         status = os.fstat(handle)

@@ -117,13 +117,12 @@ def expand(
         from scenario_compiler.openscenario.expansion import expand_openscenario
 
         return _with_driver(expand_openscenario(source, chosen, arguments, sink), catalogs, sink)
-    folder = library_folder()
-    catalogs = catalogs or load_catalogs(folder / "catalogs", sink)
+    catalogs = catalogs or load_catalogs(library_folder() / "catalogs", sink)
     if isinstance(source, AisaConfig):
         from scenario_compiler.source.aisa import expand_aisa
 
         return expand_aisa(source, chosen, arguments, sink, catalogs)
-    return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, folder, catalogs))
+    return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, catalogs))
 
 
 def _with_driver(scenario: Scenario, catalogs: Catalogs | None, sink: Diagnostics) -> Scenario:
@@ -173,9 +172,8 @@ def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
     A template is expanded once on its own: at its defaults, and what depends on a parameter without one is left open.
     A file that reads without fault is checked against its schema too, where that is at hand.
     """
-    folder = library_folder()
     if isinstance(source, Library):
-        surroundings = around(source, folder, load_catalogs(folder / "catalogs", sink))
+        surroundings = around(source, load_catalogs(library_folder() / "catalogs", sink))
         for template in source.own_templates:
             check_template(source.templates[template], sink, surroundings)
     expanded, read = [], list(sink.found)

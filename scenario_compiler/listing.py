@@ -12,11 +12,12 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.markup.environment import Environment
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.openscenario.held import OpenScenario
+from scenario_compiler.resources import template_folders
 from scenario_compiler.source.aisa import KNOWN
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.conflict import Library, Part
-from scenario_compiler.source.templates import template_parameters
-from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.source.templates import template_parameters, templates_by_name, templates_in
+from scenario_compiler.vocabulary.scenario import Classification, Parameter
 from scenario_compiler.vocabulary.variation import Vary
 
 SUFFIXES = (".xml", ".xosc")
@@ -82,6 +83,15 @@ def find_conflict(name: str, folder: Path) -> str | None:
     return None if first is None else first.target
 
 
+def list_templates(sink: Diagnostics) -> Iterator[Listed]:
+    """Yield the templates that a `<use>` can name without an include, by name; report what is wrong in their files."""
+    for folder in template_folders():
+        sink.take(templates_in(folder).faults)
+    for name, part in sorted(templates_by_name().items()):
+        if name:
+            yield _listed("template", name, Path(part.document.path), name, part)
+
+
 def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
     """Return the scenario of a file, or the one that a file of values is for, with these."""
     root, variation = source.document.root, source.variation
@@ -114,8 +124,8 @@ def _varied(vary: Vary, sets: Mapping[str, Sequence[Mapping[str, str]]]) -> Iter
 
 def _listed(kind: Literal["conflict", "template"], target: str, file: Path, name: str, part: Part) -> Listed:
     element = part.element
-    place = element.find("classification")
-    gold = place.get("number", "") if place is not None and place.get("scheme") == "gold2018" else ""
+    placed = (one for one in element.iterchildren(Classification.tag()) if one.get("scheme") == "gold2018")
+    gold = next((str(one.get("number", "")) for one in placed), "")
     known = template_parameters(part, Diagnostics()).known
     written = element.find(Vary.tag())
     vary = None if written is None else read_word(written, Vary, part.reading(Diagnostics(), Environment()))

@@ -8,9 +8,14 @@ compiled.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from hashlib import blake2b
+from typing import TYPE_CHECKING
 
 from scenario_compiler.marker import compiled
+
+if TYPE_CHECKING:
+    from statistics import NormalDist
 
 
 def hash_bits(seed: int, variant: int, stream: str) -> int:
@@ -26,9 +31,14 @@ def uniform(seed: int, variant: int, stream: str) -> float:
 
 def normal(seed: int, variant: int, stream: str) -> float:
     """Return a standard normal number: the quantile of `uniform` (Wichura 1988, AS 241, in `statistics`)."""
+    return _standard_normal().inv_cdf(uniform(seed, variant, stream))
+
+
+@lru_cache(maxsize=1)
+def _standard_normal() -> NormalDist:
     from statistics import NormalDist
 
-    return NormalDist().inv_cdf(uniform(seed, variant, stream))
+    return NormalDist()
 
 
 @compiled

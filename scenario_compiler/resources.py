@@ -1,10 +1,13 @@
-"""The only finder of schemas, library and maps, in a checkout and in an installed wheel."""
+"""The only finder of schemas, library, templates and maps, in a checkout and in an installed wheel."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path, PureWindowsPath
 
 _PACKAGE = Path(__file__).parent
@@ -25,6 +28,60 @@ def schema_file(name: str) -> Path:
 def library_folder() -> Path:
     """Return the folder with conflicts, templates and catalogs."""
     return _root() / "library"
+
+
+TEMPLATE_PACKAGES = "scenario_compiler_templates"
+"""Group of entry points by which installed packages bring templates: each names a folder as a package, a.b for a/b."""
+
+_TEMPLATES: ContextVar[tuple[Path, ...]] = ContextVar("templates", default=())
+
+
+@contextmanager
+def templates_from(folders: Sequence[Path]) -> Iterator[None]:
+    """Let templates be looked for in these folders first, for a while: what --templates gives."""
+    token = _TEMPLATES.set(tuple(folders))
+    try:
+        yield
+    finally:
+        _TEMPLATES.reset(token)
+
+
+def templates_given() -> tuple[Path, ...]:
+    """Return the folders of `templates_from` that hold now, for who hands work to another process."""
+    return _TEMPLATES.get()
+
+
+def template_folders() -> Iterator[Path]:
+    """Yield the folders of templates, in the order in which a name is looked for.
+
+    Those given by `templates_from`, those of $SCENARIO_COMPILER_TEMPLATES, the library's, then those of installed
+    packages by name: installing one changes no scenario that could be read before.
+    """
+    yield from _TEMPLATES.get()
+    yield from (Path(one) for one in os.environ.get("SCENARIO_COMPILER_TEMPLATES", "").split(os.pathsep) if one)
+    yield library_folder() / "templates"
+    yield from _package_folders()
+
+
+@cache
+def _package_folders() -> tuple[Path, ...]:
+    """Return the folders of templates of installed packages, without importing any of them.
+
+    A package that is not there, or whose entry is none, brings none: what it lacks is not the user's to mend.
+    """
+    from importlib.metadata import entry_points
+    from importlib.util import find_spec
+
+    found = []
+    for entry in sorted(entry_points(group=TEMPLATE_PACKAGES), key=lambda one: (one.name, one.value)):
+        top, *inner = entry.value.split(".")
+        try:
+            spec = find_spec(top) if all(part.isidentifier() for part in (top, *inner)) else None
+        except (ImportError, ValueError):
+            spec = None
+        places = [] if spec is None else list(spec.submodule_search_locations or ())
+        found += [folder for folder in (Path(place, *inner) for place in places) if folder.is_dir()]
+    return tuple(found)
 
 
 def maps_folder() -> Path:

@@ -17,6 +17,7 @@ from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.plan.store import read_plan
+from scenario_compiler.resources import templates_from, templates_given
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import ConfigurationError, Trust
 
@@ -134,7 +135,7 @@ def validate_files(
         insisted: Codes of warnings that are reported even where a file allows them.
         trust: Code that may be imported where a file names it.
     """
-    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted, trust=trust)
+    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted, trust=trust, templates=templates_given())
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
     if processes < 2 or len(tasks) < 2 * processes:
         for file in files:
@@ -223,13 +224,15 @@ def _findings(
     xsd: Schemas | None,
     insisted: frozenset[str],
     trust: Trust | None,
+    templates: Sequence[Path],
 ) -> list[list[Diagnostic]]:
     """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
     found = []
     for file in files:
         sink = Diagnostics(insisted=insisted)
         try:
-            validate_file(file, sink, maps, xsd, trust)
+            with templates_from(templates):
+                validate_file(file, sink, maps, xsd, trust)
         except ConfigurationError:
             raise
         except Exception as fault:

@@ -48,3 +48,14 @@ def test_a_name_that_is_no_text_can_be_written(form: str) -> None:
         assert json.loads(text)[0]["file"] == "bad\udcff.xml"
     if form == "sarif":
         assert '"bad%FF.xml"' in text
+
+
+def test_gitlab_has_severity_place_and_a_fingerprint_that_does_not_move_with_the_line() -> None:
+    further = Diagnostic(MALFORMED, FOUND.message, FilePlace(FOUND.place.file, 70, 3), FOUND.hint)
+    other = Diagnostic(MALFORMED, "another", FOUND.place)
+    first, second, third = json.loads(formatted([FOUND, further, other], "gitlab"))
+    assert first["description"] == "50 % of it (mend it)"
+    assert (first["severity"], first["check_name"]) == ("major", "SC102 malformed-xml")
+    assert first["location"] == {"path": "q s/a#x ü.xml", "lines": {"begin": 7}}
+    assert first["fingerprint"] == second["fingerprint"] != third["fingerprint"]
+    assert json.loads(formatted([], "gitlab")) == []

@@ -15,6 +15,7 @@ from scenario_compiler.expressions import (
     ExpressionError,
     Value,
     format_value,
+    names_in,
     parse_expression,
 )
 
@@ -208,3 +209,21 @@ def test_values_as_xml_writes_them(value: Value, text: str) -> None:
 
 def test_every_function_is_listed_with_its_number_of_arguments() -> None:
     assert all(count == -1 or count > 0 for count, _ in FUNCTIONS.values())
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("$gap", [("gap", 1)]),
+        ("2 * (gap + $gap", [("gap", 5), ("gap", 12)]),
+        ("min($a, b.c) > 'd e' and not true", [("a", 5), ("b.c", 8)]),
+        ("if(x, 1, pi) ~ y", [("x", 3), ("y", 15)]),
+        ("   \u20ac  $late", [("late", 7)]),
+        ("", []),
+        ("1 + ", []),
+    ],
+)
+def test_names_are_found_in_what_need_not_be_a_whole_expression(text: str, found: list[tuple[str, int]]) -> None:
+    assert names_in(text) == found
+    for name, at in found:
+        assert text.startswith(name, at)

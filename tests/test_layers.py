@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / NAME
 ROWS = (
     ("__main__",),
     ("cli",),
-    ("batch", "study", "carla_server"),
+    ("batch", "study", "carla_server", "editor", "survey"),
     ("report", "validation", "listing"),
     ("runtime", "compiler", "coverage"),
     ("languages",),
@@ -59,7 +59,7 @@ ENGINE_ROWS = (
     ("program", "forms"),
     ("story",),
     ("moves",),
-    ("ego", "traffic"),
+    ("ego", "traffic", "measures"),
     ("motion",),
     ("columns",),
 )
@@ -80,7 +80,9 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "cv2": ("perception",),
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
+    "lsprotocol": ("editor.server",),
     "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview", "report.lettering"),
+    "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
     "pyarrow": ("batch.results", "recording.store"),

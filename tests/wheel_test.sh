@@ -12,3 +12,6 @@ for conflict in sensor_failure ramp_blocked road_narrows obstacle_ahead markings
 	"$environment/bin/scenario-compiler" run "$library/conflicts/$conflict.xml" --duration 3 -o "runs/$conflict"
 done
 "$environment/bin/scenario-compiler" map plot town_grid -o town.png
+"$environment/bin/scenario-compiler" --version
+"$environment/bin/scenario-compiler" schema | cmp - "$library/../schemas/conflict.xsd"
+"$environment/bin/scenario-compiler" library "$library" -o covered

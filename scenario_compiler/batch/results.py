@@ -49,6 +49,12 @@ def schema_of(parameters: Mapping[str, ValueKind]) -> pa.Schema:
     return pa.schema(columns)
 
 
+def passed_of(table: Path) -> int:
+    """Return how many variants of a sweep's table passed: all their criteria held."""
+    results: Any = pq.read_table(table, columns=["result"])["result"]
+    return int(Counter(results.to_pylist())["pass"])
+
+
 class ResultStore:
     """The folder of a sweep."""
 

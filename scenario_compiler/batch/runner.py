@@ -13,20 +13,18 @@ from itertools import groupby
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
 from scenario_compiler.batch.distributions import SweepError
-from scenario_compiler.batch.measuring import Columns, error_columns, from_recording, from_sweep, outcome_columns
+from scenario_compiler.batch.measuring import Columns, error_columns, row_of_recording, rows_of_totals
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.columns.trace import trace_width
 from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.roads import Network, load_network
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.trust import Trust
@@ -34,11 +32,8 @@ from scenario_compiler.vocabulary.scenario import parameter_values
 
 Form = Literal["camera", "interpreted", "compiled"]
 
-TRACE_MEMORY = 12_000_000
-"""Numbers' bytes that the traces of one call of the engine take at most; measuring takes several times that."""
-
-FREED_MEMORY = 16_000_000
-"""Bytes of freed arrays that are kept for the next ones."""
+TOGETHER = 4096
+"""Variants of one call of the engine at most: the rows of numbers and totals that they need stay small."""
 
 FAMILIES_KEPT = 64
 """Plans that a runner keeps ready."""
@@ -123,14 +118,6 @@ class Runner:
     trust: Trust = field(default_factory=Trust)
     _families: dict[int, _Family] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        """Have the C library keep freed memory.
-
-        glibc gives back the memory of each array above 128 kB when it is freed, until a greater one has been freed once
-        (mallopt(3), M_MMAP_THRESHOLD); to get it anew takes many times as long as what is computed in it.
-        """
-        np.empty(FREED_MEMORY, dtype=np.uint8)
-
     def add(self, family: int, plan: Plan, network: Network) -> None:
         """Make a plan known; the one that is known longest makes room."""
         if family not in self._families:
@@ -152,7 +139,7 @@ class Runner:
             family = self._families[number]
             start = 0
             while start < len(together):
-                size = 1 if part.one_by_one or self.form == "camera" else family.together
+                size = 1 if part.one_by_one or self.form == "camera" else TOGETHER
                 batch = together[start : start + size]
                 start += size
                 if begin is not None:
@@ -176,45 +163,24 @@ class _Family:
         self.plan, self.network, self.form, self.trust = plan, network, form, trust
         self.usual = parameter_values(plan.parameters)
         self.limit = int(plan.duration / plan.step) + 2
-        self.trace_rows = self.limit + 1
-        self.longest = 0
         self.engine: Simulation | None = None
         if form != "camera":
-            program = build_program(plan, network)
             self.numbers = Numbers(plan, network)
-            self.width = trace_width(program)
+            program = build_program(plan, network)
             self.engine = Simulation(network.tables, program, interpreted=form == "interpreted")
 
-    @property
-    def together(self) -> int:
-        """Number of variants whose traces fit into `TRACE_MEMORY`, as long as runs have been so far."""
-        return 1 if self.engine is None else max(1, TRACE_MEMORY // (8 * self.width * self.trace_rows))
-
     def rows(self, batch: Sequence[Variant], seed: int) -> Columns:
-        """Run variants and return their rows; where a run is longer than any before, with more room once more."""
-        parameters = [{**self.usual, **one.values} for one in batch]
+        """Run variants and return their rows."""
         if self.engine is None:
-            traces, ends = from_recording(self.plan, record(self.plan, self.network, batch[0], seed, self.trust))
-            return outcome_columns(self.plan, traces, ends, parameters)
+            return row_of_recording(self.plan, record(self.plan, self.network, batch[0], seed, self.trust))
         try:
             numbers = [self.numbers.row(one.values) for one in batch]
         except ExpressionError as fault:
             raise SweepError(str(fault)) from None
         draws = [make_draws(seed, one.index) for one in batch]
-        summaries, flat = self.engine.sweep(numbers, draws, self.limit, trace_rows=self.trace_rows)
-        longest = int(max(summary[0] for summary in summaries))
-        longer = longest > self.trace_rows
-        self.expect(longest)
-        if longer:
-            size = self.together
-            return joined([self.rows(batch[start : start + size], seed) for start in range(0, len(batch), size)])
-        traces, ends = from_sweep(self.plan, summaries, flat)
-        return outcome_columns(self.plan, traces, ends, parameters)
-
-    def expect(self, longest: int) -> None:
-        """Give later traces room for the longest run so far and a quarter more."""
-        self.longest = max(self.longest, longest)
-        self.trace_rows = min(self.limit + 1, self.longest + self.longest // 4 + 8)
+        summaries, _ = self.engine.sweep(numbers, draws, self.limit)
+        parameters = [{**self.usual, **one.values} for one in batch]
+        return rows_of_totals(self.plan, RunTotals(summaries), parameters)
 
 
 def joined(parts: Sequence[Columns]) -> Columns:

@@ -13,13 +13,26 @@ import os
 from collections.abc import Sequence
 from typing import NoReturn
 
-from scenario_compiler.cli import authoring, compare, coverage, explain, export, maps, run, sweep, validate
+from scenario_compiler.cli import (
+    authoring,
+    compare,
+    coverage,
+    editor,
+    explain,
+    export,
+    library,
+    maps,
+    run,
+    sweep,
+    validate,
+)
 from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
-from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams
+from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put
 from scenario_compiler.legible import legible
+from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, compare, sweep, authoring, export, maps, explain, coverage)
+GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
 """Groups of commands, in the order of the help."""
 
 
@@ -33,9 +46,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_streams()
     options = make_parser().parse_args(arguments)
     try:
-        if "target" in options:
-            options.target = library_target(options.target)
-        code: int = options.command(options)
+        with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
+            if "target" in options:
+                options.target = library_target(options.target)
+            code: int = options.command(options)
         flush_streams()
     except (WrongUse, ConfigurationError) as fault:
         complain(fault)
@@ -63,9 +77,21 @@ class Parser(argparse.ArgumentParser):
         super().error(legible(message))
 
 
+class ShowVersion(argparse.Action):
+    """Prints the version and ends; it is looked up only then."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        """Print the name and the version of the program."""
+        from importlib.metadata import version
+
+        put(f"{parser.prog} {version('scenario-compiler')}")
+        parser.exit()
+
+
 def make_parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
     parser = Parser(prog="scenario-compiler", description="Compile, check and run conflicts for automated driving.")
+    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for group in GROUPS:
         group.add(commands)

@@ -17,7 +17,9 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     add_target,
+    add_templates,
     compiled,
+    folder,
     has_errors,
     inputs_of,
     keep_inputs,
@@ -40,6 +42,15 @@ def add(commands: Commands) -> None:
     """Declare the commands."""
     listing = commands.add_parser("list", help="show the conflicts and templates of a library")
     listing.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder; our library by default")
+    listing.add_argument(
+        "--templates",
+        action="append",
+        nargs="?",
+        type=folder,
+        default=[],
+        metavar="DIR",
+        help="print each template with its parameters, their units and limits; those of a folder too",
+    )
     listing.add_argument("--html", type=Path, metavar="FILE.html", help="write a gallery with pictures instead")
     listing.set_defaults(command=list_command)
     new = commands.add_parser("new", help="begin a conflict")
@@ -58,6 +69,8 @@ def add(commands: Commands) -> None:
     convert.set_defaults(command=convert_command)
     for parser in (listing, preview):
         add_maps(parser)
+    for parser in (new, preview):
+        add_templates(parser)
     for parser in (listing, new, preview, convert):
         add_diagnostics(parser)
 
@@ -65,12 +78,32 @@ def add(commands: Commands) -> None:
 def list_command(options: argparse.Namespace) -> int:
     """Show what a library holds."""
     sink = new_sink(options)
+    if options.templates and options.html is None:
+        return _list_templates(options, sink)
     listed = list(_listed(options, sink))
     if options.html is not None:
         return _write_gallery(options, listed, sink)
     _print_tables(listed, told(options))
     if not listed and not has_errors(sink, options):
         tell(f"no conflict and no template in {', '.join(map(str, options.paths))}")
+    return AT_FAULT if show(sink, options) else FINE
+
+
+def _list_templates(options: argparse.Namespace, sink: Diagnostics) -> int:
+    """Print every template that can be named, or those of the paths that are given, with its parameters."""
+    from scenario_compiler.listing import list_templates
+    from scenario_compiler.source.parameters import parameter_kind
+
+    found = [one for one in _listed(options, sink) if one.kind == "template"] if options.paths else []
+    found = found or list(list_templates(sink))
+    rows: list[tuple[str, str, str, str]] = []
+    for template in found:
+        rows.append((template.name, "", "", template.summary))
+        rows += [
+            (f"  {one.name}", parameter_kind(one), "(required)" if one.default is None else one.default, one.summary)
+            for one in template.parameters
+        ]
+    put_table(("template, parameters", "holds", "default", "what it does"), rows, told(options))
     return AT_FAULT if show(sink, options) else FINE
 
 
@@ -130,8 +163,8 @@ def _cards(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics)
 
 def new_command(options: argparse.Namespace) -> int:
     """Write a commented conflict that uses a template."""
-    from scenario_compiler.listing import list_library
-    from scenario_compiler.resources import library_folder
+    from scenario_compiler.listing import list_templates
+    from scenario_compiler.resources import template_folders
     from scenario_compiler.source.authoring import new_conflict
     from scenario_compiler.vocabulary.word import IDENTIFIER
 
@@ -141,12 +174,11 @@ def new_command(options: argparse.Namespace) -> int:
     if file.exists() and not options.force:
         raise WrongUse(f"{file} is there already; --force writes over it")
     sink = new_sink(options)
-    listed = list_library(library_folder() / "templates", sink)
-    templates = {one.name: one for one in listed if one.kind == "template"}
+    templates = {one.name: one for one in list_templates(sink)}
     chosen = templates.get(options.template)
     if chosen is None:
         raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
-    keep_inputs((library_folder() / "templates").iterdir(), file)
+    keep_inputs((one for folder in template_folders() for one in folder.rglob("*.xml")), file)
     write_whole(file, new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters))
     put(file, told(options))
     return AT_FAULT if show(sink, options) else FINE

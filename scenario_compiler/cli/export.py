@@ -15,6 +15,7 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     add_target,
+    add_templates,
     compiled,
     inputs_of,
     keep_inputs,
@@ -44,6 +45,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--force", action="store_true", help="write over files that are there")
     add_scenario(parser)
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=export_command)
 

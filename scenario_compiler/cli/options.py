@@ -112,6 +112,25 @@ def add_maps(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_templates(parser: argparse.ArgumentParser) -> None:
+    """Add the folders of templates."""
+    parser.add_argument(
+        "--templates", action="append", type=folder, default=[], metavar="DIR", help="look for templates here first"
+    )
+
+
+def folder(text: str) -> Path:
+    """Return the folder that an option names."""
+    if not Path(text).is_dir():
+        raise argparse.ArgumentTypeError(f"there is no folder '{text}'")
+    return Path(text)
+
+
+def is_filled(output: Path) -> bool:
+    """Return whether something lies in a folder already, or in its place."""
+    return output.exists() and (not output.is_dir() or any(output.iterdir()))
+
+
 def add_diagnostics(parser: argparse.ArgumentParser) -> None:
     """Add how diagnostics are shown and weighed."""
     parser.add_argument(

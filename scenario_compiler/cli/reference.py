@@ -79,11 +79,14 @@ in a sweep's: [sweeps.md](sweeps.md).
 
 ## Environment
 
-A map is looked for beside the file that names it, then in the folders of `--maps`, then here:
+A map is looked for beside the file that names it, then in the folders of `--maps`, then here. A template is looked for
+in the file that uses it and in what that includes, then in the folders of `--templates`, then here, then in the
+library, and at last in installed packages ([sharing templates](sharing-templates.md)):
 
 | variable | is |
 |---|---|
 | `SCENARIO_COMPILER_MAPS` | folders, separated as in `PATH` |
+| `SCENARIO_COMPILER_TEMPLATES` | folders of templates, looked in after those of `--templates` |
 | `CARLA_ROOT` | CARLA's folder: its maps in `CarlaUE4/Content/Carla/Maps/OpenDrive`; \
 at last come the maps of this program |
 | `SCENARIO_COMPILER_CACHE` | folder for read maps, which belongs to the user alone, else \

@@ -19,9 +19,11 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     add_target,
+    add_templates,
     compiled,
     has_errors,
     inputs_of,
+    is_filled,
     keep_inputs,
     new_sink,
     show,
@@ -65,6 +67,7 @@ def _add_compile(commands: Commands) -> None:
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json")
     add_scenario(parser)
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=compile_command)
 
@@ -83,6 +86,7 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=run_command)
 
@@ -142,7 +146,7 @@ def run_command(options: argparse.Namespace) -> int:
 
     if options.world not in WORLDS:
         raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
-    if options.output is not None and not options.force and _is_filled(options.output):
+    if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     if options.show is not None and options.output is None:
         raise WrongUse("--show draws into the folder of the run: give one with -o")
@@ -234,10 +238,6 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(escape(legible(plan.name)), total=plan.duration)
         return start(progress=lambda t: bar.update(task, completed=t))
-
-
-def _is_filled(folder: Path) -> bool:
-    return folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:

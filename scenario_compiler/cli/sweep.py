@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.cli.options import (
     AT_FAULT,
+    CRITERIA_FAILED,
     FINE,
     INTERRUPTED,
     Commands,
@@ -19,6 +20,7 @@ from scenario_compiler.cli.options import (
     add_maps,
     add_scenario,
     add_target,
+    add_templates,
     new_sink,
     positive,
     reason_of,
@@ -59,9 +61,13 @@ def add(commands: Commands) -> None:
     parser.add_argument("--tolerance", type=float, default=0.1, metavar="X", help="how closely a boundary is known")
     parser.add_argument("--evaluations", type=int, default=100, metavar="N", help="runs of a minimisation, about")
     parser.add_argument("--no-report", action="store_false", dest="report", help="write the table alone")
+    parser.add_argument(
+        "--pass-rate", type=share, metavar="SHARE", help="exit with 3 where a smaller share of the variants passes"
+    )
     parser.add_argument("--time-limit", type=positive, metavar="S", help="greatest time that a variant may take")
     add_scenario(parser)
     add_maps(parser)
+    add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=sweep_command)
 
@@ -146,7 +152,31 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
     if result.failed:
         share = "all" if result.failed == result.total else f"{result.failed} of {result.total}"
         complain(f"{share} variants failed, most often: {result.commonest}")
-    return AT_FAULT if result.failed == result.total else FINE
+    if result.failed == result.total:
+        return AT_FAULT
+    return FINE if options.pass_rate is None else _gate(result.table, result.total, options)
+
+
+def _gate(table: Path, total: int, options: argparse.Namespace) -> int:
+    """Tell the share of variants that passed; return the exit code by the share that is asked for."""
+    from scenario_compiler.batch.results import passed_of
+
+    passed = passed_of(table)
+    enough = passed >= options.pass_rate * total
+    comparison = "at least" if enough else "less than"
+    told_text = (
+        f"{passed} of {total} variants passed: {comparison} the share of {options.pass_rate:g} that is asked for"
+    )
+    put(told_text, told(options) if enough else sys.stderr)
+    return FINE if enough else CRITERIA_FAILED
+
+
+def share(text: str) -> float:
+    """Return a share from 0 to 1 that an option gives."""
+    value = float(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is not between 0 and 1")
+    return value
 
 
 def _search(options: argparse.Namespace, sink: Diagnostics) -> int:

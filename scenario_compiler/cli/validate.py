@@ -14,6 +14,7 @@ from scenario_compiler.cli.options import (
     WrongUse,
     add_diagnostics,
     add_maps,
+    add_templates,
     add_trust,
     judged,
     keep_loaded,
@@ -35,6 +36,7 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("validate", help="check scenario and road files")
     parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder")
     add_maps(parser)
+    add_templates(parser)
     add_trust(parser)
     add_diagnostics(parser)
     parser.add_argument(

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.declaration import at_start
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, new_state
-from scenario_compiler.engine.columns.trace import SUMMARY_SIZE, trace_width
+from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals
+from scenario_compiler.engine.columns.trace import trace_width
 from scenario_compiler.engine.forms.compiled import Compiled, MachineCode, library
 from scenario_compiler.roads.tables import RoadTables
 
@@ -43,6 +45,7 @@ class EngineForm(Protocol):
     tables: RoadTables
     program: Program
     state: State
+    totals: Totals
 
     def enter(self, entry: str, *arguments: Any) -> Any:
         """Call an entry with the containers and further arguments; EngineError where it breaks off."""
@@ -62,10 +65,10 @@ def form_of(
     """
     made = None if interpreted else machine_code or library()
     if made is not None:
-        return Compiled(tables, program, new_state(program), made)
+        return Compiled(tables, program, new_state(program), at_start(Totals, program), made)
     from scenario_compiler.engine.forms.interpreted import Interpreted
 
-    return Interpreted(tables, program, new_state(program))
+    return Interpreted(tables, program, new_state(program), at_start(Totals, program))
 
 
 class Simulation:

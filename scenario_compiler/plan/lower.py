@@ -12,7 +12,7 @@ from typing import Literal
 
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Place, Severity
 from scenario_compiler.document import Origin
-from scenario_compiler.expressions import Expression, Value
+from scenario_compiler.expressions import Expression, Value, parse_expression
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
 from scenario_compiler.plan.criteria import check_criteria
@@ -20,7 +20,7 @@ from scenario_compiler.plan.defaults import complete_takeover
 from scenario_compiler.plan.keeping import kept_entities
 from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin, RouteLeg
 from scenario_compiler.plan.paint import check_paint
-from scenario_compiler.plan.places import spans_of
+from scenario_compiler.plan.places import rooms_needed, spans_of
 from scenario_compiler.plan.provenance import origin_at
 from scenario_compiler.plan.standing import Standing, after_init, stands_at
 from scenario_compiler.plan.traffic import traffic_entities
@@ -150,7 +150,7 @@ def lower(
         storyboard=draft.storyboard,
         takeover=draft.takeover,
         criteria=scenario.criteria,
-        classification=scenario.classification,
+        classifications=scenario.classifications,
         derived={name: one.pose for name, one in draft.standings.items()},
         origins=draft.origins,
     )
@@ -338,6 +338,23 @@ def add_traffic(draft: PlanDraft) -> None:
         draft.entities.extend(entities)
 
 
+def keep_random_places_free(draft: PlanDraft) -> None:
+    """Let what starts at random keep clear of the others by at least what their boxes need."""
+    rooms = rooms_needed(draft.entities, replace(draft.binder, sink=Diagnostics()).value)
+    draft.entities = [apart(*rooms[one.id]) if one.id in rooms else one for one in draft.entities]
+
+
+def apart(entity: Entity, room: float) -> Entity:
+    """Return an entity that starts at random, at least so far from any other, m."""
+    start = entity.start
+    assert isinstance(start, RandomPosition | AnyOfPosition)
+    if not isinstance(start.clear, Expression) and start.clear >= room:
+        return entity
+    clear = parse_expression(f"max({start.clear.text}, {room})") if isinstance(start.clear, Expression) else room
+    moved = start.model_copy(update={"clear": clear}).written_at(start.origin)
+    return entity.model_copy(update={"start": moved})
+
+
 def check_markings(draft: PlanDraft) -> None:
     """Report paint where the map has no place for it."""
     check_paint(draft.binder, draft.scenario)
@@ -419,6 +436,7 @@ PASSES: tuple[Callable[[PlanDraft], None], ...] = (
     plan_routes,
     bind_storyboard,
     place_by_init,
+    keep_random_places_free,
     add_traffic,
     check_markings,
     check_spawn_points,

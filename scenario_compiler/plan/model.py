@@ -120,7 +120,7 @@ class Plan(PlanPart):
     storyboard: Storyboard = Field(description="What happens.")
     takeover: Takeover = Field(description="The takeover policy, with every number filled in.")
     criteria: tuple[Criterion, ...] = Field(default=(), description="What the run is judged by.")
-    classification: Classification | None = Field(default=None, description="Its place in a taxonomy.")
+    classifications: tuple[Classification, ...] = Field(default=(), description="Its places in published taxonomies.")
     derived: dict[str, StartPose] = Field(default={}, description="Start poses by entity id; outside the digest.")
     origins: dict[str, PlanOrigin] = Field(default={}, description="Provenance by part; outside the digest.")
     digest: str = Field(default="", description="SHA-256 of the canonical form.")

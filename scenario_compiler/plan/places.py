@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from scenario_compiler.plan.model import Entity
 from scenario_compiler.roads import Network
 from scenario_compiler.roads.lane_types import BIKING, LAST_DRIVABLE, SHOULDER, SIDEWALK, WALKING
 from scenario_compiler.roads.lanes import lane_direction, row_width
-from scenario_compiler.vocabulary.positions import RandomPosition, Surface
+from scenario_compiler.vocabulary.positions import AnyOfPosition, BesidePosition, RandomPosition, Surface
+from scenario_compiler.vocabulary.word import Number
 
 SURFACES: dict[Surface, frozenset[int]] = {
     "driving": frozenset(range(LAST_DRIVABLE + 1)),
@@ -19,6 +23,36 @@ SURFACES: dict[Surface, frozenset[int]] = {
 
 NARROWEST = 0.5
 """Width that a lane has at both ends of a stretch, m."""
+
+
+def reach(entity: Entity) -> float:
+    """Return a distance from an entity's reference point that none of its box is beyond, m."""
+    vehicle = entity.vehicle
+    return abs(vehicle.center) + math.hypot(vehicle.length, vehicle.width) / 2
+
+
+def rooms_needed(
+    entities: Sequence[Entity], value: Callable[[Number, BesidePosition], float]
+) -> dict[str, tuple[Entity, float]]:
+    """Return the entities that start at random, by id, each with how far from any other its place must be, m.
+
+    At that distance between two reference points neither stands in the other's box, nor do the things that stand
+    `beside` an entity that starts at random: these are placed after all of those.
+
+    Args:
+        entities: All entities but those of traffic.
+        value: What a number of a position is, m.
+    """
+    drawn = {one.id: one for one in entities if isinstance(one.start, RandomPosition | AnyOfPosition)}
+    extents = {one.id: reach(one) for one in entities}
+    for one in entities if drawn else ():
+        place = one.start
+        if isinstance(place, BesidePosition) and place.entity in drawn:
+            away = math.hypot(value(place.distance, place), value(place.ahead, place))
+            extents[place.entity] = max(extents[place.entity], away + reach(one))
+    largest = sorted(extents, key=lambda name: -extents[name])[:2]
+    others = {name: max((extents[one] for one in largest if one != name), default=0.0) for name in drawn}
+    return {name: (one, extents[name] + others[name]) for name, one in drawn.items()}
 
 
 class Span(NamedTuple):

@@ -1,10 +1,13 @@
 """Distances between the entities' boxes, over whole runs at once.
 
-What is exact takes long, so that all rows get a bound first, and only those are looked at closely that can decide.
+What is exact takes long, so that all rows get a bound first, and only those are looked at closely that can decide. The
+exact formulas are those of `engine.measures.boxes`, in the same order and with the C library's functions: numpy's own
+sines differ from them in the last bit, and from one processor to the next.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -91,7 +94,7 @@ def touching(traces: Traces) -> Booleans:
     """Return in which rows the ego vehicle's box overlaps another one, (..., n)."""
     near = np.nonzero(traces.seen.apart <= 0.0)
     touched = np.zeros(traces.t.shape, dtype=bool)
-    overlap = _overlap(*boxes_at(traces, near))
+    overlap = _overlap(traces, near)
     touched[tuple(place[overlap] for place in near[1:])] = True
     return touched
 
@@ -116,7 +119,7 @@ def _poses(traces: Traces, rows: Sequence[Integers], entity: Integers) -> tuple[
     """Return x, y and the cosine and sine of the heading of k entities, each in its row."""
     place = (*rows, entity)
     h = traces.h[place]
-    return traces.x[place], traces.y[place], np.cos(h), np.sin(h)
+    return traces.x[place], traces.y[place], by_libm(math.cos, h), by_libm(math.sin, h)
 
 
 def _from_box(traces: Traces, rows: Sequence[Integers], entity: Integers, points: Box) -> Floats:
@@ -132,12 +135,27 @@ def _from_box(traces: Traces, rows: Sequence[Integers], entity: Integers, points
     return np.asarray(np.sqrt((along * along + across * across).min(axis=0)))
 
 
-def _overlap(a: Box, b: Box) -> Booleans:
+def _overlap(traces: Traces, places: Places) -> Booleans:
     """Return where two boxes overlap, by the separating axes of both, (k,)."""
-    apart = np.zeros(a[0].shape[1:], dtype=bool)
-    for x, y in (a, b):
-        for edge in (0, 1):
-            axis_x, axis_y = x[edge + 1] - x[edge], y[edge + 1] - y[edge]
-            on_a, on_b = (each[0] * axis_x + each[1] * axis_y for each in (a, b))
-            apart |= (on_a.max(axis=0) < on_b.min(axis=0)) | (on_b.max(axis=0) < on_a.min(axis=0))
+    number, *rows = places
+    ego, other = (_poses(traces, rows, entity) for entity in (np.zeros_like(number), number + 1))
+    middles = [
+        (x + traces.center[entity] * c, y + traces.center[entity] * s)
+        for (x, y, c, s), entity in ((ego, 0), (other, number + 1))
+    ]
+    dx, dy = middles[1][0] - middles[0][0], middles[1][1] - middles[0][1]
+    turned = traces.h[(*rows, number + 1)] - traces.h[(*rows, np.zeros_like(number))]
+    cos, sin = np.abs(by_libm(math.cos, turned)), np.abs(by_libm(math.sin, turned))
+    apart = np.zeros(number.shape, dtype=bool)
+    for (_, _, c, s), a, b in ((ego, 0, number + 1), (other, number + 1, 0)):
+        long, wide = 0.5 * traces.length[b], 0.5 * traces.width[b]
+        apart |= np.abs(dx * c + dy * s) > 0.5 * traces.length[a] + long * cos + wide * sin
+        apart |= np.abs(dy * c - dx * s) > 0.5 * traces.width[a] + long * sin + wide * cos
     return ~apart
+
+
+def by_libm(function: Callable[..., float], *values: Floats) -> Floats:
+    """Return a function of `math` of each element."""
+    shape = np.broadcast_shapes(*(each.shape for each in values))
+    lists = [np.broadcast_to(each, shape).ravel().tolist() for each in values]
+    return np.array([function(*one) for one in zip(*lists, strict=True)], dtype=np.float64).reshape(shape)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.expressions import Value
-from scenario_compiler.recording.measures import cause_of_request
-from scenario_compiler.recording.names import CAUSES
+from scenario_compiler.recording.measures import Timed, cause_of_request
+from scenario_compiler.recording.names import CAUSES, EventKind
 from scenario_compiler.recording.on_path import least_time_to_collision, time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
-from scenario_compiler.recording.traces import SAME_TIME, Traces
+from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
     Criterion,
     MaximumLateralOffset,
@@ -39,6 +42,22 @@ class CriterionResult(BaseModel):
     why: str = Field(description="A sentence on what was found.")
 
 
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """How a criterion is judged.
+
+    Attributes:
+        broken_at: From traces, which runs reached their destination (...) and the criterion's limit (...), when each
+            run first broke it, s, (...); NaN where it holds.
+        fails: The same question of totals, (runs,).
+        found: Says what was found in a recording.
+    """
+
+    broken_at: Callable[[Criterion, Traces, Booleans, Floats], Floats]
+    fails: Callable[[Criterion, RunTotals, Booleans, Floats], Booleans]
+    found: Callable[[Recording, Traces, float | None, float], str]
+
+
 def broken_at(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
     """Return when each run first broke a criterion, s, (...); NaN where it holds.
 
@@ -48,43 +67,101 @@ def broken_at(criterion: Criterion, traces: Traces, reached: Booleans, limit: Fl
         reached: Which runs ended at their destination, (...).
         limit: The criterion's number for each run, as `limit_of` gives it, (...).
     """
-    if isinstance(criterion, NoCollision):
-        return traces.times["collision"]
-    if isinstance(criterion, StayOnRoad):
-        off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
-        return _first_time(traces, off & traces.present[..., 0])
-    if isinstance(criterion, ReachDestination):
-        return np.where(reached, np.nan, _last_time(traces))
-    if isinstance(criterion, TakeoverWithin):
-        return _late_response(traces, limit)
-    if isinstance(criterion, Requested):
-        return np.where(_was_requested(criterion, traces), np.nan, _last_time(traces))
-    if isinstance(criterion, NoMinimumRisk):
-        return traces.times["minimum_risk"]
-    if isinstance(criterion, MaximumLateralOffset):
-        return _first_time(traces, (np.abs(traces.off[..., 0]) > limit[..., None]) & traces.present[..., 0])
-    return _first_time(traces, time_to_collision(traces, limit) < limit[..., None])
+    return RULES[type(criterion)].broken_at(criterion, traces, reached, limit)
 
 
-def _late_response(traces: Traces, limit: Floats) -> Floats:
+def fails(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    """Return which runs broke a criterion, (runs,), by their totals; the arguments are those of `broken_at`."""
+    return RULES[type(criterion)].fails(criterion, totals, reached, limit)
+
+
+def _event(kind: EventKind) -> tuple[Callable[..., Floats], Callable[..., Booleans]]:
+    """Return how a criterion is judged that an event breaks."""
+
+    def first_time(criterion: Criterion, runs: Timed, reached: Booleans, limit: Floats) -> Floats:
+        del criterion, reached, limit
+        return runs.times[kind]
+
+    def happened(criterion: Criterion, runs: Timed, reached: Booleans, limit: Floats) -> Booleans:
+        del criterion, reached, limit
+        return ~np.isnan(runs.times[kind])
+
+    return first_time, happened
+
+
+def _off_lanes(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+    del criterion, reached, limit
+    off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
+    return _first_time(traces, off & traces.present[..., 0])
+
+
+def _was_off_lanes(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    del criterion, reached, limit
+    return ~np.isnan(totals.column("time_off_lanes"))
+
+
+def _not_reached(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+    del criterion, limit
+    return np.where(reached, np.nan, traces.last_time)
+
+
+def _never_reached(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    del criterion, totals, limit
+    return ~reached
+
+
+def _late_response(criterion: Criterion, runs: Traces | RunTotals, reached: Booleans, limit: Floats) -> Floats:
     """Return when the driver should have responded and had not, NaN where there was an answer in time or no request."""
-    due = traces.times["request"] + limit
-    response = traces.times["response"]
-    late = np.where(np.isnan(response), _last_time(traces) >= due, response > due + SAME_TIME)
+    del criterion, reached
+    due = runs.times["request"] + limit
+    response = runs.times["response"]
+    late = np.where(np.isnan(response), runs.last_time >= due, response > due + SAME_TIME)
     return np.where(late, due, np.nan)
 
 
-def _was_requested(criterion: Requested, traces: Traces) -> Booleans:
+def _responded_late(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    return ~np.isnan(_late_response(criterion, totals, reached, limit))
+
+
+def _not_requested(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+    del reached, limit
+    requested = _was_requested(criterion, traces, cause_of_request(traces))
+    return np.where(requested, np.nan, traces.last_time)
+
+
+def _never_requested(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    del reached, limit
+    return ~_was_requested(criterion, totals, totals.column("request_cause"))
+
+
+def _was_requested(criterion: Criterion, runs: Timed, cause: Floats) -> Booleans:
     """Return which runs had a request, the first of which was for the criterion's cause."""
-    asked = ~np.isnan(traces.times["request"])
+    assert isinstance(criterion, Requested)
+    asked = ~np.isnan(runs.times["request"])
     if criterion.cause is None:
         return asked
     code = next(code for code, name in CAUSES.items() if name == criterion.cause)
-    return np.asarray(asked & (cause_of_request(traces) == code))
+    return np.asarray(asked & (cause == code))
 
 
-def _last_time(traces: Traces) -> Floats:
-    return np.asarray(np.fmax.reduce(traces.t, axis=-1, initial=0.0))
+def _too_far_off(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+    del criterion, reached
+    return _first_time(traces, (np.abs(traces.off[..., 0]) > limit[..., None]) & traces.present[..., 0])
+
+
+def _was_too_far_off(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    del criterion, reached
+    return np.asarray(totals.column("greatest_offset") > limit)
+
+
+def _too_soon(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+    del criterion, reached
+    return _first_time(traces, time_to_collision(traces, limit) < limit[..., None])
+
+
+def _was_too_soon(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    del criterion, reached
+    return np.asarray(totals.column("least_time_to_collision") < limit)
 
 
 def limit_of(criterion: Criterion, parameters: Mapping[str, Value]) -> float:
@@ -104,7 +181,7 @@ def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) 
     reached = np.asarray(recording.stop_reason == "destination")
     broken = float(broken_at(criterion, traces, reached, np.asarray(limit)))
     when = None if math.isnan(broken) else broken
-    why = _FOUND[type(criterion)](recording, traces, when, limit)
+    why = RULES[type(criterion)].found(recording, traces, when, limit)
     return CriterionResult(criterion=criterion.word, passed=when is None, when=when, why=why)
 
 
@@ -161,16 +238,17 @@ def _offset_found(recording: Recording, traces: Traces, when: float | None, limi
     return f"the greatest was {float(offsets.max(initial=0.0)):.2f} m, at most {limit:g} m is allowed"
 
 
-_FOUND: dict[type[Criterion], Callable[[Recording, Traces, float | None, float], str]] = {
-    NoCollision: _collision_found,
-    StayOnRoad: _lanes_found,
-    ReachDestination: _destination_found,
-    MinimumTimeToCollision: _least_time_found,
-    TakeoverWithin: _response_found,
-    Requested: _request_found,
-    NoMinimumRisk: _minimum_risk_found,
-    MaximumLateralOffset: _offset_found,
+RULES: dict[type[Criterion], Rule] = {
+    NoCollision: Rule(*_event("collision"), _collision_found),
+    StayOnRoad: Rule(_off_lanes, _was_off_lanes, _lanes_found),
+    ReachDestination: Rule(_not_reached, _never_reached, _destination_found),
+    MinimumTimeToCollision: Rule(_too_soon, _was_too_soon, _least_time_found),
+    TakeoverWithin: Rule(_late_response, _responded_late, _response_found),
+    Requested: Rule(_not_requested, _never_requested, _request_found),
+    NoMinimumRisk: Rule(*_event("minimum_risk"), _minimum_risk_found),
+    MaximumLateralOffset: Rule(_too_far_off, _was_too_far_off, _offset_found),
 }
+"""How each criterion of the vocabulary is judged."""
 
 
 def _first_time(traces: Traces, where: Booleans) -> Floats:

@@ -1,32 +1,37 @@
-"""Measures of a run: each one a function over arrays, with its definition, unit and source in `MEASURES`.
+"""Measures of a run: each is declared once in `MEASURES`, with its definition, unit and source.
 
-A measure takes `Traces` with any leading axes for runs and returns one number a run, NaN where it is not defined. The
-definition that a number was made by goes into every file that holds the number.
+A measure is computed in two ways with the same result: from `Traces`, the arrays of recordings with any leading axes
+for runs, and from `RunTotals`, what the engine added up while it ran. Both return one number a run, NaN where it is not
+defined. The definition that a number was made by goes into every file that holds the number.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
+from scenario_compiler.engine.measures.lane_keeping import JUMP, SETTLING
+from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.on_path import least_time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats
+from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 
-SETTLING = 10.0
-"""Length of the window after the response that lane keeping is measured in, s."""
 
-JUMP = 1.0
-"""Change of the lane offset from one row to the next that means another lane, m."""
+class Timed(Protocol):
+    """Traces or totals: both know when events happened first."""
 
-BRAKING = 0.1
-"""Brake position that counts as an input."""
+    @property
+    def times(self) -> Mapping[EventKind, Floats]:
+        """First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +44,7 @@ class Measure:
         definition: How it is computed.
         undefined: When it has no value.
         compute: The function, from Traces (...) to an array (...).
+        total: The same from RunTotals.
         source: Where the definition comes from; empty for our own.
         of_takeover: It is about the takeover, so that a run without an automated vehicle does not have it.
     """
@@ -48,13 +54,23 @@ class Measure:
     definition: str
     undefined: str
     compute: Callable[[Traces], Floats]
+    total: Callable[[RunTotals], Floats]
     source: str = ""
     of_takeover: bool = True
 
 
-def takeover_time(traces: Traces) -> Floats:
+def total(name: str) -> Callable[[RunTotals], Floats]:
+    """Return what reads a measure that is a column of the engine's totals."""
+
+    def of_runs(totals: RunTotals) -> Floats:
+        return totals.column(name)
+
+    return of_runs
+
+
+def takeover_time(runs: Timed) -> Floats:
     """Time from the request to the driver's response."""
-    return _after_request(traces, traces.times["response"])
+    return _after_request(runs, runs.times["response"])
 
 
 def first_brake_time(traces: Traces) -> Floats:
@@ -63,17 +79,31 @@ def first_brake_time(traces: Traces) -> Floats:
     return _after_request(traces, np.fmin.reduce(np.where(braking, traces.t, np.nan), axis=-1, initial=np.nan))
 
 
-def _after_request(traces: Traces, time: Floats) -> Floats:
-    waited = time - traces.times["request"]
+def _first_brake_total(totals: RunTotals) -> Floats:
+    return _after_request(totals, totals.column("time_first_brake"))
+
+
+def _after_request(runs: Timed, time: Floats) -> Floats:
+    waited = time - runs.times["request"]
     return np.where(waited >= 0, waited, np.nan)
 
 
 def limit_distance(traces: Traces) -> Floats:
     """Distance at the request to the place that the request is about."""
-    cause, blocked, ends = (
-        _at_request(traces, column)
-        for column in (traces.cause.astype(np.float64), traces.blocked_distance, traces.lane_end_distance)
+    return _distance_of(
+        cause_of_request(traces),
+        _at_request(traces, traces.blocked_distance),
+        _at_request(traces, traces.lane_end_distance),
     )
+
+
+def _limit_distance_total(totals: RunTotals) -> Floats:
+    return _distance_of(
+        totals.column("request_cause"), totals.column("request_blocked"), totals.column("request_lane_end")
+    )
+
+
+def _distance_of(cause: Floats, blocked: Floats, ends: Floats) -> Floats:
     return np.where(cause == CAUSE_PATH_BLOCKED, blocked, np.where(cause == CAUSE_LANE_ENDS, ends, np.nan))
 
 
@@ -84,8 +114,15 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    speed = _at_request(traces, traces.v[..., 0])
-    return np.where(speed > 0, limit_distance(traces) / np.where(speed > 0, speed, 1.0), np.nan)
+    return _time_to(limit_distance(traces), _at_request(traces, traces.v[..., 0]))
+
+
+def _time_budget_total(totals: RunTotals) -> Floats:
+    return _time_to(_limit_distance_total(totals), totals.column("request_speed"))
+
+
+def _time_to(distance: Floats, speed: Floats) -> Floats:
+    return np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan)
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
@@ -98,6 +135,10 @@ def _at_request(traces: Traces, values: Floats) -> Floats:
 def takeover_buffer(traces: Traces) -> Floats:
     """What is left of the time budget when the driver responds."""
     return time_budget(traces) - takeover_time(traces)
+
+
+def _takeover_buffer_total(totals: RunTotals) -> Floats:
+    return _time_budget_total(totals) - takeover_time(totals)
 
 
 def minimum_time_to_collision(traces: Traces) -> Floats:
@@ -117,7 +158,7 @@ def maximum_longitudinal_acceleration(traces: Traces) -> Floats:
 
 def maximum_lateral_acceleration(traces: Traces) -> Floats:
     """Greatest lateral acceleration after the request."""
-    lateral = np.abs(traces.v[..., 0] ** 2 * traces.curvature)
+    lateral = np.abs(traces.v[..., 0] * traces.v[..., 0] * traces.curvature)
     return _greatest(lateral, _after(traces))
 
 
@@ -161,6 +202,14 @@ def _left_of_centre(traces: Traces) -> Floats:
     return traces.off[..., 0] * np.where(held < 0, -1.0, 1.0)
 
 
+def _lane_position_deviation_total(totals: RunTotals) -> Floats:
+    lasts = totals.last_time >= totals.times["response"] + SETTLING - 1e-6
+    count = totals.column("keeping_count")
+    broken = ~np.isnan(totals.column("keeping_broken"))
+    squares = np.nan_to_num(totals.column("keeping_squares"))
+    return np.where(lasts & ~broken & (count > 1), np.sqrt(squares / np.maximum(count - 1, 1)), np.nan)
+
+
 def maximum_lateral_offset(traces: Traces) -> Floats:
     """Greatest distance from the lane's centre after the request."""
     on_lane = traces.lane[..., 0] != 0
@@ -187,12 +236,16 @@ def collision_speed(traces: Traces) -> Floats:
     return np.where(np.isnan(traces.times["collision"]), np.nan, speed)
 
 
+def _collision_speed_total(totals: RunTotals) -> Floats:
+    return np.where(np.isnan(totals.times["collision"]), np.nan, totals.column("speed_before_collision"))
+
+
 def _time_of(kind: EventKind, what: str) -> Measure:
-    def first_time(traces: Traces) -> Floats:
-        return traces.times[kind]
+    def first_time(runs: Timed) -> Floats:
+        return runs.times[kind]
 
     definition, undefined = f"Time of the first {what}.", f"no {what}"
-    return Measure(f"{kind}_time", "s", definition, undefined, first_time, of_takeover=kind != "collision")
+    return Measure(f"{kind}_time", "s", definition, undefined, first_time, first_time, of_takeover=kind != "collision")
 
 
 def measures_of(plan: Plan) -> tuple[Measure, ...]:
@@ -209,6 +262,7 @@ MEASURES: tuple[Measure, ...] = (
         "Time from the request to the driver's response: the first input by which the driver takes over control.",
         "no request, or no response to it",
         takeover_time,
+        takeover_time,
     ),
     Measure(
         "first_brake_time",
@@ -217,6 +271,7 @@ MEASURES: tuple[Measure, ...] = (
         f"{BRAKING:.0%}.",
         "no response, or no braking after it",
         first_brake_time,
+        _first_brake_total,
     ),
     Measure(
         "time_budget",
@@ -225,6 +280,7 @@ MEASURES: tuple[Measure, ...] = (
         "speed.",
         "no request, or one that is not about a place ahead",
         time_budget,
+        _time_budget_total,
         "lead time, Eriksson and Stanton 2017",
     ),
     Measure(
@@ -233,6 +289,7 @@ MEASURES: tuple[Measure, ...] = (
         "Time budget less takeover time; negative when the driver answered after the limit would have been reached.",
         "no time budget or no takeover time",
         takeover_buffer,
+        _takeover_buffer_total,
         "arXiv 2507.22262",
     ),
     Measure(
@@ -241,15 +298,17 @@ MEASURES: tuple[Measure, ...] = (
         "Distance at the request from the front bumper to where the path is blocked or the lane ends, along the lane.",
         "no request, or one that is not about a place ahead",
         limit_distance,
+        _limit_distance_total,
     ),
     Measure(
         "minimum_time_to_collision",
         "s",
         "Least over the run of gap over closing speed to any entity whose box lies across the path ahead: as wide as "
-        "the vehicle, with the curvature it drives at that moment. The gap is to the part of the box within the path; "
-        "0 while boxes overlap.",
+        "the vehicle, with the curvature it drives at that moment, which is known from the second row on. The gap is "
+        "to the part of the box within the path; 0 while boxes overlap.",
         "nothing in the path is ever closed in on",
         minimum_time_to_collision,
+        total("least_time_to_collision"),
         of_takeover=False,
     ),
     Measure(
@@ -258,6 +317,7 @@ MEASURES: tuple[Measure, ...] = (
         "Least distance in the plane between the vehicle's box and another entity's over the run; 0 when they overlap.",
         "no other entity",
         minimum_distance,
+        total("least_distance"),
         of_takeover=False,
     ),
     Measure(
@@ -266,6 +326,7 @@ MEASURES: tuple[Measure, ...] = (
         "Greatest absolute acceleration along the heading from the request to the end or the first collision.",
         "no request",
         maximum_longitudinal_acceleration,
+        total("greatest_longitudinal"),
         "J. Adv. Transp. 2020/6173150, table 2",
     ),
     Measure(
@@ -275,6 +336,7 @@ MEASURES: tuple[Measure, ...] = (
         "or the first collision.",
         "no request",
         maximum_lateral_acceleration,
+        total("greatest_lateral"),
         "J. Adv. Transp. 2020/6173150, table 2",
     ),
     Measure(
@@ -283,6 +345,7 @@ MEASURES: tuple[Measure, ...] = (
         f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
         f"no response, a lane change, or a run that ends within {SETTLING:g} s of it",
         lane_position_deviation,
+        _lane_position_deviation_total,
         "standard deviation of lateral position (SDLP)",
     ),
     Measure(
@@ -291,6 +354,7 @@ MEASURES: tuple[Measure, ...] = (
         "Greatest absolute distance of the reference point from the centre of the lane it is in, from the request on.",
         "no request",
         maximum_lateral_offset,
+        total("greatest_offset_after"),
     ),
     Measure(
         "minimum_confidence",
@@ -298,14 +362,24 @@ MEASURES: tuple[Measure, ...] = (
         "Least lane confidence of the run, each time of the better side.",
         "no lane confidence was recorded",
         minimum_confidence,
+        total("least_confidence"),
     ),
-    Measure("final_speed", "m/s", "Speed in the last row of the run.", "no row", final_speed, of_takeover=False),
+    Measure(
+        "final_speed",
+        "m/s",
+        "Speed in the last row of the run.",
+        "no row",
+        final_speed,
+        total("row_v"),
+        of_takeover=False,
+    ),
     Measure(
         "collision_speed",
         "m/s",
         "Speed in the last row before the first collision.",
         "no collision",
         collision_speed,
+        _collision_speed_total,
         of_takeover=False,
     ),
     _time_of("warning", "warning"),

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from scenario_compiler.recording.boxes import Places, boxes_at, exact_at, least_by_bounds, touching
+from scenario_compiler.engine.measures.boxes import STRAIGHT
+from scenario_compiler.recording.boxes import Places, boxes_at, by_libm, exact_at, least_by_bounds, touching
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import ROUNDING, SINGLE, Singles, Traces
-
-STRAIGHT = 1e-6
-"""Curvature below which a path counts as straight, 1/m."""
 
 
 def time_to_collision(traces: Traces, below: Floats) -> Floats:
     """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is ahead or closing in.
 
+    It is NaN in the first row, as the path that is driven is known from the second on, unless boxes overlap.
     It may be NaN also where it is not below a number of each run, (...): what is above it takes no time then.
     """
     bounds = time_bounds(traces)
@@ -82,7 +83,7 @@ def along_path(traces: Traces, places: Places) -> tuple[Floats, Floats, Floats]:
     rows = tuple(within)
     ego, place = (*rows, np.zeros_like(other)), (*rows, other + 1)
     _, (x, y) = boxes_at(traces, places)
-    c, s = np.cos(traces.h[ego]), np.sin(traces.h[ego])
+    c, s = by_libm(math.cos, traces.h[ego]), by_libm(math.sin, traces.h[ego])
     dx, dy = x - traces.x[ego], y - traces.y[ego]
     along, across = c * dx + s * dy, c * dy - s * dx
     curvature = traces.curvature[rows]
@@ -90,10 +91,10 @@ def along_path(traces: Traces, places: Places) -> tuple[Floats, Floats, Floats]:
     side, radius = np.where(curvature[bent] < 0, -1.0, 1.0), 1.0 / np.abs(curvature[bent])
     for k in range(len(along)):
         forward, inward = along[k, bent], radius - side * across[k, bent]
-        along[k, bent] = np.arctan2(forward, inward) * radius
-        across[k, bent] = side * (radius - np.hypot(forward, inward))
-    tangent = traces.h[ego] + curvature * along.mean(axis=0)
-    return along, across, traces.v[place] * np.cos(traces.h[place] - tangent)
+        along[k, bent] = by_libm(math.atan2, forward, inward) * radius
+        across[k, bent] = side * (radius - np.sqrt(forward * forward + inward * inward))
+    tangent = traces.h[ego] + curvature * ((along[0] + along[1] + along[2] + along[3]) / 4.0)
+    return along, across, traces.v[place] * by_libm(math.cos, traces.h[place] - tangent)
 
 
 def time_bounds(traces: Traces) -> Singles:
@@ -110,7 +111,7 @@ def time_bounds(traces: Traces) -> Singles:
     length, width = (traces.of_others(each) for each in (traces.length, traces.width))
     outer = half * np.hypot(length, width) + rounding
     curvature = traces.curvature
-    k = np.where(np.abs(curvature) > STRAIGHT, curvature, 0.0).astype(single)
+    k = np.where(np.abs(curvature) <= STRAIGHT, 0.0, curvature).astype(single)
     v = np.moveaxis(traces.v, -1, 0).astype(single)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         sine, cosine = k * seen.ahead, single(1.0) - k * seen.left
@@ -128,6 +129,6 @@ def time_bounds(traces: Traces) -> Singles:
         closing = v[0] - v[1:] * along_circle + slack
         gap = np.maximum(seen.ahead - seen.reach - seen.slack, single(0.0)) / (q + beside) - single(_front(traces))
         reaches_ahead = (seen.ahead + seen.reach >= -seen.slack) | (_front(traces) < 0.0)
-        counts = in_path & (closing > 0.0) & reaches_ahead
+        counts = in_path & (closing > 0.0) & reaches_ahead & np.isfinite(seen.apart)
         times = np.maximum(gap - seen.slack, single(0.0)) / closing
     return np.where(counts, times, single(np.inf))

@@ -10,6 +10,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.engine.measures.rows import STILL
+from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Booleans, Floats, Integers, Recording
@@ -24,12 +26,6 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
     "collision",
 )
 """Events whose first time counts in a measure."""
-
-STILL = 0.5
-"""Speed below which a vehicle's curvature is not measured, m/s."""
-
-SAME_TIME = 1e-6
-"""Rows and events at most this far apart are of one instant, s: the rounding of summed steps."""
 
 
 Singles: TypeAlias = NDArray[np.float32]
@@ -55,7 +51,8 @@ class Seen:
         sin: Sine of it.
         reach: How far it reaches from its middle forwards and backwards as the ego vehicle sees it, m.
         slack: How far off distances may be, m.
-        apart: What its distance from the ego vehicle's box is not below, m; infinite where one of both is absent.
+        apart: What its distance from the ego vehicle's box is not below, m; infinite where one of both is absent, or
+            above the other as on a bridge.
     """
 
     ahead: Singles
@@ -78,6 +75,7 @@ class Traces:
         present: (..., n, m).
         x: (..., n, m), m, of the reference point; y likewise.
         y: See x.
+        z: See x.
         h: (..., n, m), rad.
         v: (..., n, m), m/s, signed along the heading.
         a: (..., n, m), m/s2.
@@ -93,6 +91,7 @@ class Traces:
         lane_end_distance: (..., n), m, NaN where the lane goes on.
         length: (m,), m; of the entities' boxes.
         width: (m,), m.
+        height: (m,), m.
         center: (m,), m from the reference point forward to the box's centre.
         times: First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened.
     """
@@ -101,6 +100,7 @@ class Traces:
     present: Booleans
     x: Floats
     y: Floats
+    z: Floats
     h: Floats
     v: Floats
     a: Floats
@@ -116,6 +116,7 @@ class Traces:
     lane_end_distance: Floats
     length: Floats
     width: Floats
+    height: Floats
     center: Floats
     times: Mapping[EventKind, Floats]
 
@@ -144,7 +145,9 @@ class Traces:
             beside = np.maximum(np.abs(left) - (length * across + width * along + side), single(0.0))
             slack = single(SINGLE) * (np.abs(ahead) + np.abs(left)) + single(ROUNDING)
             apart = np.sqrt(before * before + beside * beside) - slack
-        return Seen(ahead, left, cos, sin, reach, slack, np.fmin(apart, single(np.inf)))
+            z = np.moveaxis(self.z, -1, 0)
+            above = (z[1:] - z[0] > self.height[0]) | (z[0] - z[1:] > self.of_others(self.height))
+        return Seen(ahead, left, cos, sin, reach, slack, np.where(above, np.inf, np.fmin(apart, np.inf)).astype(single))
 
     def of_others(self, values: Floats) -> Singles:
         """Return one number of each other entity as (m - 1, ..., 1), in single precision."""
@@ -154,10 +157,8 @@ class Traces:
     def curvature(self) -> Floats:
         """The curvature that the ego vehicle drives, 1/m, positive to the left, (..., n).
 
-        From the change of heading since the row before; 0 at a standstill, and the first row's is the second's.
+        From the change of heading since the row before; 0 at a standstill, NaN in the first row.
         """
-        if self.t.shape[-1] < 2:
-            return np.zeros_like(self.t)
         turned = np.diff(self.h[..., 0], axis=-1)
         turned -= (2 * np.pi) * (turned >= np.pi)
         turned += (2 * np.pi) * (turned < -np.pi)
@@ -165,7 +166,12 @@ class Traces:
         moving = np.abs(v) > STILL
         way = np.where(moving, v * np.diff(self.t, axis=-1), 1.0)
         curvature = np.where(moving, turned / way, 0.0)
-        return np.concatenate([curvature[..., :1], curvature], axis=-1)
+        return np.concatenate([np.full_like(self.t[..., :1], np.nan), curvature], axis=-1)
+
+    @property
+    def last_time(self) -> Floats:
+        """Time of each run's last row, s, (...); 0 without one."""
+        return np.asarray(np.fmax.reduce(self.t, axis=-1, initial=0.0))
 
     @property
     def until_collision(self) -> Booleans:
@@ -177,7 +183,7 @@ class Traces:
 def traces_of(plan: Plan, recording: Recording) -> Traces:
     """Return the arrays of one run, without leading axes."""
     same = (
-        *("t", "present", "x", "y", "h", "v", "a", "road", "lane", "s", "off", "brake", "cause"),
+        *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "brake", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "lane_end_distance"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
@@ -185,6 +191,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         **{name: getattr(recording, name) for name in same},
         length=np.array([vehicle.length for vehicle in vehicles]),
         width=np.array([vehicle.width for vehicle in vehicles]),
+        height=np.array([vehicle.height for vehicle in vehicles]),
         center=np.array([vehicle.center for vehicle in vehicles]),
         times={kind: np.asarray(_first(recording, kind)) for kind in TIMED_EVENTS},
     )

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
+from scenario_compiler.vocabulary.scenario import Classification
 from scenario_compiler.vocabulary.takeover import Cause, Driver
+from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 from scenario_compiler.vocabulary.word import QUANTITIES, Number, number_value
-
-SCHEMES = {"gold2018": "Gold et al. 2018"}
 
 CAUSE_WORDS = {
     "": "none",
@@ -52,10 +52,11 @@ class Summary:
 
 def summary_of(run: Run) -> Summary:
     """Return a run in one row."""
-    outcome, rated = run.outcome, run.plan.classification
+    outcome = run.outcome
+    rated = next((one for one in run.plan.classifications if one.place), None)
     return Summary(
         name=outcome.name,
-        number="–" if rated is None or rated.number is None else str(rated.number),
+        number="–" if rated is None else rated.place,
         urgency=(rated.urgency if rated else "") or "–",
         cause=CAUSE_WORDS.get(outcome.cause, outcome.cause) if outcome.cause else "–",
         request_time=measured(outcome, "request_time"),
@@ -209,12 +210,14 @@ def _plain(value: float | bool | str) -> str:
 
 
 def classification(run: Run) -> str:
-    """Return the conflict's place in a taxonomy in words, empty without one; what is not rated is left out."""
-    rated = run.plan.classification
-    if rated is None:
-        return ""
-    parts = [SCHEMES.get(rated.scheme, rated.scheme)]
-    parts += [f"situation {rated.number}"] if rated.number is not None else []
+    """Return the conflict's places in taxonomies in words, empty without any; what is not rated is left out."""
+    return "; ".join(map(_placed, run.plan.classifications))
+
+
+def _placed(rated: Classification) -> str:
+    known = TAXONOMIES.get(rated.scheme)
+    parts = [rated.scheme if known is None else known.title]
+    parts += [f"situation {rated.place}"] if rated.place else []
     for word in ("urgency", "response", "predictability", "criticality"):
         if value := getattr(rated, word):
             parts.append(f"{word} {value}")

@@ -242,7 +242,7 @@ def filed_scenario(
         parameters=(
             noise.model_copy(update={"default": format_value(values.get("sensor_noise", 0.0))}).written_at(origin),
         ),
-        classification=_classification(known),
+        classifications=_classifications(known),
         ego=ego,
         actors=bare,
         vehicles=catalog_vehicles([ego, *bare], catalogs, sink),
@@ -391,8 +391,8 @@ def _takeover(catalogs: Catalogs, origin: Place, sink: Diagnostics) -> Takeover:
     ).written_at(origin)
 
 
-def _classification(known: _Known) -> Classification | None:
+def _classifications(known: _Known) -> tuple[Classification, ...]:
     if known.gold is None:
-        return None
+        return ()
     number, urgency, response = known.gold
-    return Classification(scheme="gold2018", number=number, urgency=urgency, response=response)
+    return (Classification(scheme="gold2018", number=number, urgency=urgency, response=response),)

@@ -101,7 +101,7 @@ def scenario_element(scenario: Scenario) -> ScenarioElement:
         step=scenario.step,
         control_every=scenario.control_every,
         parameters=scenario.parameters,
-        classification=scenario.classification,
+        classifications=scenario.classifications,
         ego=scenario.ego,
         items=(*scenario.actors, *scenario.markings, *scenario.secondary_markings, *_whens(scenario)),
         takeover=takeover,

@@ -88,13 +88,14 @@ def read_catalog(reading: ReadingContext) -> Catalogs:
 
 def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:
     """Return the catalogs of a folder's XML files, read once a process; report what is wrong in them."""
-    catalogs, faults = _load(folder)
+    catalogs, faults = catalogs_in(folder)
     sink.take(faults)
     return catalogs
 
 
 @cache
-def _load(folder: Path) -> tuple[Catalogs, tuple[Diagnostic, ...]]:
+def catalogs_in(folder: Path) -> tuple[Catalogs, tuple[Diagnostic, ...]]:
+    """Return the catalogs of a folder's XML files, and what is wrong with these; read once a process."""
     sink = Diagnostics()
     catalogs = Catalogs()
     for path in sorted(folder.glob("*.xml")):

@@ -58,7 +58,7 @@ class Allow(Word):
 
     word: Literal["allow"] = "allow"
 
-    code: str = attribute("Code of the warning, such as SC401.", pattern="SC[0-9]{3}")
+    code: str = attribute("Code of the warning, such as SC401.", names="code", pattern="SC[0-9]{3}")
 
 
 class Use(Word):
@@ -70,6 +70,7 @@ class Use(Word):
     id: str = attribute(
         "Name of this use: prefix of the ids of what it brings. The template's name and a number when left out.",
         default="",
+        defines="part",
         pattern=f"({ENTITY_ID})?",
     )
     arguments: dict[str, str] = other_attributes("Values of the template's parameters.")
@@ -118,11 +119,13 @@ class Repeat(Word):
         "Name of a parameter that holds the number of the round, counted from 0.",
         name="as",
         default="index",
+        defines="parameter",
         pattern=IDENTIFIER,
     )
     id: str = attribute(
         "Name of this repeat: prefix of the ids of what it brings. `repeat` and a number when left out.",
         default="",
+        defines="part",
         pattern=f"({ENTITY_ID})?",
     )
     items: tuple[Any, ...] = child("What is put there in each round.", default=())
@@ -133,11 +136,14 @@ class For(Word):
 
     word: Literal["for"] = "for"
 
-    variable: str = attribute("Name of a parameter that holds the value.", name="each", pattern=IDENTIFIER)
+    variable: str = attribute(
+        "Name of a parameter that holds the value.", name="each", defines="parameter", pattern=IDENTIFIER
+    )
     values: tuple[str, ...] = attribute("The values: numbers or names with spaces between.", name="in", separated=True)
     id: str = attribute(
         "Name of this loop: prefix of the ids of what it brings. `for` and a number when left out.",
         default="",
+        defines="part",
         pattern=f"({ENTITY_ID})?",
     )
     items: tuple[Any, ...] = child("What is put there for each value.", default=())
@@ -160,7 +166,7 @@ class TemplateElement(Word):
 
     word: Literal["template"] = "template"
 
-    name: str = attribute("Name that <use template=...> gives.", pattern=IDENTIFIER)
+    name: str = attribute("Name that <use template=...> gives.", defines="template", pattern=IDENTIFIER)
     summary: str = attribute("One sentence: what it puts on the road.", default="")
     source: str = attribute("Where the situation comes from.", default="")
     parameters: tuple[Parameter, ...] = child("Its parameters.", default=())
@@ -186,7 +192,7 @@ class ScenarioElement(Word):
     control_every: int = same_as(Scenario, "control_every")
     parameters: tuple[Parameter, ...] = same_as(Scenario, "parameters")
     vary: Vary | None = same_as(Scenario, "vary")
-    classification: Classification | None = same_as(Scenario, "classification")
+    classifications: tuple[Classification, ...] = same_as(Scenario, "classifications")
     weather_numbers: Weather | None = child(
         "The weather by its numbers; it goes before the attribute `weather`.", default=None
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import count
-from pathlib import Path
 from typing import Any
 
 from lxml import etree
@@ -16,7 +15,7 @@ from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
 from scenario_compiler.source.catalogs import Catalogs
-from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement
+from scenario_compiler.source.conflict import EntityWhen, Library, Part, ScenarioElement, TemplateElement
 from scenario_compiler.source.events import MOST_WAYS, storyboard_of, ways
 from scenario_compiler.source.parameters import (
     STRUCTURAL_KINDS,
@@ -47,21 +46,28 @@ from scenario_compiler.vocabulary.word import Word
 
 @dataclass(frozen=True)
 class Around:
-    """What surrounds a scenario: the templates of its file, the library's templates, and the catalogs."""
+    """What surrounds a scenario: the templates of its file, and the catalogs."""
 
     templates: Mapping[str, Part]
-    library_templates: Path
     catalogs: Catalogs
     complete: bool
 
     def expander(self, *, trial: bool = False) -> Expander:
         """Return what puts the items of one scenario in place, or of a template that is tried on its own."""
-        return Expander(self.templates, self.library_templates, self.complete, trial)
+        return Expander(self.templates, self.complete, trial)
 
 
-def around(library: Library, folder: Path, catalogs: Catalogs) -> Around:
-    """Return what surrounds the scenarios of a file; `folder` is the library's."""
-    return Around(library.templates, folder / "templates", catalogs.extended(library.catalogs), library.complete)
+def around(library: Library, catalogs: Catalogs) -> Around:
+    """Return what surrounds the scenarios of a file; `catalogs` are the library's."""
+    return Around(library.templates, catalogs.extended(library.catalogs), library.complete)
+
+
+def catalogs_of(surroundings: Around, expander: Expander) -> Catalogs:
+    """Return the catalogs that can be named: those around, and those beside the templates that have been used."""
+    catalogs = Catalogs()
+    for beside in expander.catalogs:
+        catalogs = catalogs.extended(beside)
+    return catalogs.extended(surroundings.catalogs)
 
 
 MOST_READINGS = 8
@@ -96,14 +102,37 @@ def expand_scenario(
 
 def check_template(part: Part, sink: Diagnostics, surroundings: Around) -> None:
     """Report every fault of a template on its own, used once without arguments."""
-    declared = template_parameters(part, sink)
-    values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
-    reading = part.reading(sink, _environment(declared, values, set(values)))
     expander = surroundings.expander(trial=True)
-    scope = TemplateScope(part.name, TemplateScope())
-    expander.add_template(part, reading, scope)
+    reading = _at_defaults(part, template_parameters(part, sink), sink)
+    expander.add_template(part, reading, TemplateScope(part.name, TemplateScope()))
     actors = [actor for actor, _ in expander.contents.actors]
-    catalog_vehicles(actors, surroundings.catalogs, sink)
+    catalog_vehicles(actors, catalogs_of(surroundings, expander), sink)
+
+
+def _at_defaults(part: Part, declared: Declared, sink: Diagnostics) -> ReadingContext:
+    """Return how a part is read at the defaults of its parameters; what depends on one without stays open."""
+    values = {name: value for name, one in declared.known.items() if (value := default_value(one, sink)) is not None}
+    return part.reading(sink, _environment(declared, values, set(values)))
+
+
+def named_in(part: Part, surroundings: Around) -> tuple[TemplateScope, Expander]:
+    """Return the names that a scenario or a template makes known, and its items, at its parameters' defaults.
+
+    Faults are not reported: this is for who asks what names mean in a file that is being written.
+    """
+    quiet = Diagnostics()
+    element, word = part.element, ScenarioElement if part.element.tag == ScenarioElement.tag() else TemplateElement
+    reading = _at_defaults(part, read_parameters(element, part.reading(quiet, Environment())), quiet)
+    scope, expander = TemplateScope(), surroundings.expander(trial=True)
+    for rule, found in place_children(element, word, reading):
+        for ego in found if rule.field == "ego" else ():
+            full = scope.declare(ego.get("id", "ego"))
+            whens = [read_word(one, When, reading) for one in ego.iterchildren(When.tag())]
+            named = [scope.name_event(one, quiet) for one in whens if one is not None]
+            expander.contents.happenings += [(full, when, scope) for when in named]
+        if rule.field == "items":
+            expander.add_items(rule, found, reading, scope)
+    return scope, expander
 
 
 def _environment(declared: Declared, values: Mapping[str, Value], settled: set[str]) -> Environment:
@@ -136,26 +165,27 @@ class _Attempt:
         fields = read_attributes(element, ScenarioElement, self.reading)
         preset = (fields or {}).pop("weather", "ClearNoon")
         self._read_children(element)
+        catalogs = catalogs_of(self.around, self.expander)
         weather = self._weather(preset)
-        takeover = self._takeover()
+        takeover = self._takeover(catalogs)
         ego = self.words.get("ego")
         if fields is None or not isinstance(ego, Ego) or self.expander.has_too_many:
             return None
         ego = self.scope.resolved(ego, self.sink)
         actors, happenings = self._contents(ego)
-        vehicles = catalog_vehicles([ego, *actors], self.around.catalogs, self.sink)
+        vehicles = catalog_vehicles([ego, *actors], catalogs, self.sink)
         flows = self.expander.contents.traffic.values()
-        traffic = [traffic_models(one, self.around.catalogs, self.sink) for one in flows]
+        traffic = [traffic_models(one, catalogs, self.sink) for one in flows]
         if not vehicles:
             return None
         storyboard = storyboard_of([ego.id, *(actor.id for actor in actors)], self._bounded(happenings))
         more = [one for _, some in traffic for one in some]
-        more += kept_vehicles([storyboard], self.around.catalogs, self.sink)
+        more += kept_vehicles([storyboard], catalogs, self.sink)
         scenario = Scenario.model_construct(
             **fields,
             weather=weather,
             vary=self.words.get("vary"),
-            classification=self.words.get("classification"),
+            classifications=self.words.get("classifications", ()),
             ego=ego.model_copy(update={"whens": ()}),
             actors=tuple(actors),
             spawn_points=self.words.get("spawn_points"),
@@ -248,7 +278,7 @@ class _Attempt:
             return settled_weather(written, self.sink)
         return weather or Weather.model_construct()
 
-    def _takeover(self) -> Takeover:
+    def _takeover(self, catalogs: Catalogs) -> Takeover:
         """Return the policy with the driver taken from the catalog."""
         origin = self.reading.origin(self.part.element)
         takeover: Takeover = self.words.get("takeover") or Takeover.model_construct().written_at(origin)
@@ -256,7 +286,7 @@ class _Attempt:
         return (
             takeover
             if isinstance(driver, DriverModel)
-            else takeover.model_copy(update={"driver": catalog_driver(driver, self.around.catalogs, self.sink)})
+            else takeover.model_copy(update={"driver": catalog_driver(driver, catalogs, self.sink)})
         )
 
 

@@ -15,7 +15,7 @@ from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Binding, Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, read_word
 from scenario_compiler.markup.values import COMMAND_LINE, bound_value, outside
-from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER
+from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, limits_text
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling, Word
 
@@ -188,6 +188,13 @@ def limits(parameter: Parameter) -> AttributeSpelling:
     if parameter.type == "fraction":
         low, high = (0.0 if low is None else low), (1.0 if high is None else high)
     return AttributeSpelling(minimum=low, maximum=high)
+
+
+def parameter_kind(parameter: Parameter) -> str:
+    """Return what a parameter holds, for people to read: its kind, unit and limits."""
+    quantity = QUANTITIES.get(parameter.type)
+    unit = f" in {quantity.unit}" if quantity is not None and quantity.unit not in ("", "1") else ""
+    return ", ".join(part for part in (f"{parameter.type}{unit}", limits_text(limits(parameter))) if part)
 
 
 def _misfit(text: str, parameter: Parameter, expected: str, place: Place, sink: Diagnostics) -> Value | None:

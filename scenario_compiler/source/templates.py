@@ -12,17 +12,20 @@ from typing import Any, cast
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, Place, did_you_mean
-from scenario_compiler.document import read_document
+from scenario_compiler.document import Origin, read_document
 from scenario_compiler.expressions import Value
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
+from scenario_compiler.resources import template_folders
+from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
 from scenario_compiler.source.conflict import (
     MOST_ROUNDS,
     Else,
     EntityWhen,
     For,
     If,
+    Library,
     LibraryElement,
     Part,
     Repeat,
@@ -53,6 +56,7 @@ class TemplateScope:
         events: Name of an event as this scope knows it, to its name in the whole scenario.
         numbered: Last number of a part without an id, by what its name begins with.
         places: Where the names of this scope are written: of entities, parts, events and traffic.
+        origin: The use or the loop that made the scope; None for the scenario.
     """
 
     name: str = ""
@@ -63,6 +67,7 @@ class TemplateScope:
     events: dict[str, str] = field(default_factory=dict)
     numbered: dict[str, int] = field(default_factory=dict)
     places: dict[tuple[str, str], Place] = field(default_factory=dict)
+    origin: Origin | None = None
 
     def declare(self, local: str) -> str:
         """Make an id known here and, behind the names of the uses, in the scopes around; return it in full."""
@@ -139,7 +144,7 @@ class TemplateScope:
                     changes[rule.field] = self.resolve(named) or self._unknown(named, one, name, sink)
                 elif rule.spelling.names == "event":
                     named = getattr(one, rule.field)
-                    changes[rule.field] = self._event(named) or self._unknown_event(named, one, name, sink)
+                    changes[rule.field] = self.resolve_event(named) or self._unknown_event(named, one, name, sink)
             return one.model_copy(update=changes) if changes else one
 
         return replaced(cast(AnyWord, in_full(word)), in_full)
@@ -172,7 +177,7 @@ class TemplateScope:
             scope.events[name] = full
         return when.model_copy(update={"name": full}).written_at(when.origin)
 
-    def _event(self, name: str) -> str | None:
+    def resolve_event(self, name: str) -> str | None:
         """Return the name in the whole scenario that the name of an event means here."""
         scope: TemplateScope | None = self
         while scope is not None:
@@ -229,21 +234,23 @@ class Expander:
 
     Attributes:
         own: Templates of the file and its includes.
-        library: Folder of the library's templates.
         complete: `own` has all that the file and its includes hold.
         trial: A template is used on its own: the items that come after enough of them are left out, which is no fault.
         contents: Where everything goes.
         declared: Parameters of the templates that have been used, by where these stand.
         unread: Ids of actors that are written but cannot be read: references to them are no faults.
+        scopes: The scopes that uses and loops have made, in document order.
+        catalogs: Vehicles and drivers that stand beside the templates that are used.
     """
 
     own: Mapping[str, Part]
-    library: Path
     complete: bool = True
     trial: bool = False
     contents: Contents = field(default_factory=Contents)
     declared: dict[str, Declared] = field(default_factory=dict)
     unread: set[str] = field(default_factory=set)
+    scopes: list[TemplateScope] = field(default_factory=list)
+    catalogs: list[Catalogs] = field(default_factory=list)
 
     @property
     def most(self) -> int:
@@ -383,7 +390,8 @@ class Expander:
         variable = fields.get("variable", "index")
         for number, value in enumerate(values, start=1):
             inside = replace(reading, environment=reading.environment.with_value(variable, value))
-            self.add_items(rule, elements, inside, TemplateScope(f"{name}.{number}", scope), chain)
+            inner = self._inside(f"{name}.{number}", scope, reading.origin(element))
+            self.add_items(rule, elements, inside, inner, chain)
 
     def _lose(self, element: etree._Element, scope: TemplateScope) -> None:
         """Remember what an item that cannot be read would have brought."""
@@ -421,12 +429,18 @@ class Expander:
             reading.sink.add(names.TEMPLATE_CYCLE, f"{uses}: it never ends", use.origin)
             return
         name = scope.name_use(use, reading.sink)
-        inner = TemplateScope(name, scope)
+        inner = self._inside(name, scope, use.origin)
         if identity not in self.declared:
             self.declared[identity] = template_parameters(template, reading.sink)
         environment = bind_use(self.declared[identity], use.arguments, reading, use)
         inside = template.reading(reading.sink, environment, use.origin)
         self.add_template(template, inside, inner, (*chain, identity))
+
+    def _inside(self, name: str, scope: TemplateScope, origin: Place) -> TemplateScope:
+        """Return the scope of a use or of a round of a loop, and remember it."""
+        inner = TemplateScope(name, scope, origin=origin if isinstance(origin, Origin) else None)
+        self.scopes.append(inner)
+        return inner
 
     def add_template(
         self, template: Part, reading: ReadingContext, scope: TemplateScope, chain: tuple[str, ...] = ()
@@ -439,19 +453,19 @@ class Expander:
         self.add_items(rule, found, reading, scope, chain)
 
     def find(self, use: Use, sink: Diagnostics) -> Part | None:
-        """Return the template of a use: the file's own, an included one, or the library's."""
+        """Return the template of a use: the file's own, an included one, or one of the folders'."""
         if use.template in self.own:
             return self.own[use.template]
-        library, faults = library_templates(self.library)
-        sink.take(faults)
-        if use.template not in library and self.complete:
-            sink.add(
-                names.UNKNOWN_TEMPLATE,
-                f"there is no template '{use.template}'",
-                use.place_of("template"),
-                hint=did_you_mean(use.template, {*self.own, *library}),
-            )
-        return library.get(use.template)
+        for shelf in map(templates_in, template_folders()):
+            sink.take(shelf.faults)
+            if use.template in shelf.templates:
+                self.catalogs.append(shelf.catalogs)
+                return shelf.templates[use.template]
+        if self.complete:
+            known = {*self.own, *templates_by_name()}
+            message = f"there is no template '{use.template}'"
+            sink.add(names.UNKNOWN_TEMPLATE, message, use.place_of("template"), hint=did_you_mean(use.template, known))
+        return None
 
 
 def _round_values(fields: Mapping[str, Any]) -> Sequence[Value]:
@@ -482,13 +496,52 @@ def template_parameters(part: Part, sink: Diagnostics) -> Declared:
     return parameters
 
 
+def templates_by_name() -> dict[str, Part]:
+    """Return the templates of all folders, as a name is looked for: the first folder that has it decides."""
+    shelves = [templates_in(folder).templates for folder in template_folders()]
+    return {name: part for templates in reversed(shelves) for name, part in templates.items()}
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """What a folder of templates holds.
+
+    Attributes:
+        templates: Templates by name.
+        catalogs: Vehicles and drivers that stand beside them.
+        faults: What is wrong with the files.
+    """
+
+    templates: Mapping[str, Part]
+    catalogs: Catalogs
+    faults: tuple[Diagnostic, ...]
+
+
 @cache
-def library_templates(folder: Path) -> tuple[Mapping[str, Part], tuple[Diagnostic, ...]]:
-    """Return the templates of a folder's files, read once a process, and what is wrong with the files."""
+def templates_in(folder: Path) -> Shelf:
+    """Return what a folder of templates, and the folders in it, hold; read once a process."""
     sink = Diagnostics()
     templates: dict[str, Part] = {}
-    for path in sorted(folder.glob("*.xml")):
+    catalogs = Catalogs()
+    for path in sorted(folder.rglob("*.xml")):
         document = read_document(path, sink)
-        if document is not None and document.root.tag == LibraryElement.tag():
-            templates.update(read_library(document, sink).templates)
-    return templates, tuple(sink.found)
+        root = "" if document is None else document.root.tag
+        if document is not None and root == LibraryElement.tag():
+            library = read_library(document, sink)
+            _shelve(library, templates, sink)
+            catalogs = catalogs.extended(library.catalogs)
+        elif document is not None and root == CatalogElement.tag():
+            catalogs = catalogs.extended(read_catalog(ReadingContext(document, sink, Environment())))
+    return Shelf(templates, catalogs, tuple(sink.found))
+
+
+def _shelve(library: Library, templates: dict[str, Part], sink: Diagnostics) -> None:
+    """Add the templates of a file and of its includes; report one of its own whose name another file's has."""
+    for name in library.own_templates:
+        part, there = library.templates[name], templates.get(name)
+        if there is not None and there.document.path != part.document.path:
+            message = f"a template named '{name}' stands in {there.document.path} already"
+            sink.add(names.DUPLICATE_NAME, message, part.document.origin(part.element, "name"))
+    for name, part in library.templates.items():
+        if name in library.own_templates or name not in templates:
+            templates[name] = part

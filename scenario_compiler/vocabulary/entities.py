@@ -22,7 +22,7 @@ class Vehicle(Word):
 
     word: Literal["vehicle"] = "vehicle"
 
-    name: str = attribute("CARLA blueprint id.")
+    name: str = attribute("CARLA blueprint id.", defines="vehicle")
     category: Category = attribute("What it is.", default="car")
     summary: str = attribute("What it is.", default="")
     source: str = attribute("Where the numbers come from.", default="")
@@ -78,7 +78,7 @@ class Ego(Word):
 
     word: Literal["ego"] = "ego"
 
-    id: str = attribute("Id of the entity.", default="ego", pattern=ENTITY_ID)
+    id: str = attribute("Id of the entity.", default="ego", defines="entity", pattern=ENTITY_ID)
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     desired_speed: Number | None = attribute(
@@ -100,7 +100,7 @@ class Static(Word):
 
     word: Literal["static"] = "static"
 
-    id: str = attribute("Id of the entity.", pattern=ENTITY_ID)
+    id: str = attribute("Id of the entity.", defines="entity", pattern=ENTITY_ID)
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
     at: Position = child("Where it stands.", wrapper="at")
 
@@ -123,7 +123,7 @@ class Dynamic(Word):
 
     word: Literal["dynamic"] = "dynamic"
 
-    id: str = attribute("Id of the entity.", pattern=ENTITY_ID)
+    id: str = attribute("Id of the entity.", defines="entity", pattern=ENTITY_ID)
     model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.tesla.model3", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     start: Position | None = child(
@@ -146,7 +146,7 @@ class Row(Word):
 
     word: Literal["row"] = "row"
 
-    id: str = attribute("Id of the row: its members are <id>.1, <id>.2 and so on.", pattern=ENTITY_ID)
+    id: str = attribute("Id of the row: its members are <id>.1, <id>.2 and so on.", defines="entity", pattern=ENTITY_ID)
     model: str = attribute(
         "What stands in it, of the catalog.", default="static.prop.constructioncone", names="vehicle"
     )
@@ -168,7 +168,7 @@ class WorkZone(Word):
 
     word: Literal["work_zone"] = "work_zone"
 
-    id: str = attribute("Id of the work zone.", pattern=ENTITY_ID)
+    id: str = attribute("Id of the work zone.", defines="entity", pattern=ENTITY_ID)
     length: float = attribute(
         "Length of the closed stretch behind the taper, m.", default=30.0, quantity="length", minimum=0, maximum=1000
     )
@@ -204,7 +204,9 @@ class Traffic(Word):
 
     word: Literal["traffic"] = "traffic"
 
-    id: str = attribute("Id: the entities are <id>.1, <id>.2 and so on.", default="traffic", pattern=ENTITY_ID)
+    id: str = attribute(
+        "Id: the entities are <id>.1, <id>.2 and so on.", default="traffic", defines="traffic", pattern=ENTITY_ID
+    )
     vehicles: int = attribute("Number of vehicles.", default=0, minimum=0, maximum=500)
     pedestrians: int = attribute("Number of pedestrians on the sidewalks.", default=0, minimum=0, maximum=500)
     density: float = attribute(

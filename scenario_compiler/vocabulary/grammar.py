@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from scenario_compiler.expressions import Expression
+from scenario_compiler.expressions import Expression, format_value
 from scenario_compiler.vocabulary.word import (
     AttributeSpelling,
     ChildSpelling,
@@ -27,7 +27,7 @@ NUMBER = r"[+\-]?([0-9]{1,30}(\.[0-9]{1,30})?|\.[0-9]{1,30})([eE][+\-]?[0-9]{1,2
 INTEGER = r"[+\-]?[0-9]{1,9}"
 """A whole number as XML writes it."""
 
-EXPRESSION = r"\$[A-Za-z_][A-Za-z0-9_.]*|\$\{[ \t\r\n]*[^{} \t\r\n][^{}]*\}"
+EXPRESSION = r"[$][A-Za-z_][A-Za-z0-9_.]*|[$]\{[ \t\r\n]*[^{} \t\r\n][^{}]*\}"
 """A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal; `${}` is none.
 
 What an expression comes to is no matter of form: a schema takes any for any value, and the reader judges the value.
@@ -89,6 +89,10 @@ class Grammar:
     attributes: Mapping[str, AttributeRule]
     children: tuple[ChildRule, ...]
     others: str = ""
+
+    def attribute_of(self, field: str) -> AttributeRule:
+        """Return the attribute that holds a field of the word."""
+        return next(rule for rule in self.attributes.values() if rule.field == field)
 
 
 @cache
@@ -156,3 +160,13 @@ def _members(annotation: object) -> list[Any]:
     if origin is Annotated:
         return _members(get_args(annotation)[0])
     return [] if annotation is type(None) else [annotation]
+
+
+def limits_text(spelling: AttributeSpelling) -> str:
+    """Return the limits of a number in words, in the unit that XML uses; empty for none."""
+    parts = []
+    if spelling.minimum is not None:
+        parts.append(f"{'above' if spelling.exclusive else 'from'} {format_value(float(spelling.minimum))}")
+    if spelling.maximum is not None:
+        parts.append(f"to {format_value(float(spelling.maximum))}")
+    return " ".join(parts)

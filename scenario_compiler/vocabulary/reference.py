@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Iterator
 
-from scenario_compiler.expressions import FUNCTIONS, format_value
-from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of
+from scenario_compiler.expressions import FUNCTIONS
+from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of, limits_text
 from scenario_compiler.vocabulary.schema import default_text, words_below
 from scenario_compiler.vocabulary.word import QUANTITIES, Word
 
@@ -72,10 +72,10 @@ def _paragraphs(word: type[Word]) -> Iterator[str]:
 def _attribute(rule: AttributeRule) -> str:
     name = f"**{rule.name}**" if rule.required else rule.name
     text = " ".join(part for part in (rule.description, default_text(rule)) if part)
-    return f"| {name} | {_holds(rule)} | {text.replace('|', chr(92) + '|')} |"
+    return f"| {name} | {holds(rule)} | {text.replace('|', chr(92) + '|')} |"
 
 
-def _holds(rule: AttributeRule) -> str:
+def holds(rule: AttributeRule) -> str:
     """Return what an attribute holds, with its unit and limits."""
     spelling = rule.spelling
     kinds = {"number": "number", "fixed_number": "number", "integer": "whole number", "boolean": "`true` or `false`"}
@@ -87,13 +87,10 @@ def _holds(rule: AttributeRule) -> str:
         what = f"{what} in {quantity.unit}"
     if spelling.separated:
         what = f"list of {what}" if rule.kind == "choice" else f"{what}s with spaces between"
-    limits = []
-    if spelling.minimum is not None:
-        limits.append(f"{'above' if spelling.exclusive else 'from'} {format_value(float(spelling.minimum))}")
-    if spelling.maximum is not None:
-        limits.append(f"to {format_value(float(spelling.maximum))}")
+    limits = [limits_text(spelling)] if limits_text(spelling) else []
     if spelling.names:
-        limits.append(f"names a {spelling.names}" if spelling.names[0] not in "aeiou" else f"names an {spelling.names}")
+        named = spelling.names.replace("_", " ")
+        limits.append(f"names {'an' if named[0] in 'aeiou' else 'a'} {named}")
     return ", ".join([what, *limits])
 
 

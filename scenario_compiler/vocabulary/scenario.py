@@ -22,12 +22,20 @@ class Classification(Word):
 
     word: Literal["classification"] = "classification"
 
-    scheme: str = attribute("Short name of the taxonomy, such as gold2018.")
+    scheme: str = attribute("Short name of the taxonomy: gold2018, r157, euroncap, or one of your own.", names="scheme")
     number: int | None = attribute("Number of the situation in it.", default=None, minimum=0)
+    situation: str = attribute(
+        "Name of the situation in it, such as 4.2_1 or CCRs, where it has no number.", default="", names="situation"
+    )
     urgency: str = attribute("Rated urgency.", default="")
     response: str = attribute("Rated complexity of the driver's response.", default="")
     predictability: str = attribute("Rated predictability.", default="")
     criticality: str = attribute("Rated criticality.", default="")
+
+    @property
+    def place(self) -> str:
+        """The situation's name or number in the taxonomy, empty without one."""
+        return self.situation or ("" if self.number is None else str(self.number))
 
 
 ParameterKind = Literal[
@@ -41,7 +49,7 @@ class Parameter(Word):
 
     word: Literal["parameter"] = "parameter"
 
-    name: str = attribute("Name that `$name` and `--set name=value` use.", pattern=IDENTIFIER)
+    name: str = attribute("Name that `$name` and `--set name=value` use.", defines="parameter", pattern=IDENTIFIER)
     type: ParameterKind = attribute("What it measures; numbers are in the unit that XML uses for it.")
     default: str | None = attribute("Value when none is given; without one, each use must give it.", default=None)
     min: Number | None = attribute("Least value.", default=None)
@@ -73,7 +81,7 @@ class Scenario(Word):
 
     word: Literal["scenario"] = "scenario"
 
-    name: str = attribute("Name of the scenario.")
+    name: str = attribute("Name of the scenario.", defines="scenario")
     summary: str = attribute("One sentence: what happens.", default="")
     source: str = attribute("Where the situation comes from.", default="")
     map: str = attribute("Name or path of the OpenDRIVE map.", names="map")
@@ -85,7 +93,7 @@ class Scenario(Word):
     weather: Weather = child("The weather.")
     parameters: tuple[Parameter, ...] = child("Parameters that numbers of the scenario use.", default=())
     vary: Vary | None = child("How a sweep varies it.", default=None)
-    classification: Classification | None = child("Its place in a taxonomy.", default=None)
+    classifications: tuple[Classification, ...] = child("Its places in published taxonomies.", default=())
     spawn_points: SpawnPoints | None = child("Spawn points of the scenario's own.", default=None)
     ego: Ego | None = child("The automated vehicle.", default=None)
     actors: tuple[Actor, ...] = child("The other actors, in document order.", default=())

@@ -10,7 +10,7 @@ class SignalState(Word):
 
     word: Literal["signal_state"] = "signal_state"
 
-    signal: str = attribute("Id of the signal in the map.")
+    signal: str = attribute("Id of the signal in the map.", names="signal")
     state: str = attribute("Its state.")
 
 
@@ -29,11 +29,13 @@ class SignalController(Word):
 
     word: Literal["signal_controller"] = "signal_controller"
 
-    name: str = attribute("Name of the controller.")
+    name: str = attribute("Name of the controller.", defines="signal_controller")
     delay: Number = attribute(
         "How much later than the controller `reference` it begins, s.", default=0.0, quantity="time", minimum=0
     )
     reference: str = attribute(
-        "Name of the controller that the delay counts from; the run's start without.", default=""
+        "Name of the controller that the delay counts from; the run's start without.",
+        default="",
+        names="signal_controller",
     )
     phases: tuple[SignalPhase, ...] = child("Its phases, in order.", default=())

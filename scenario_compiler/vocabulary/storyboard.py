@@ -43,7 +43,9 @@ class When(Word):
 
     word: Literal["when"] = "when"
 
-    name: str = attribute("Name of the event, for <event> and the event log.", default="", pattern=f"({ENTITY_ID})?")
+    name: str = attribute(
+        "Name of the event, for <event> and the event log.", default="", defines="event", pattern=f"({ENTITY_ID})?"
+    )
     conditions: tuple[Condition | AnyOf, ...] = child("All of them must be true at once.")
     do: Do = child("What happens then.")
 

@@ -94,7 +94,7 @@ class DriverModel(Word):
 
     word: Literal["driver_model"] = "driver_model"
 
-    name: str = attribute("Name in the catalog.")
+    name: str = attribute("Name in the catalog.", defines="driver")
     summary: str = attribute("Whom it stands for.", default="")
     source: str = attribute("Where the numbers come from.", default="")
     mu: float = attribute("Mean of the logarithm of the takeover time in seconds.", default=0.0)

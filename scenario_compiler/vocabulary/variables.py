@@ -17,7 +17,7 @@ class Variable(Word):
 
     word: Literal["variable"] = "variable"
 
-    name: str = attribute("Name that actions and conditions give.")
+    name: str = attribute("Name that actions and conditions give.", defines="variable")
     type: VariableType = attribute("What it holds.", default="double")
     value: str = attribute("Its value at the start.", default="")
 

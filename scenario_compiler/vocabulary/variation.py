@@ -229,7 +229,7 @@ class Constraint(Word):
 
     word: Literal["constraint"] = "constraint"
 
-    holds: str = attribute("Expression over the parameters, such as `$gap > 2 * $speed`.")
+    holds: str = attribute("Expression over the parameters, such as `$gap > 2 * $speed`.", expression=True)
 
 
 class Vary(Word):

@@ -129,6 +129,8 @@ class AttributeSpelling:
         minimum: Least value, in the XML unit; None for no limit. `exclusive` leaves the limit itself out.
         maximum: Greatest value, in the XML unit; None for no limit.
         names: What the text refers to: "entity", "road", "map", ... or empty.
+        defines: What the text gives a name to, in the same terms, or empty.
+        expression: The text is an expression over parameters, written without `${}`.
         separated: The text is a space-separated list.
         pattern: Regular expression that the whole text must match, in the syntax that Python and XML Schema share;
             empty for any text.
@@ -140,6 +142,8 @@ class AttributeSpelling:
     maximum: float | None = None
     exclusive: bool = False
     names: str = ""
+    defines: str = ""
+    expression: bool = False
     separated: bool = False
     pattern: str = ""
 
@@ -182,12 +186,14 @@ def attribute(
     maximum: float | None = None,
     exclusive: bool = False,
     names: str = "",
+    defines: str = "",
+    expression: bool = False,
     separated: bool = False,
     pattern: str = "",
 ) -> Any:
     """Declare a field that XML writes as an attribute; limits are in the unit of `quantity` as XML writes it."""
     return _declare(
-        AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, separated, pattern),
+        AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, defines, expression, separated, pattern),
         default=default,
         description=description,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shlex
+import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,8 +14,9 @@ from lxml import etree
 
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import Progress, prepare, run_sweep
+from scenario_compiler.batch.measuring import row_of_recording
 from scenario_compiler.batch.results import PARAMETER, read_results
-from scenario_compiler.batch.runner import record
+from scenario_compiler.batch.runner import Part, Runner, Variant, record
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.batch.worst import repeat_command
@@ -26,6 +28,7 @@ from scenario_compiler.recording.store import read_recording
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.parameters import limits
+from scenario_compiler.vocabulary.storyboard import Storyboard
 
 LIBRARY = Path(__file__).parents[2] / "library" / "conflicts"
 VARY = ("distance=uniform(10, 350)", "speed=choice(8, 13.9, 20)")
@@ -81,6 +84,15 @@ def test_library_conflicts_run_compiled_as_interpreted(target: str, tmp_path: Pa
         run_sweep(target, spec, folder, workers=1, report=False)
         tables.append(read_results(folder)[0])
     assert tables[0] == tables[1]
+    sweep = prepare(target, spec, Diagnostics())
+    for index in range(2):
+        variant = sweep.variant(index, sweep.sampler.sample(index))
+        family = sweep.families.base
+        recording = record(family.plan, family.network, variant, spec.seed)
+        alone = row_of_recording(with_values(family.plan, variant.values), recording)
+        for name, (found,) in alone.items():
+            summed = name == "lane_position_deviation" and found is not None
+            assert tables[0][name][index] == (pytest.approx(found, rel=1e-12, abs=1e-12) if summed else found), name
 
 
 def test_no_split_changes_a_byte(conflict: Path, tmp_path: Path) -> None:
@@ -224,3 +236,21 @@ def test_a_wrong_wish_for_traces_is_refused(text: str) -> None:
 )
 def test_wilson_intervals(hits: int, count: int, low: float, high: float) -> None:
     assert wilson_interval(hits, count) == pytest.approx((low, high), abs=1e-4)
+
+
+def test_the_memory_of_a_sweep_does_not_depend_on_how_long_its_runs_are(conflict: Path) -> None:
+    peaks = []
+    for duration in (30.0, 600.0):
+        sweep = prepare(conflict, _spec(samples=20), Diagnostics())
+        family = sweep.families.base
+        plan = family.plan.model_copy(update={"duration": duration, "storyboard": Storyboard()})
+        runner = Runner("compiled", 1)
+        runner.add(0, plan, family.network)
+        part = Part(0, tuple(Variant(index, 0, {}) for index in range(20)))
+        list(runner.batches(part))
+        tracemalloc.start()
+        (batch,) = runner.batches(part)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert max(batch.columns["duration"]) > 0.9 * duration
+    assert peaks[1] < 1.1 * peaks[0]

@@ -19,7 +19,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from scenario_compiler.batch.runner import TRACE_MEMORY
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.state import make_draws
@@ -188,7 +187,7 @@ def main() -> None:
     ]
     for line in table:
         print("  ".join(cell.ljust(width) for cell, width in zip(vars(line).values(), widths, strict=True)).rstrip())
-    print(f"\nCPU time, median of {options.runs}; traces of at most {TRACE_MEMORY / 1e6:g} MB are measured at a time")
+    print(f"\nCPU time, median of {options.runs}")
 
 
 if __name__ == "__main__":

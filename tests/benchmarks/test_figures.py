@@ -9,6 +9,12 @@ from pathlib import Path
 import pytest
 
 
+def test_the_language_servers_table_has_a_line_for_each_answer() -> None:
+    script = Path(__file__).parent / "editor_figures.py"
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=300, check=True)
+    assert done.stdout.count(" of 100 ms") == 8
+
+
 @pytest.mark.slow
 def test_the_table_is_printed() -> None:
     script = Path(__file__).parent / "figures.py"

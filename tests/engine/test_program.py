@@ -10,7 +10,7 @@ import pytest
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.columns.trace import SUMMARY, SUMMARY_SIZE
+from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.program import build_program, rows
 from scenario_compiler.engine.program.checking import check_program

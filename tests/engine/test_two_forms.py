@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots
 from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.columns.trace import SUMMARY, trace_width
+from scenario_compiler.engine.columns.totals import SUMMARY
+from scenario_compiler.engine.columns.trace import trace_width
 from scenario_compiler.engine.moves.table import NUMBERS as ACTION
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.engine.story.of_run import FIRST_TRANSITION

@@ -12,7 +12,7 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.columns.trace import SUMMARY
+from scenario_compiler.engine.columns.totals import SUMMARY
 from scenario_compiler.engine.program import Program, build_program
 from scenario_compiler.listing import list_library
 from scenario_compiler.resources import library_folder

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,9 @@ from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.engine.columns.state import State, make_draws, new_state
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.story.step import reset
+from scenario_compiler.expressions import Expression
+from scenario_compiler.plan.checks.overlap import boxes_overlap, corners
+from scenario_compiler.plan.model import StartPose
 from scenario_compiler.plan.places import spans_of
 from scenario_compiler.resources import find_map
 from scenario_compiler.roads import load_network
@@ -123,3 +127,66 @@ def test_a_work_zone_closes_its_lane(tmp_path: Path) -> None:
     assert st.s[number["works.sign"]] == pytest.approx(110.0)
     assert st.t[number["works.sign"]] < -4.0
     assert max(st.s[i] for name, i in number.items() if name.startswith("works.cones")) == pytest.approx(190.0)
+
+
+def overlapping(done: Compilation, seed: int) -> list[tuple[str, str]]:
+    """Return the pairs of entities whose boxes overlap at the start of a run."""
+    st, number = at_start(done, seed)
+    boxes = {}
+    for one in done.plan.entities:
+        i = number[one.id]
+        pose = StartPose.model_construct(x=st.x[i], y=st.y[i], z=st.z[i], heading=st.h[i])
+        boxes[one.id] = corners(one, pose)
+    return [(one, other) for one, other in combinations(boxes, 2) if boxes_overlap(boxes[one], boxes[other])]
+
+
+MANY_POINTS = "".join(f'<point name="p{k}"><lane road="1" lane="-1" s="{60 + 6 * k}"/></point>' for k in range(30))
+CLOSE = '<random roads="1 2" clear="0"/>'
+SEEDED = '<random roads="1" clear="0" seed="3"/>'
+RANDOM_PLACES = {
+    "static, close together": "".join(
+        f'<static id="a{k}"><at><random roads="1" clear="1"/></at></static>' for k in range(8)
+    ),
+    "of very different sizes": f"""
+      <static id="bus" model="vehicle.mitsubishi.fusorosa"><at>{CLOSE}</at></static>
+      <static id="cone" model="static.prop.constructioncone"><at>{CLOSE}</at></static>
+      <dynamic id="bike" model="vehicle.bh.crossbike" speed="3"><start>{CLOSE}</start></dynamic>""",
+    "dynamic, at spawn points": "".join(
+        f'<dynamic id="a{k}" speed="3"><start><random_spawn_point/></start></dynamic>' for k in range(5)
+    ),
+    "static and dynamic, with one seed": f"""
+      <static id="a"><at>{SEEDED}</at></static>
+      <dynamic id="b" speed="2"><start>{SEEDED}</start></dynamic>""",
+    "rows and work zones": """
+      <static id="fixed"><at><lane road="1" lane="-1" s="220"/></at></static>
+      <row id="cones" count="8" spacing="6"><at><random roads="1" lane="-1"/></at></row>
+      <work_zone id="works" length="10"><at><random roads="1" lane="1"/></at></work_zone>
+      <static id="last"><at><random roads="1"/></at></static>""",
+}
+
+
+@pytest.mark.parametrize("body", RANDOM_PLACES.values(), ids=list(RANDOM_PLACES))
+def test_what_is_put_at_random_stands_in_nobodys_box(tmp_path: Path, body: str) -> None:
+    done = compiled(tmp_path, body, before=f"<spawn_points>{MANY_POINTS}</spawn_points>")
+    drawn = [one.id for one in done.plan.entities if isinstance(one.start, RandomPosition | AnyOfPosition)]
+    places = set()
+    for seed in range(40):
+        assert overlapping(done, seed) == []
+        st, number = at_start(done, seed)
+        places.add(tuple(st.x[number[name]] for name in drawn))
+    assert drawn
+    assert len(places) == 1 if SEEDED in body else len(places) > 30
+
+
+def test_room_that_an_author_asks_for_is_kept(tmp_path: Path) -> None:
+    parameter = '<parameter name="gap" type="length" default="40" min="0" max="100"/>'
+    places = "".join(f'<static id="a{k}"><at><random roads="1" clear="$gap"/></at></static>' for k in range(3))
+    done = compiled(tmp_path, places, before=parameter)
+    for seed in range(10):
+        st, number = at_start(done, seed)
+        points = [(st.x[number[f"a{k}"]], st.y[number[f"a{k}"]]) for k in range(3)]
+        assert min(math.dist(one, other) for one, other in combinations(points, 2)) >= 40.0
+    start = next(one.start for one in done.plan.entities if one.id == "a0")
+    assert isinstance(start, RandomPosition)
+    assert isinstance(start.clear, Expression)
+    assert start.clear.number({"gap": 0.0}) > 4.0

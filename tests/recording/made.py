@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
-from scenario_compiler.engine.columns import opcodes
+import numpy as np
+
+from scenario_compiler.engine.columns import opcodes, slots
+from scenario_compiler.engine.columns.declaration import at_start
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import new_state
+from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals, write_summary
+from scenario_compiler.engine.measures.judging import finish_totals, judge_row
+from scenario_compiler.engine.measures.rows import take_row
+from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.engine.motion.collision import update_boxes
 from scenario_compiler.plan.model import Entity, MapReference, Plan
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
+from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
 from scenario_compiler.vocabulary.criteria import Criterion, NoCollision, StayOnRoad
 from scenario_compiler.vocabulary.entities import Controller, Vehicle
 from scenario_compiler.vocabulary.positions import LanePositionWord
@@ -22,6 +36,8 @@ CAR = Vehicle(name="car", length=4.0, width=2.0, height=1.5, wheelbase=2.6, cent
 """A box that reaches from 1 m behind the reference point to 3 m ahead of it."""
 
 STEP = 0.1
+BLOCK = slots.E_COUPLER + 1
+"""Numbers of an entity in a program."""
 Row = dict[str, Sequence[float]]
 
 
@@ -52,7 +68,7 @@ def plan_of(*ids: str, criteria: tuple[Criterion, ...] = (NoCollision(), StayOnR
         storyboard=Storyboard(),
         takeover=Takeover(),
         criteria=criteria,
-        classification=Classification(scheme="gold2018", number=9, urgency="3", response="1-3"),
+        classifications=(Classification(scheme="gold2018", number=9, urgency="3", response="1-3"),),
         digest="d" * 64,
     )
 
@@ -117,3 +133,92 @@ def approach(speed: float = 10.0, stop_at: float = math.inf) -> Callable[[float]
         }
 
     return row
+
+
+def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) -> Traces:
+    """Return runs of vehicles of all sizes that drive along curves, near and far from one another and into another."""
+    dice = np.random.default_rng(seed)
+    shape = (entities, runs, rows)
+    turning = dice.choice([0.0, 0.0, 0.002, -0.02, 0.15], (entities, runs, 1)) * dice.random((entities, runs, 1))
+    v = np.cumsum(dice.normal(0.0, 0.4, shape), axis=-1) + dice.uniform(-3.0, 25.0, (entities, runs, 1))
+    h = dice.choice([0.0, 0.01, 1.5, 3.1, 6.2], (entities, runs, 1)) + np.cumsum(turning * v * STEP, axis=-1)
+    x = np.cumsum(v * np.cos(h) * STEP, axis=-1) + dice.uniform(-80.0, 120.0, (entities, runs, 1))
+    y = np.cumsum(v * np.sin(h) * STEP, axis=-1) + dice.choice([0.0, 0.0, 1.5, 3.5, 40.0], (entities, runs, 1))
+    present = dice.random(shape) < 0.97
+    z = np.broadcast_to(np.where(dice.random((entities, runs, 1)) < 0.1, 6.0, 0.0), shape)
+    moved = {"x": x, "y": y, "z": z, "h": np.mod(h, 2 * np.pi), "v": v}
+    arrays = {name: np.moveaxis(np.where(present, each, np.nan), 0, -1) for name, each in moved.items()}
+    t = np.broadcast_to(np.arange(rows) * STEP, (runs, rows))
+    ids = ("ego", *"abc"[: entities - 1])
+    one = traces_of(plan_of(*ids), record(ids, 1, lambda _: {"x": (0.0,) * entities}))
+    nothing = {
+        name: np.broadcast_to(getattr(one, name), (runs, rows, *getattr(one, name).shape[1:]))
+        for name in ("a", "road", "lane", "s", "off", "brake", "cause", "confidence_left", "confidence_right")
+    }
+    nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance")}
+    sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
+    center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
+    times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
+    present = np.moveaxis(present, 0, -1)
+    changed: dict[str, Any] = nothing | {
+        "t": t,
+        "present": present,
+        **arrays,
+        **sizes,
+        "center": center,
+        "times": times,
+    }
+    return dataclasses.replace(one, **changed)
+
+
+def added_up(runs: Traces) -> RunTotals:
+    """Return what the engine's totals come to over the rows of runs, row by row, as a sweep adds them up."""
+    lead = runs.t.shape[:-1]
+    return RunTotals(np.array([_summary(runs, index) for index in np.ndindex(*lead)]).reshape(-1, SUMMARY_SIZE))
+
+
+def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
+    count = runs.x.shape[-1]
+    program = Program()
+    program.entity_count[:], program.ego[:] = [count], [0]
+    program.entity_const[:] = [i * BLOCK for i in range(count)]
+    program.const[:] = [0.0] * (count * BLOCK)
+    sizes = {slots.E_LENGTH: runs.length, slots.E_WIDTH: runs.width, slots.E_HEIGHT: runs.height}
+    for place, values in (*sizes.items(), (slots.E_CENTER, runs.center)):
+        program.const[place::BLOCK] = values.tolist()
+    st, totals = new_state(program), at_start(Totals, program)
+    st.reach[:] = (0.5 * np.hypot(runs.length, runs.width)).tolist()
+    st.order[:] = range(count)
+    for row in range(int((~np.isnan(runs.t[index])).sum())):
+        if row:
+            judge_row(st, totals)
+        st.clock[0] = float(runs.t[index][row])
+        for name in ("x", "y", "z", "h", "v", "a", "s", "off", "brake"):
+            getattr(st, name)[:] = np.nan_to_num(getattr(runs, name)[index][row]).tolist()
+        for name in ("road", "lane"):
+            getattr(st, name)[:] = getattr(runs, name)[index][row].tolist()
+        st.present[:] = runs.present[index][row].astype(int).tolist()
+        st.cause[0] = int(runs.cause[index][row])
+        st.conf_left[0], st.conf_right[0] = (
+            float(side[index][row]) for side in (runs.confidence_left, runs.confidence_right)
+        )
+        st.blocked_distance[0] = _or_far(runs.blocked_distance[index][row])
+        st.lane_end_distance[0] = _or_far(runs.lane_end_distance[index][row])
+        update_boxes(program, st)
+        take_row(program, st, totals)
+        st.log_count[0] = sum(float(times[index]) <= st.clock[0] + SAME_TIME for times in runs.times.values())
+        for kind, times in runs.times.items():
+            time = float(times[index])
+            if time <= st.clock[0] + SAME_TIME and kind == "collision" and not st.crashed[0]:
+                st.crashed[0] = 1
+                st.log_time[0], st.log_kind[0] = time, opcodes.EVENT_COLLISION
+            elif time <= st.clock[0] + SAME_TIME and kind != "collision":
+                getattr(st, f"time_{kind}")[0] = time
+    finish_totals(st, totals)
+    out = [0.0] * SUMMARY_SIZE
+    write_summary(totals, out, 0)
+    return out
+
+
+def _or_far(distance: float) -> float:
+    return opcodes.FAR if math.isnan(distance) else float(distance)

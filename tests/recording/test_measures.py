@@ -14,10 +14,13 @@ from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
-from tests.recording.made import STEP, Row, approach, plan_of, record
+from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
 IDS = ("ego", "parked")
-COMPUTE = {measure.name: measure.compute for measure in MEASURES}
+BY_NAME = {measure.name: measure for measure in MEASURES}
+
+SUMMED_OTHERWISE = {"lane_position_deviation": 1e-12}
+"""Measures whose total adds in another order than numpy does, and how far the two may differ, relatively."""
 
 
 def traces(recording: Recording) -> Traces:
@@ -25,7 +28,19 @@ def traces(recording: Recording) -> Traces:
 
 
 def value(name: str, recording: Recording) -> float:
-    return float(COMPUTE[name](traces(recording)))
+    """Return a measure of a recording, of which both ways to compute it must be the same."""
+    runs = traces(recording)
+    computed = float(BY_NAME[name].compute(runs))
+    same(name, np.array([computed]), BY_NAME[name].total(added_up(runs)))
+    return computed
+
+
+def same(name: str, computed: Floats, total: Floats) -> None:
+    """Assert that both ways to compute a measure give the same bits, but for sums of another order."""
+    if name in SUMMED_OTHERWISE:
+        assert total == pytest.approx(computed, rel=SUMMED_OTHERWISE[name], abs=1e-12, nan_ok=True), name
+    else:
+        assert np.array_equal(total, computed, equal_nan=True), name
 
 
 @pytest.fixture(scope="module")
@@ -64,8 +79,7 @@ def test_an_answered_request_before_a_parked_car(answered: Recording, name: str,
 
 def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
-    undefined = {name for name, compute in COMPUTE.items() if math.isnan(float(compute(traces(run))))}
-    assert undefined == set(COMPUTE) - {"final_speed"}
+    assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {"final_speed"}
 
 
 def test_a_collision_has_a_time_and_the_speed_before_it() -> None:
@@ -97,7 +111,8 @@ def test_time_to_collision_follows_the_curve_that_is_driven() -> None:
 
     run = record(IDS, 5, row)
     rows = traces(run)
-    assert rows.curvature == pytest.approx(1 / radius)
+    assert math.isnan(rows.curvature[0])
+    assert rows.curvature[1:] == pytest.approx(1 / radius)
     ahead = 1.2 * radius - 0.4 * speed
     assert value("minimum_time_to_collision", run) == pytest.approx((ahead - 4.0) / 6.0, abs=0.02)
 
@@ -179,7 +194,7 @@ def _stacked(parts: list[Traces]) -> Traces:
     rows = max(len(part.t) for part in parts)
     columns = {}
     for field in dataclasses.fields(Traces):
-        if field.name in ("length", "width", "center", "times"):
+        if field.name in ("length", "width", "height", "center", "times"):
             continue
         arrays = [getattr(part, field.name) for part in parts]
         padded = []
@@ -189,28 +204,6 @@ def _stacked(parts: list[Traces]) -> Traces:
         columns[field.name] = np.stack(padded)
     times = {kind: np.stack([part.times[kind] for part in parts]) for kind in TIMED_EVENTS}
     return dataclasses.replace(parts[0], **columns, times=times)
-
-
-def _random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) -> Traces:
-    """Return runs of vehicles of all sizes that drive along curves, near and far from one another and into another."""
-    dice = np.random.default_rng(seed)
-    shape = (entities, runs, rows)
-    turning = dice.choice([0.0, 0.0, 0.002, -0.02, 0.15], (entities, runs, 1)) * dice.random((entities, runs, 1))
-    v = np.cumsum(dice.normal(0.0, 0.4, shape), axis=-1) + dice.uniform(-3.0, 25.0, (entities, runs, 1))
-    h = dice.choice([0.0, 0.01, 1.5, 3.1, 6.2], (entities, runs, 1)) + np.cumsum(turning * v * STEP, axis=-1)
-    x = np.cumsum(v * np.cos(h) * STEP, axis=-1) + dice.uniform(-80.0, 120.0, (entities, runs, 1))
-    y = np.cumsum(v * np.sin(h) * STEP, axis=-1) + dice.choice([0.0, 1.5, 3.5, 40.0], (entities, runs, 1))
-    present = dice.random(shape) < 0.97
-    moved = {"x": x, "y": y, "h": np.mod(h, 2 * np.pi), "v": v}
-    arrays = {name: np.moveaxis(np.where(present, each, np.nan), 0, -1) for name, each in moved.items()}
-    t = np.broadcast_to(np.arange(rows) * STEP, (runs, rows))
-    one = traces(record(("ego", *"abc"[: entities - 1]), 1, lambda _: {"x": (0.0,) * entities}))
-    sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
-    center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
-    times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
-    present = np.moveaxis(present, 0, -1)
-    changed: dict[str, Any] = {"t": t, "present": present, **arrays, **sizes, "center": center, "times": times}
-    return dataclasses.replace(one, **changed)
 
 
 def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats]:
@@ -243,9 +236,9 @@ def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> t
 
 @pytest.mark.parametrize("seed", range(8))
 def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed: int) -> None:
-    runs = _random_runs(seed)
+    runs = random_runs(seed)
     places = tuple(np.indices(runs.seen.apart.shape).reshape(3, -1))
-    there = ~np.isnan(runs.x[..., :1] + runs.x[..., 1:])[(*places[1:], places[0])]
+    there = np.isfinite(runs.seen.apart).reshape(-1)
     places = tuple(place[there] for place in places)
     touched = np.asarray(touching(runs).any(axis=-1))
     distance, time = distance_at(runs, places), times_at(runs, places)
@@ -260,13 +253,38 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     np.minimum.at(least_distance, places[1], distance)
     np.minimum.at(least_time, places[1], time)
     assert np.isfinite(least_time).any()
-    assert least_box_distance(runs).tolist() == np.where(touched, 0.0, least_distance).tolist()
-    found = least_time_to_collision(runs)
     expected = np.where(touched, 0.0, least_time)
-    assert np.where(np.isnan(found), np.inf, found).tolist() == expected.tolist()
+    for found, exact in (
+        (least_box_distance(runs), np.where(touched, 0.0, least_distance)),
+        (least_time_to_collision(runs), expected),
+    ):
+        assert np.where(np.isnan(found), np.inf, found).tolist() == exact.tolist()
     limit = np.full(len(touched), 2.0)
     soon = np.fmin.reduce(time_to_collision(runs, limit), axis=-1)
     assert (soon < 2.0).tolist() == (expected < 2.0).tolist()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
+    runs = random_runs(seed, rows=120)
+    dice = np.random.default_rng(100 + seed)
+    request = dice.uniform(0.0, 5.0, 6)
+    times = {
+        **runs.times,
+        "request": request,
+        "response": np.where(dice.random(6) < 0.3, np.nan, request + dice.uniform(0.0, 3.0, 6)),
+        "collision": np.where(dice.random(6) < 0.5, np.nan, dice.uniform(0.0, 12.0, 6)),
+    }
+    road = np.where(runs.present, dice.integers(-1, 2, runs.road.shape), -1)
+    lane = np.where(road >= 0, dice.integers(-2, 2, runs.lane.shape), 0)
+    off = np.where(runs.present, np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape), 0.0), np.nan)
+    brake = np.where(runs.present, dice.random(runs.brake.shape) ** 8, np.nan)
+    a = np.where(runs.present, dice.normal(0.0, 2.0, runs.a.shape), np.nan)
+    runs = dataclasses.replace(runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a)
+    totals = added_up(runs)
+    for measure in MEASURES:
+        same(measure.name, measure.compute(runs), measure.total(totals))
+    assert np.isfinite(totals.column("least_time_to_collision")).any()
 
 
 def test_every_measure_says_how_it_is_made_and_when_it_is_not_defined() -> None:

@@ -137,7 +137,7 @@ def test_a_run_without_others_request_or_confidence_has_a_page(network: Network)
         pose = network.lane_pose("1", -1, 50 + 10 * t)
         return {"x": (pose.x,), "y": (pose.y,), "h": (pose.heading,), "v": (10.0,), "road": (0,), "lane": (-1,)}
 
-    plan = made.plan().model_copy(update={"entities": made.plan().entities[:1], "classification": None})
+    plan = made.plan().model_copy(update={"entities": made.plan().entities[:1], "classifications": ()})
     for rows in (0, 1, 30):
         recording = record(("ego",), rows, row)
         text = render([Run(plan, network, recording, judge(plan, recording))])

@@ -53,8 +53,8 @@ DESIGN = """<scenarios version="1" xmlns:xsi="http://www.w3.org/2001/XMLSchema-i
 def test_a_whole_conflict() -> None:
     scenario = expanded(DESIGN)
     assert (scenario.name, scenario.map, scenario.weather.preset) == ("obstacle_ahead", "town_grid", "ClearNoon")
-    assert scenario.classification is not None
-    assert (scenario.classification.number, scenario.classification.criticality) == (9, "")
+    (classification,) = scenario.classifications
+    assert (classification.number, classification.criticality) == (9, "")
     assert scenario.ego is not None
     assert scenario.ego.start == LanePositionWord(road="3", lane=-1, s=20.0)
     blocker, oncoming = scenario.actors

@@ -18,7 +18,7 @@ HERE = Path(__file__).resolve().parent
 CONFLICTS = sorted((library_folder() / "conflicts").glob("*.xml"))
 FILES = [*(path for path in CONFLICTS if path.read_text().count("</scenario>") == 1), HERE / "every_word.xml"]
 
-FREE = {"text", "summary", "source", "scheme", "urgency", "response", "predictability", "criticality"}
+FREE = {"text", "summary", "source", "scheme", "situation", "urgency", "response", "predictability", "criticality"}
 """Attributes that hold any text."""
 
 ELSEWHERE = {

@@ -136,6 +136,26 @@ def column_types(container: type[Any]) -> dict[str, bool]:
     return {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
 
 
+def start_of(container: type[Any], name: str) -> float | int:
+    """Return what each element of a column is at t = 0, of the column's type."""
+    start = columns_of(container)[name].start
+    return float(start) if column_types(container)[name] else int(start)
+
+
+def at_start(container: type[Container], program: object) -> Container:
+    """Return a container of the right sizes for a program, every column at its declared start."""
+    sizes = {name: declared.of.count(program) for name, declared in columns_of(container).items()}
+    return container(**{name: [start_of(container, name)] * size for name, size in sizes.items()})
+
+
+def put_to_start(container: object) -> None:
+    """Put every column to its declared start, but those that are kept."""
+    for name, declared in columns_of(type(container)).items():
+        if not declared.kept:
+            values = getattr(container, name)
+            values[:] = [start_of(type(container), name)] * len(values)
+
+
 def as_buffers(container: Container) -> Container:
     """Return a container of the same type whose columns are copies, as arrays of float64 and int64."""
     made = object.__new__(type(container))

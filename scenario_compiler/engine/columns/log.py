@@ -25,3 +25,12 @@ def log_event(st: State, kind: int, value: float) -> None:
         st.log_kind[at] = kind
         st.log_value[at] = value
     st.log_count[0] = at + 1
+
+
+@compiled
+def first_logged(st: State, kind: int) -> int:
+    """Return the place in the log of the first event of a kind, -1 where there is none."""
+    for at in range(min(st.log_count[0], op.LOG_SIZE)):
+        if st.log_kind[at] == kind:
+            return at
+    return -1

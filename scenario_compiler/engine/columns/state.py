@@ -6,10 +6,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import RUN, Of, column, column_types, columns_of, fixed
+from scenario_compiler.engine.columns.declaration import RUN, Of, at_start, column, fixed, put_to_start
 from scenario_compiler.engine.columns.program import (
     ACTION,
     CAUSE,
@@ -426,22 +425,13 @@ class State:
 
 def new_state(program: Program) -> State:
     """Return a state of the right sizes for a program, at its declared start."""
-    columns: dict[str, Any] = {}
-    for name, declared in columns_of(State).items():
-        start = float(declared.start) if column_types(State)[name] else int(declared.start)
-        columns[name] = [start] * declared.of.count(program)
-    return State(**columns)
+    return at_start(State, program)
 
 
 @compiled
 def clear_state(st: State) -> None:
     """Put every column to its declared start, but those that are kept."""
-    for name, declared in columns_of(State).items():
-        if not declared.kept:
-            values = getattr(st, name)
-            start = float(declared.start) if column_types(State)[name] else int(declared.start)
-            for k in range(len(values)):
-                values[k] = start
+    put_to_start(st)
 
 
 REQUESTS_DRAWN = 4

@@ -1,4 +1,4 @@
-"""What a run leaves in arrays: the rows of its trace, and its summary."""
+"""What a row of a trace holds."""
 
 from __future__ import annotations
 
@@ -9,14 +9,6 @@ TRACE_FIELDS = 14
 
 TRACE_HEAD = 8
 """Numbers of the run before them: t, takeover state, cause, two confidences, health, two distances."""
-
-SUMMARY = (
-    *("rows", "stop", "flag", "time_warning", "time_request", "time_escalation", "time_response"),
-    *("time_minimum_risk", "time_standstill", "ego_collision_time", "ego_collision_with"),
-)
-"""What `summarise` writes for a variant, in this order."""
-
-SUMMARY_SIZE = 11
 
 
 def trace_width(program: Program) -> int:

@@ -12,11 +12,12 @@ from typing import Any
 from scenario_compiler.engine.columns.declaration import as_buffers, column_types
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.forms.failure import KINDS, EngineError
 from scenario_compiler.engine.forms.making import LIBRARY, Note
 from scenario_compiler.roads.tables import RoadTables
 
-CONTAINERS = ("n", "p", "st")
+CONTAINERS = ("n", "p", "st", "m")
 SCALARS = {"int": ctypes.c_int64, "real": ctypes.c_double}
 
 
@@ -91,14 +92,16 @@ class Compiled:
         tables: The roads, their columns as arrays.
         program: The program as arrays; a sweep writes its numbers.
         state: The state as arrays.
+        totals: The measures' totals as arrays.
     """
 
     name = "compiled"
 
-    def __init__(self, tables: RoadTables, program: Program, state: State, made: MachineCode) -> None:
+    def __init__(self, tables: RoadTables, program: Program, state: State, totals: Totals, made: MachineCode) -> None:
         """Copy the containers into arrays; they are not written to."""
-        self.tables, self.program, self.state = as_buffers(tables), as_buffers(program), as_buffers(state)
-        containers = dict(zip(CONTAINERS, (self.tables, self.program, self.state), strict=True))
+        self.tables, self.program = as_buffers(tables), as_buffers(program)
+        self.state, self.totals = as_buffers(state), as_buffers(totals)
+        containers = dict(zip(CONTAINERS, (self.tables, self.program, self.state, self.totals), strict=True))
         self._addresses = {name: address_table(container) for name, container in containers.items()}
         self._failure = (ctypes.c_int64 * 3)()
         self._results = {"int": ctypes.c_int64(), "real": ctypes.c_double()}

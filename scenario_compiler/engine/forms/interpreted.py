@@ -8,6 +8,7 @@ from typing import Any
 
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.forms.entries import ENTRIES
 from scenario_compiler.engine.forms.failure import of_exception
 from scenario_compiler.roads.tables import RoadTables
@@ -21,17 +22,18 @@ class Interpreted:
         tables: The roads.
         program: The program; a sweep writes its numbers.
         state: The state.
+        totals: The measures' totals.
     """
 
     name = "interpreted"
 
-    def __init__(self, tables: RoadTables, program: Program, state: State) -> None:
+    def __init__(self, tables: RoadTables, program: Program, state: State, totals: Totals) -> None:
         """Take the containers, whose columns are lists; they are written to."""
-        self.tables, self.program, self.state = tables, program, state
+        self.tables, self.program, self.state, self.totals = tables, program, state, totals
         self._functions = {function.__name__: self._bound(function) for function in ENTRIES}
 
     def _bound(self, function: Callable[..., Any]) -> tuple[Callable[..., Any], tuple[object, ...]]:
-        containers = {"n": self.tables, "p": self.program, "st": self.state}
+        containers = {"n": self.tables, "p": self.program, "st": self.state, "m": self.totals}
         names = function.__code__.co_varnames[: function.__code__.co_argcount]
         return function, tuple(containers[name] for name in names if name in containers)
 

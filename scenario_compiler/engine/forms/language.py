@@ -22,17 +22,18 @@ from typing import Any
 from scenario_compiler.engine.columns.declaration import column_types
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.marker import REGISTRY
 from scenario_compiler.roads.tables import RoadTables
 
 PACKAGE = Path(__file__).resolve().parents[2]
 """Folder of the package."""
 
-CONTAINERS: dict[str, Any] = {"n": RoadTables, "p": Program, "st": State}
+CONTAINERS: dict[str, Any] = {"n": RoadTables, "p": Program, "st": State, "m": Totals}
 """The argument by which marked functions take a container, and the container; in the order of the arguments."""
 
-WRITABLE: dict[str, tuple[str, ...] | None] = {"n": (), "p": ("const",), "st": None}
-"""Columns that marked functions may write: none of the roads, the numbers of the program (a sweep does), all state."""
+WRITABLE: dict[str, tuple[str, ...] | None] = {"n": (), "p": ("const",), "st": None, "m": None}
+"""Columns that marked functions may write: none of the roads, of the program its numbers (a sweep does), all others."""
 
 INT, REAL, BOOL, NOTHING = "int", "real", "bool", "nothing"
 INTS, REALS = "ints", "reals"
@@ -134,7 +135,9 @@ class FunctionSource:
         kinds = {one.arg: self._kind(one.annotation, one.arg) for one in arguments.args}
         order = [name for name in kinds if name in CONTAINERS]
         if order != [name for name in CONTAINERS if name in order] or order != list(kinds)[: len(order)]:
-            raise NotTranslatableError([self.finding(self.tree, "does not take n, p and st first and in this order")])
+            raise NotTranslatableError(
+                [self.finding(self.tree, "does not take n, p, st and m first and in this order")]
+            )
         return Signature(kinds, self._kind(self.tree.returns, ""))
 
     def _kind(self, annotation: ast.expr | None, argument: str) -> Kind:

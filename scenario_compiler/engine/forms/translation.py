@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from scenario_compiler.engine.columns.declaration import columns_of
-from scenario_compiler.engine.columns.state import State, clear_state
+from scenario_compiler.engine.columns.declaration import columns_of, start_of
+from scenario_compiler.engine.columns.state import clear_state
+from scenario_compiler.engine.columns.totals import SUMMARY, clear_totals, write_summary
 from scenario_compiler.engine.forms.expressions import OtherFunctions, literal, local_name
 from scenario_compiler.engine.forms.language import (
     CONTAINERS,
@@ -51,12 +52,12 @@ def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
             findings += broken.findings
     if findings:
         raise NotTranslatableError(findings)
-    around = OtherFunctions(signatures, frozenset({c_name(clear_state), *impure(sources)}))
+    around = OtherFunctions(signatures, frozenset({*map(c_name, OF_COLUMNS), *impure(sources)}))
     tables: dict[str, tuple[object, ...]] = {}
     bodies = []
     for source in sources:
-        if source.function is clear_state:
-            bodies.append(_clearing(source))
+        if source.function in OF_COLUMNS:
+            bodies.append(OF_COLUMNS[source.function](source))
             continue
         statements = Statements(source, around, tables)
         bodies.append(statements.translated())
@@ -91,15 +92,31 @@ def _container(argument: str) -> str:
 
 
 def _clearing(source: FunctionSource) -> str:
-    """Return the function that puts the state to its start, made from the columns' declarations."""
+    """Return a function that puts a container to its start, made from the columns' declarations."""
+    (argument,) = source.signature.arguments
     lines = [f"/* {source.summary} */", head(source), "{"]
-    for name, column in columns_of(State).items():
+    for name, column in columns_of(CONTAINERS[argument]).items():
         if not column.kept:
-            kind = container_columns("st")[name]
-            start = literal(float(column.start) if kind == REAL else int(column.start)).text
-            at, size = f"st->{local_name(name)}", f"st->{local_name(name)}_size"
-            lines.append(f"    for (int64_t k = 0; k < {size}; k++)\n        {at}[k] = {start};")
+            at = f"{argument}->{local_name(name)}"
+            lines.append(f"    for (int64_t k = 0; k < {at}_size; k++)")
+            lines.append(f"        {at}[k] = {literal(start_of(CONTAINERS[argument], name)).text};")
     return "\n".join([*lines, "}"]) + "\n"
+
+
+def _summary(source: FunctionSource) -> str:
+    """Return the function that writes the totals of a run, one after the other."""
+    lines = [f"/* {source.summary} */", head(source), "{", f"    if (base < 0 || base + {len(SUMMARY)} > out.size)"]
+    lines.append("        fail(FAIL_INDEX, HERE);")
+    lines += [f"    out.at[base + {k}] = (double)m->{local_name(name)}[0];" for k, name in enumerate(SUMMARY)]
+    return "\n".join([*lines, "}"]) + "\n"
+
+
+OF_COLUMNS: dict[Marked, Callable[[FunctionSource], str]] = {
+    clear_state: _clearing,
+    clear_totals: _clearing,
+    write_summary: _summary,
+}
+"""Marked functions that do something with every column of a container, and what writes them from the declarations."""
 
 
 def _several(signatures: Iterable[Signature]) -> list[str]:

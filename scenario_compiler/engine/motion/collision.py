@@ -69,6 +69,15 @@ def separated(p: Program, st: State, i: int, j: int, dx: float, dy: float, c_tur
 
 
 @compiled
+def is_above(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 where one of two entities is above the other, as on a bridge."""
+    above = st.z[j] - st.z[i]
+    if above > p.const[p.entity_const[i] + slot.E_HEIGHT] or -above > p.const[p.entity_const[j] + slot.E_HEIGHT]:
+        return 1
+    return 0
+
+
+@compiled
 def overlap(p: Program, st: State, i: int, j: int) -> int:
     """Return 1 where the boxes of two present entities overlap (separating axis theorem), none above the other."""
     if st.present[i] == 0 or st.present[j] == 0:
@@ -78,8 +87,7 @@ def overlap(p: Program, st: State, i: int, j: int) -> int:
     reach = st.reach[i] + st.reach[j]
     if dx * dx + dy * dy > reach * reach:
         return 0
-    above = st.z[j] - st.z[i]
-    if above > p.const[p.entity_const[i] + slot.E_HEIGHT] or -above > p.const[p.entity_const[j] + slot.E_HEIGHT]:
+    if is_above(p, st, i, j) == 1:
         return 0
     turned = st.box_h[j] - st.box_h[i]
     c = abs(cos(turned))

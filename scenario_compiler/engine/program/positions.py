@@ -87,7 +87,7 @@ def _random(draft: ProgramBuilder, word: RandomPosition, kind: str) -> PositionR
 
 
 def _any_of(draft: ProgramBuilder, word: AnyOfPosition, kind: str) -> PositionRow:
-    return PositionRow(op.POSITION_RANDOM, (0.0, 0.0, 0.0), spans=_spans(draft, word, kind))
+    return PositionRow(op.POSITION_RANDOM, (word.clear, 0.0, 0.0), spans=_spans(draft, word, kind))
 
 
 def _free(draft: ProgramBuilder, word: FreePosition, kind: str) -> PositionRow:

@@ -9,8 +9,11 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.trace import SUMMARY_SIZE, TRACE_FIELDS, TRACE_HEAD
-from scenario_compiler.engine.story.step import reset, step
+from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals, clear_totals, write_summary
+from scenario_compiler.engine.columns.trace import TRACE_FIELDS, TRACE_HEAD
+from scenario_compiler.engine.measures.judging import finish_totals, judge_row
+from scenario_compiler.engine.measures.rows import take_row
+from scenario_compiler.engine.story.step import begin_step, end_step, move_step, reset
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -47,48 +50,28 @@ def trace_row(p: Program, st: State, trace: list[float], base: int) -> int:
 
 
 @compiled
-def first_logged(st: State, kind: int) -> int:
-    """Return the place in the log of the first event of a kind, -1 where there is none."""
-    for at in range(min(st.log_count[0], op.LOG_SIZE)):
-        if st.log_kind[at] == kind:
-            return at
-    return -1
-
-
-@compiled
-def summarise(st: State, rows: int, out: list[float], base: int) -> None:
-    """Write the summary of a run that is over into `out` from `base` on, by `SUMMARY`."""
-    out[base] = 1.0 * rows
-    out[base + 1] = 1.0 * st.stop[0]
-    out[base + 2] = 1.0 * st.flag[0]
-    out[base + 3] = st.time_warning[0]
-    out[base + 4] = st.time_request[0]
-    out[base + 5] = st.time_escalation[0]
-    out[base + 6] = st.time_response[0]
-    out[base + 7] = st.time_minimum_risk[0]
-    out[base + 8] = st.time_standstill[0]
-    crash = first_logged(st, op.EVENT_COLLISION)
-    out[base + 9] = st.log_time[max(crash, 0)] if crash >= 0 else -1.0
-    out[base + 10] = st.log_value[max(crash, 0)] if crash >= 0 else -1.0
-
-
-@compiled
-def run_variant(n: RoadTables, p: Program, st: State, limit: int, trace: list[float], base: int, every: int) -> int:
-    """Run from reset to stop, at most `limit` steps; return the number of rows, that of t = 0 included.
+def run_variant(
+    n: RoadTables, p: Program, st: State, m: Totals, limit: int, trace: list[float], base: int, every: int
+) -> None:
+    """Run from reset to stop, at most `limit` steps, and add up its rows.
 
     With `every` above 0, each such row goes into the trace from `base` on, as long as it has room.
     """
     reset(n, p, st)
-    rows = 1
+    clear_totals(m)
+    take_row(p, st, m)
     at = base
     size = TRACE_HEAD + TRACE_FIELDS * p.entity_count[0]
     if every > 0 and at + size <= len(trace):
         at = trace_row(p, st, trace, at)
-    while st.stop[0] == op.STOP_NONE and rows <= limit and step(n, p, st) == 1:
-        if every > 0 and rows % every == 0 and at + size <= len(trace):
+    while st.stop[0] == op.STOP_NONE and m.rows[0] <= limit and begin_step(n, p, st) == 1:
+        judge_row(st, m)
+        move_step(n, p, st)
+        end_step(n, p, st)
+        if every > 0 and m.rows[0] % every == 0 and at + size <= len(trace):
             at = trace_row(p, st, trace, at)
-        rows = rows + 1
-    return rows
+        take_row(p, st, m)
+    finish_totals(st, m)
 
 
 @compiled
@@ -96,6 +79,7 @@ def sweep(
     n: RoadTables,
     p: Program,
     st: State,
+    m: Totals,
     count: int,
     rows: list[float],
     draws: list[float],
@@ -115,5 +99,5 @@ def sweep(
             p.const[q] = rows[k * width + q]
         for q in range(op.DRAWS_PER_RUN):
             st.draw[q] = draws[k * op.DRAWS_PER_RUN + q]
-        made = run_variant(n, p, st, limit, trace, k * stride, every)
-        summarise(st, made, out, k * SUMMARY_SIZE)
+        run_variant(n, p, st, m, limit, trace, k * stride, every)
+        write_summary(m, out, k * SUMMARY_SIZE)

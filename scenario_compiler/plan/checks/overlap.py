@@ -8,6 +8,7 @@ from itertools import pairwise
 from scenario_compiler.diagnostics import Code, Diagnostics, Related, Severity
 from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Entity, Plan, StartPose
+from scenario_compiler.plan.places import reach
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.actions import ConnectTrailerAction
@@ -45,12 +46,6 @@ def check_overlap(plan: Plan, network: Network, sink: Diagnostics) -> None:
             related = (Related(f"'{hit.id}' stands here", there_too),)
             sink.add(OVERLAP, message, place, severity=severity, related=related)
         cells.setdefault((column, row), []).append(other)
-
-
-def reach(entity: Entity) -> float:
-    """Return a distance from an entity's reference point that none of its box is beyond, m."""
-    vehicle = entity.vehicle
-    return abs(vehicle.center) + (vehicle.length + vehicle.width) / 2
 
 
 def overlap_at_start(one: Entity, at: StartPose, other: Entity, there: StartPose) -> bool:

@@ -100,7 +100,9 @@ class StopTrafficAction(Word):
 
     word: Literal["stop_traffic"] = "stop_traffic"
 
-    traffic: str = attribute("Name of the actions, or id of the traffic; all of it when left out.", default="")
+    traffic: str = attribute(
+        "Name of the actions, or id of the traffic; all of it when left out.", default="", names="traffic"
+    )
 
 
 KeepsVehicles = TrafficSwarmAction | TrafficSourceAction

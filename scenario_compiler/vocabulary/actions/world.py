@@ -28,7 +28,7 @@ class SetVariableAction(Word):
 
     word: Literal["set_variable"] = "set_variable"
 
-    variable: str = attribute("Name of the variable.")
+    variable: str = attribute("Name of the variable.", names="variable")
     value: str = attribute("Its new value.")
 
 
@@ -37,7 +37,7 @@ class ModifyVariableAction(Word):
 
     word: Literal["modify_variable"] = "modify_variable"
 
-    variable: str = attribute("Name of the variable.")
+    variable: str = attribute("Name of the variable.", names="variable")
     by: Literal["add", "multiply"] = attribute("What is done with the value.")
     value: Number = attribute("What is added, or multiplied by.")
 
@@ -47,7 +47,7 @@ class TrafficSignalStateAction(Word):
 
     word: Literal["traffic_signal_state"] = "traffic_signal_state"
 
-    signal: str = attribute("Id of the signal in the map.")
+    signal: str = attribute("Id of the signal in the map.", names="signal")
     state: str = attribute("Its state.")
 
 
@@ -56,7 +56,7 @@ class TrafficSignalControllerAction(Word):
 
     word: Literal["traffic_signal_phase"] = "traffic_signal_phase"
 
-    controller: str = attribute("Name of the controller.")
+    controller: str = attribute("Name of the controller.", names="signal_controller")
     phase: str = attribute("Name of the phase.")
 
 

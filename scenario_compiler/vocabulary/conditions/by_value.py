@@ -83,7 +83,7 @@ class VariableCondition(Word):
 
     word: Literal["variable"] = "variable"
 
-    variable: str = attribute("Name of the variable.")
+    variable: str = attribute("Name of the variable.", names="variable")
     rule: Rule = attribute("How it is compared.", default="equalTo")
     value: str = attribute("The value.")
 
@@ -103,7 +103,7 @@ class TrafficSignalCondition(Word):
 
     word: Literal["traffic_signal"] = "traffic_signal"
 
-    signal: str = attribute("Id of the signal in the map.")
+    signal: str = attribute("Id of the signal in the map.", names="signal")
     state: str = attribute("The state.")
 
 
@@ -112,5 +112,5 @@ class TrafficSignalControllerCondition(Word):
 
     word: Literal["signal_phase"] = "signal_phase"
 
-    controller: str = attribute("Name of the controller.")
+    controller: str = attribute("Name of the controller.", names="signal_controller")
     phase: str = attribute("Name of the phase.")

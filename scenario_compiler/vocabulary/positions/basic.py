@@ -83,7 +83,10 @@ class NumberedSpawnPoint(Word):
 
 
 class RandomSpawnPoint(Word):
-    """One of the spawn points of the scenario, or of the map where the scenario has none, drawn at random."""
+    """One of the spawn points of the scenario, or of the map where the scenario has none, drawn at random.
+
+    Without a seed it is a free one: where it would stand in the box of an entity placed before, it is drawn again.
+    """
 
     word: Literal["random_spawn_point"] = "random_spawn_point"
 
@@ -137,7 +140,11 @@ class BesidePosition(Word):
 
 
 class RandomPosition(Word):
-    """A place drawn at random, evenly over the lanes that are left to choose from, clear of entities placed before."""
+    """A place drawn at random, evenly over the lanes that are left to choose from, clear of entities placed before.
+
+    Entities with fixed starts are placed first, those at random after them in the order of the file. None stands in
+    another's box, whatever `clear` says; things `beside` the entity count as part of it.
+    """
 
     word: Literal["random"] = "random"
 
@@ -178,4 +185,10 @@ class AnyOfPosition(Word):
 
     word: Literal["any_of"] = "any_of"
 
+    clear: Number = attribute(
+        "Least distance to the reference point of any entity placed before, m.",
+        default=0.0,
+        quantity="length",
+        minimum=0,
+    )
     places: tuple[LanePositionWord, ...] = child("The places.")

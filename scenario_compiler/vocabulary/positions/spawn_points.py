@@ -11,7 +11,7 @@ class NamedPosition(Word):
 
     word: Literal["point"] = "point"
 
-    name: str = attribute("Its name.", pattern=ENTITY_ID)
+    name: str = attribute("Its name.", defines="spawn_point", pattern=ENTITY_ID)
     position: Point = child("Where it is.")
 
 

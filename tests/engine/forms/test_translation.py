@@ -153,7 +153,7 @@ def decides_by_float(x: float) -> int:
         (takes_column, "takes st.v, which is no number of a module, as a whole"),
         (reads_no_column, "reads st.nonsense, which is no column"),
         (has_default, "has optional, named or collected arguments"),
-        (wrong_order, "does not take n, p and st first and in this order"),
+        (wrong_order, "does not take n, p, st and m first and in this order"),
         (speaks, "annotated as str"),
         (calls_unmarked, "calls divides, which is neither marked nor known to both forms"),
         (sees_a_change, "changes the state in 'changes(st)' beside what may see it"),

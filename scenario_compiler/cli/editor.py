@@ -1,0 +1,46 @@
+"""`schema` and `lsp`: what editors need of the conflict language."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, add_templates, keep_loaded
+from scenario_compiler.cli.terminal import put_raw
+
+
+def add(commands: Commands) -> None:
+    """Declare the commands."""
+    schema = commands.add_parser("schema", help="print the XML schema of the conflict language")
+    schema.set_defaults(command=schema_command)
+    server = commands.add_parser(
+        "lsp", help="serve editors by the language server protocol, on stdin and stdout (the extra editor)"
+    )
+    server.add_argument("--stdio", action="store_true", help="what is done anyhow: some editors say it")
+    add_maps(server)
+    add_templates(server)
+    server.set_defaults(command=lsp_command)
+
+
+def schema_command(options: argparse.Namespace) -> int:
+    """Print the schema."""
+    del options
+    from scenario_compiler.resources import schema_file
+
+    put_raw(schema_file("conflict.xsd").read_text(encoding="utf-8").removesuffix("\n"))
+    return FINE
+
+
+def lsp_command(options: argparse.Namespace) -> int:
+    """Serve one editor until it says goodbye."""
+    try:
+        from scenario_compiler.editor.server import make_server
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] not in ("pygls", "lsprotocol"):
+            raise
+        raise WrongUse("the language server needs pygls: pip install 'scenario-compiler[editor]'") from None
+    keep_loaded()
+    with os.fdopen(os.dup(sys.stdin.fileno()), "rb") as asked, os.fdopen(os.dup(sys.stdout.fileno()), "wb") as told:
+        make_server(options.maps).start_io(asked, told)
+    return FINE

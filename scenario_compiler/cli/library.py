@@ -1,0 +1,118 @@
+"""`library`: what a library of scenarios covers."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    add_templates,
+    is_filled,
+    new_sink,
+    show,
+    told,
+)
+from scenario_compiler.cli.terminal import put, put_table
+from scenario_compiler.cli.validate import available_cores
+
+if TYPE_CHECKING:
+    from scenario_compiler.survey.survey import Survey
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("library", help="show what a library of scenarios covers, and what it lacks")
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder or file")
+    parser.add_argument(
+        "-o", dest="output", type=Path, metavar="DIR", help="folder for library.html, library.json and openlabel/"
+    )
+    parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
+    parser.add_argument(
+        "--runs",
+        type=_count,
+        default=0,
+        metavar="N",
+        help="run each N times with ideal perception; not at all by default",
+    )
+    parser.add_argument(
+        "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
+    )
+    add_maps(parser)
+    add_templates(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=library_command)
+
+
+def library_command(options: argparse.Namespace) -> int:
+    """Survey a library; print what it covers, and write the page and its data."""
+    from scenario_compiler.survey.survey import survey
+
+    if not options.folder.exists():
+        raise WrongUse(f"there is no file or folder '{options.folder}'")
+    if options.output is not None and not options.force and is_filled(options.output):
+        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+    sink = new_sink(options)
+    with _shown_progress() as progress:
+        found = survey(
+            options.folder, sink, runs=options.runs, processes=options.jobs, maps=options.maps, progress=progress
+        )
+    failed = show(sink, options)
+    _print(found, told(options))
+    if options.output is not None:
+        from scenario_compiler.survey.page import PAGE, write_survey
+
+        write_survey(found, options.output)
+        put(f"page: {options.output / PAGE}", told(options))
+    return AT_FAULT if failed or found.broken else FINE
+
+
+def _print(found: Survey, file: TextIO) -> None:
+    """Print how much of each taxonomy is shown, the near-duplicates, what the runs say, and what is missing."""
+    rows = []
+    for taxonomy in found.taxonomies:
+        shown = sum(bool(one.scenarios) for one in taxonomy.situations)
+        scenarios = sum(len(one.scenarios) for one in taxonomy.situations)
+        rows.append((taxonomy.title, f"{shown} of {len(taxonomy.situations)}", str(scenarios)))
+    put_table(("taxonomy", "situations shown", "scenarios"), rows, file)
+    for one in found.scenarios:
+        if one.fault:
+            put(f"at fault: {one.target}: {one.fault}", file)
+    for group in found.alike:
+        put(f"alike but for {len(group.differ)} numbers: {', '.join(group.scenarios)}", file)
+    if found.runs:
+        put(f"never ask: {', '.join(found.never_ask) or 'none'}", file)
+        put(f"never fail: {', '.join(found.never_fail) or 'none'}", file)
+    for sentence in found.missing:
+        put(sentence, file)
+
+
+def _count(text: str) -> int:
+    number = int(text)
+    if not 0 <= number <= 10_000:
+        raise argparse.ArgumentTypeError(f"{text} is not a number of runs from 0 to 10000")
+    return number
+
+
+@contextmanager
+def _shown_progress() -> Iterator[Callable[[int, int], None] | None]:
+    """Yield what shows how many scenarios are done, with the time left; None where stderr is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task("scenarios", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

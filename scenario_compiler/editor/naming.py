@@ -1,0 +1,85 @@
+"""Where a name is declared, everywhere that it is used, and giving it another one, in all files of a workspace."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from scenario_compiler.editor.analysis import IN_A_FILE, Analysis, Mention, Symbol
+from scenario_compiler.editor.draft import Tag
+from scenario_compiler.vocabulary.word import ENTITY_ID, IDENTIFIER
+
+PATTERNS = {
+    "parameter": IDENTIFIER,
+    "template": IDENTIFIER,
+    "entity": ENTITY_ID,
+    "event": ENTITY_ID,
+    "part": ENTITY_ID,
+    "spawn_point": ENTITY_ID,
+    "traffic": ENTITY_ID,
+}
+"""What a new name may be, by what it names; other names are any text without quotes and spaces."""
+
+ANY_NAME = r"[^\s\"'<>&$]+"
+
+
+class CannotRenameError(Exception):
+    """A name cannot be given another; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Occurrence:
+    """A mention of a symbol in a file."""
+
+    analysis: Analysis
+    mention: Mention
+
+
+def uses_of(symbol: Symbol, files: Iterable[Analysis]) -> Iterator[Occurrence]:
+    """Yield every mention of a symbol in some files, its declaration among them."""
+    for analysis in files:
+        if symbol.name in analysis.draft.text:
+            seen = set()
+            for mention in analysis.mentions:
+                if mention.symbol == symbol and (mention.start, mention.end) not in seen:
+                    seen.add((mention.start, mention.end))
+                    yield Occurrence(analysis, mention)
+
+
+def renaming(symbol: Symbol, name: str, files: Iterable[Analysis]) -> list[Occurrence]:
+    """Return the mentions of a symbol that a new name takes the place of.
+
+    Raises:
+        CannotRenameError: It is declared in none of the files, the name is none, or something has it already.
+    """
+    files = list(files)
+    home = next((one for one in files if os.path.realpath(one.path) == symbol.file), None)
+    if home is None:
+        raise CannotRenameError(f"'{symbol.name}' is declared in {symbol.file}, which is not among the files open here")
+    if not re.fullmatch(PATTERNS.get(symbol.kind, ANY_NAME), name):
+        raise CannotRenameError(f"'{name}' is no name for what it names: {_wanted(symbol.kind)}")
+    if symbol.kind == "parameter" and name in ("template", "id"):
+        raise CannotRenameError(f"<use> needs the attribute '{name}' for itself")
+    if name != symbol.name and _is_taken(symbol, name, home):
+        raise CannotRenameError(f"something is called '{name}' there already")
+    return list(uses_of(symbol, files))
+
+
+def _wanted(kind: str) -> str:
+    allowed = {
+        IDENTIFIER: "letters, digits and _, no digit first",
+        ENTITY_ID: "letters, digits, _ and -, a letter first",
+    }
+    return allowed.get(PATTERNS.get(kind, ""), "no spaces, quotes or brackets")
+
+
+def _is_taken(symbol: Symbol, name: str, home: Analysis) -> bool:
+    """Return whether another of the same kind has a name where a symbol is known."""
+    offset = home.draft.offset_at(symbol.line - 1, symbol.column - 1)
+    around: Tag | None = home.draft.root if symbol.kind in IN_A_FILE else home.part_of(home.draft.innermost(offset))
+    kinds = ("entity", "part", "traffic") if symbol.kind in ("entity", "part", "traffic") else (symbol.kind,)
+    if around is None:
+        return False
+    return any(written == name for kind in kinds for written, _, _ in home.declared_in(around, kind))

@@ -1,0 +1,137 @@
+"""Totals: what the measures of a run add up while it runs, as flat columns.
+
+A sweep judges its runs by them, so that it keeps no traces. A total that still has its start value is undefined: what
+it measures did not happen. `MEASURES` in `recording` says what each means and computes the same from whole recordings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.declaration import RUN, column, columns_of, fixed, put_to_start
+from scenario_compiler.engine.columns.program import ENTITY
+from scenario_compiler.marker import compiled
+
+CORNER = fixed("corner of a box", 4)
+CORNERS = fixed("corner of two boxes", 8)
+
+
+@dataclass(slots=True)
+class Totals:
+    """The columns of the measures: SI units; times of what never happened are -1, least values FAR before the first."""
+
+    # What the run came to.
+    rows: list[int] = column(RUN)
+    """Number of rows, that of t = 0 included."""
+    stop: list[int] = column(RUN, op.STOP_NONE)
+    flag: list[int] = column(RUN, op.FAULT_NONE)
+    flag_at: list[int] = column(RUN, op.NONE)
+    time_warning: list[float] = column(RUN, -1.0)
+    time_request: list[float] = column(RUN, -1.0)
+    time_escalation: list[float] = column(RUN, -1.0)
+    time_response: list[float] = column(RUN, -1.0)
+    time_minimum_risk: list[float] = column(RUN, -1.0)
+    time_standstill: list[float] = column(RUN, -1.0)
+    time_collision: list[float] = column(RUN, -1.0)
+    collision_with: list[float] = column(RUN, -1.0)
+    """First entity that the ego hit."""
+    events: list[int] = column(RUN)
+    """Number of events so far."""
+    asked_for: list[float] = column(RUN, -1.0)
+    """Cause of the first request, as it was made."""
+
+    # Of all rows.
+    least_distance: list[float] = column(RUN, op.FAR)
+    least_time_to_collision: list[float] = column(RUN, op.FAR)
+    touched: list[int] = column(RUN)
+    """1 from when the ego's box has overlapped that of another entity; both least values are 0 then."""
+    least_confidence: list[float] = column(RUN, op.FAR)
+    greatest_offset: list[float] = column(RUN, -1.0)
+    """Distance from the lane's centre, m."""
+    time_off_lanes: list[float] = column(RUN, -1.0)
+    speed_before_collision: list[float] = column(RUN, op.FAR)
+
+    # From the first request on.
+    request_cause: list[int] = column(RUN, op.CAUSE_NONE)
+    """Cause in the first row from the request on that has one; the limit's distance and the speed in the same row."""
+    request_blocked: list[float] = column(RUN, op.FAR)
+    request_lane_end: list[float] = column(RUN, op.FAR)
+    request_speed: list[float] = column(RUN, op.FAR)
+    time_first_brake: list[float] = column(RUN, -1.0)
+    greatest_longitudinal: list[float] = column(RUN, -1.0)
+    """Acceleration or deceleration along the heading, m/s2, and the lateral one."""
+    greatest_lateral: list[float] = column(RUN, -1.0)
+    greatest_offset_after: list[float] = column(RUN, -1.0)
+
+    # Lane keeping after the response: the rows of its window.
+    keeping_count: list[int] = column(RUN)
+    keeping_mean: list[float] = column(RUN)
+    """Mean of the lateral position, and the sum of squared distances from it."""
+    keeping_squares: list[float] = column(RUN)
+    keeping_broken: list[int] = column(RUN)
+    """1 from when the lane was changed, or the ego was gone, in the window."""
+
+    # The ego in the last row.
+    row_time: list[float] = column(RUN, -1.0)
+    row_present: list[int] = column(RUN)
+    row_v: list[float] = column(RUN, op.FAR)
+    row_a: list[float] = column(RUN)
+    row_h: list[float] = column(RUN)
+    row_road: list[int] = column(RUN, op.NONE)
+    row_lane: list[int] = column(RUN)
+    row_s: list[float] = column(RUN)
+    row_off: list[float] = column(RUN)
+    row_brake: list[float] = column(RUN)
+    row_cause: list[int] = column(RUN)
+    row_confidence: list[float] = column(RUN)
+    """Of the better side."""
+    row_blocked: list[float] = column(RUN, op.FAR)
+    row_lane_end: list[float] = column(RUN, op.FAR)
+    curvature: list[float] = column(RUN)
+    """Curvature that was driven to the last row, 1/m, positive to the left; known from the second row on."""
+
+    # The row that lane keeping adds when the next one is there, and the one that it added last.
+    before_road: list[int] = column(RUN, op.NONE)
+    before_s: list[float] = column(RUN)
+    before_off: list[float] = column(RUN)
+    before_present: list[int] = column(RUN)
+    before_inside: list[int] = column(RUN)
+    """1 where it lies in the window."""
+    added_left: list[float] = column(RUN)
+    """Offset to the left in the direction of travel."""
+    added_inside: list[int] = column(RUN)
+    sense: list[int] = column(RUN)
+    """Sign of the last step along the road, 0 where there was none, and of the last that had one."""
+    sense_kept: list[int] = column(RUN)
+
+    # Boxes.
+    seen_h: list[float] = column(ENTITY)
+    """Heading as it is recorded, in [0, 2 pi), with its cosine and sine."""
+    seen_cos: list[float] = column(ENTITY, 1.0)
+    seen_sin: list[float] = column(ENTITY)
+    corner_x: list[float] = column(CORNERS)
+    """Corners of the ego's box, then of another one."""
+    corner_y: list[float] = column(CORNERS)
+    corner_along: list[float] = column(CORNER)
+    """The other one's along the circle that the ego drives on, and across it."""
+    corner_across: list[float] = column(CORNER)
+
+
+SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)
+"""What `write_summary` writes for a run, in this order."""
+
+SUMMARY_SIZE = len(SUMMARY)
+
+
+@compiled
+def clear_totals(m: Totals) -> None:
+    """Put every column to its declared start."""
+    put_to_start(m)
+
+
+@compiled
+def write_summary(m: Totals, out: list[float], base: int) -> None:
+    """Write the totals of a run that is over into `out` from `base` on, by `SUMMARY`."""
+    for place, name in enumerate(SUMMARY):
+        out[base + place] = float(getattr(m, name)[0])

@@ -1,0 +1,58 @@
+"""Adding the rows of a run to its totals, in order."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.log import first_logged
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping
+from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def note_events(st: State, m: Totals) -> None:
+    """Take over when what happened first."""
+    m.time_warning[0] = st.time_warning[0]
+    m.time_request[0] = st.time_request[0]
+    m.time_escalation[0] = st.time_escalation[0]
+    m.time_response[0] = st.time_response[0]
+    m.time_minimum_risk[0] = st.time_minimum_risk[0]
+    m.time_standstill[0] = st.time_standstill[0]
+    if st.crashed[0] == 1 and m.time_collision[0] < 0.0:
+        at = first_logged(st, op.EVENT_COLLISION)
+        if at >= 0:
+            m.time_collision[0] = st.log_time[at]
+            m.collision_with[0] = st.log_value[at]
+
+
+@compiled
+def judge_row(st: State, m: Totals) -> None:
+    """Add the last row, whose time is over: all events of that time are known."""
+    if st.log_count[0] != m.events[0]:
+        m.events[0] = st.log_count[0]
+        note_events(st, m)
+    m.least_confidence[0] = min(m.least_confidence[0], m.row_confidence[0])
+    if m.row_present[0] == 1:
+        m.greatest_offset[0] = max(m.greatest_offset[0], abs(m.row_off[0]))
+        if m.time_off_lanes[0] < 0.0 and (m.row_road[0] < 0 or m.row_lane[0] == 0):
+            m.time_off_lanes[0] = m.row_time[0]
+    before = m.time_collision[0] < 0.0 or m.row_time[0] < m.time_collision[0] - SAME_TIME
+    if before or m.rows[0] == 1:
+        m.speed_before_collision[0] = m.row_v[0]
+    add_takeover(m)
+    add_to_keeping(m)
+
+
+@compiled
+def finish_totals(st: State, m: Totals) -> None:
+    """Add the last row, after which none follows, and how the run ended."""
+    judge_row(st, m)
+    add_keeping(m, 0)
+    m.stop[0] = st.stop[0]
+    m.flag[0] = st.flag[0]
+    m.flag_at[0] = st.flag_at[0]
+    asked = first_logged(st, op.EVENT_REQUEST)
+    if asked >= 0:
+        m.asked_for[0] = st.log_value[asked]

@@ -1,0 +1,64 @@
+"""Lane keeping: the lateral position in the first seconds after the response, added up row by row."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.engine.measures.takeover import SAME_TIME, since
+from scenario_compiler.marker import compiled
+
+SETTLING = 10.0
+"""Length of the window after the response that lane keeping is measured in, s."""
+
+JUMP = 1.0
+"""Change of the lane offset from one row to the next that means another lane, m."""
+
+
+@compiled
+def add_position(m: Totals, position: float) -> None:
+    """Add a lateral position to the mean and the sum of squares (Welford 1962)."""
+    m.keeping_count[0] += 1
+    off_mean = position - m.keeping_mean[0]
+    m.keeping_mean[0] += off_mean / max(m.keeping_count[0], 1)
+    m.keeping_squares[0] += off_mean * (position - m.keeping_mean[0])
+
+
+@compiled
+def step_to_last_row(m: Totals) -> int:
+    """Return the sign of the step along the road to the last row, 0 where it led to another road."""
+    if m.before_road[0] != m.row_road[0] or m.before_s[0] == m.row_s[0]:
+        return 0
+    return 1 if m.row_s[0] > m.before_s[0] else -1
+
+
+@compiled
+def add_keeping(m: Totals, step: int) -> None:
+    """Add the row that waits, now that the step along the road after it is known.
+
+    Its offset counts to the left in the direction of travel: that of the step after it, else of the step before, else
+    of the last step that there was.
+    """
+    sense = step if step != 0 else m.sense[0]
+    if sense != 0:
+        m.sense_kept[0] = sense
+    m.sense[0] = step
+    left = -m.before_off[0] if m.sense_kept[0] < 0 else m.before_off[0]
+    if m.before_inside[0] == 1:
+        if m.before_present[0] == 0 or (m.added_inside[0] == 1 and abs(left - m.added_left[0]) > JUMP):
+            m.keeping_broken[0] = 1
+        add_position(m, left)
+    m.added_left[0] = left
+    m.added_inside[0] = m.before_inside[0]
+
+
+@compiled
+def add_to_keeping(m: Totals) -> None:
+    """Take the last row as the one that is added when the next is there."""
+    if m.rows[0] > 1:
+        add_keeping(m, step_to_last_row(m))
+    m.before_road[0] = m.row_road[0]
+    m.before_s[0] = m.row_s[0]
+    m.before_off[0] = m.row_off[0]
+    m.before_present[0] = m.row_present[0]
+    m.before_inside[0] = 0
+    if since(m, m.time_response[0]) == 1 and m.row_time[0] <= m.time_response[0] + SETTLING + SAME_TIME:
+        m.before_inside[0] = 1

@@ -1,0 +1,62 @@
+"""The ego's rows: each is kept until the next step has begun, so that what begins at its time counts for it."""
+
+from __future__ import annotations
+
+from math import pi
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import ratio
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.engine.measures.boxes import measure_boxes, see_heading
+from scenario_compiler.engine.motion.collision import reported_entity
+from scenario_compiler.marker import compiled
+
+STILL = 0.5
+"""Speed below which a vehicle's curvature is not measured, m/s."""
+
+
+@compiled
+def curvature_driven(st: State, m: Totals, ego: int) -> float:
+    """Return the curvature from the row before to this one, 0 at a standstill."""
+    if m.row_present[0] == 0 or abs(m.row_v[0]) <= STILL:
+        return 0.0
+    turned = m.seen_h[ego] - m.row_h[0]
+    if turned >= pi:
+        turned = turned - 2.0 * pi
+    if turned < -pi:
+        turned = turned + 2.0 * pi
+    return ratio(turned, m.row_v[0] * (st.clock[0] - m.row_time[0]), 0.0)
+
+
+@compiled
+def take_row(p: Program, st: State, m: Totals) -> None:
+    """Take down the ego's row of now, and measure what it is near."""
+    m.rows[0] += 1
+    ego = reported_entity(p)
+    if p.entity_count[0] > 0 and st.present[ego] == 1:
+        see_heading(st, m, ego)
+        if m.rows[0] > 1:
+            m.curvature[0] = curvature_driven(st, m, ego)
+        measure_boxes(p, st, m, ego)
+        m.row_present[0] = 1
+        m.row_v[0] = st.v[ego]
+        m.row_a[0] = st.a[ego]
+        m.row_h[0] = m.seen_h[ego]
+        m.row_road[0] = st.road[ego]
+        m.row_lane[0] = st.lane[ego] if st.road[ego] >= 0 else 0
+        m.row_s[0] = st.s[ego] if st.road[ego] >= 0 else 0.0
+        m.row_off[0] = st.off[ego] if st.road[ego] >= 0 else 0.0
+        m.row_brake[0] = st.brake[ego]
+    else:
+        m.row_present[0] = 0
+        m.row_v[0] = op.FAR
+        m.row_road[0] = op.NONE
+        m.row_lane[0] = 0
+        m.row_brake[0] = 0.0
+    m.row_time[0] = st.clock[0]
+    m.row_cause[0] = st.cause[0]
+    m.row_confidence[0] = max(st.conf_left[0], st.conf_right[0])
+    m.row_blocked[0] = st.blocked_distance[0]
+    m.row_lane_end[0] = st.lane_end_distance[0]

@@ -1,0 +1,53 @@
+"""What a row adds to the measures of the takeover: the request, the response, and how the ego was driven after it."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.marker import compiled
+
+SAME_TIME = 1e-6
+"""Rows and events at most this far apart are of one instant, s: the rounding of summed steps."""
+
+BRAKING = 0.1
+"""Brake position that counts as an input."""
+
+
+@compiled
+def since(m: Totals, time: float) -> int:
+    """Return 1 where the last row is not before the time of something that has happened."""
+    return 1 if time >= 0.0 and m.row_time[0] >= time - SAME_TIME else 0
+
+
+@compiled
+def add_request(m: Totals) -> None:
+    """Note what the first request is about, in its first row that has a cause."""
+    if m.request_cause[0] == op.CAUSE_NONE and m.row_cause[0] != op.CAUSE_NONE:
+        m.request_cause[0] = m.row_cause[0]
+        m.request_blocked[0] = m.row_blocked[0]
+        m.request_lane_end[0] = m.row_lane_end[0]
+        m.request_speed[0] = m.row_v[0]
+
+
+@compiled
+def add_driving(m: Totals) -> None:
+    """Add how the ego is driven in a row from the request on."""
+    if m.row_lane[0] != 0:
+        m.greatest_offset_after[0] = max(m.greatest_offset_after[0], abs(m.row_off[0]))
+    if m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME:
+        return
+    m.greatest_longitudinal[0] = max(m.greatest_longitudinal[0], abs(m.row_a[0]))
+    if m.rows[0] > 1:
+        lateral = abs(m.row_v[0] * m.row_v[0] * m.curvature[0])
+        m.greatest_lateral[0] = max(m.greatest_lateral[0], lateral)
+
+
+@compiled
+def add_takeover(m: Totals) -> None:
+    """Add the last row to what is measured from the request and from the response on."""
+    if since(m, m.time_request[0]) == 1:
+        add_request(m)
+        if m.row_present[0] == 1:
+            add_driving(m)
+    if m.time_first_brake[0] < 0.0 and since(m, m.time_response[0]) == 1 and m.row_brake[0] > BRAKING:
+        m.time_first_brake[0] = m.row_time[0]

@@ -1,0 +1,45 @@
+"""The totals of many runs, as the engine adds them up: what sweeps are judged by in place of recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from scenario_compiler.engine.columns.declaration import columns_of
+from scenario_compiler.engine.columns.totals import SUMMARY, Totals
+from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.traces import TIMED_EVENTS
+
+
+@dataclass(frozen=True)
+class RunTotals:
+    """The totals of runs.
+
+    Attributes:
+        summaries: (runs, SUMMARY_SIZE), as `Simulation.sweep` returns them.
+    """
+
+    summaries: Floats
+
+    def column(self, name: str) -> Floats:
+        """Return a total of each run, (runs,), NaN where it still has its start value: what it measures was not."""
+        values = self.summaries[:, SUMMARY.index(name)]
+        return np.where(values == columns_of(Totals)[name].start, np.nan, values)
+
+    def code(self, name: str) -> list[int]:
+        """Return a code or number of each run."""
+        return [int(value) for value in self.summaries[:, SUMMARY.index(name)]]
+
+    @cached_property
+    def times(self) -> Mapping[EventKind, Floats]:
+        """First time of each kind of event that counts in a measure, (runs,), NaN where it never happened."""
+        return {kind: self.column(f"time_{kind}") for kind in TIMED_EVENTS}
+
+    @property
+    def last_time(self) -> Floats:
+        """Time of each run's last row, s, (runs,)."""
+        return np.asarray(self.summaries[:, SUMMARY.index("row_time")])

@@ -1,0 +1,151 @@
+"""Scenarios looked at one by one, in one process or many: compiled, tagged, and run with ideal perception."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics, Severity, position_text
+from scenario_compiler.files import split_target
+from scenario_compiler.recording.outcome import judge
+from scenario_compiler.resources import templates_from, templates_given
+from scenario_compiler.runtime import open_world, run
+from scenario_compiler.survey.duplicates import likeness
+from scenario_compiler.survey.odd import Tags, tags_of
+from scenario_compiler.vocabulary.scenario import Classification
+
+FEW = 4
+"""Number of scenarios up to which no other process is started."""
+
+
+class Ran(BaseModel):
+    """What came of one run with ideal perception."""
+
+    model_config = ConfigDict(frozen=True)
+
+    seed: int = Field(description="Seed of the run.")
+    result: str = Field(description="pass, fail or error.")
+    cause: str = Field(description="Cause of the first takeover request; empty without one.")
+    resolution: str = Field(description="How the first takeover request ended.")
+
+
+class Studied(BaseModel):
+    """What is known of one scenario."""
+
+    model_config = ConfigDict(frozen=True)
+
+    target: str = Field(description="FILE#name as `run` takes it.")
+    name: str = Field(description="Its name.")
+    fault: str = Field(default="", description="Why it could not be compiled; empty where it could.")
+    summary: str = Field(default="", description="One sentence: what happens.")
+    map: str = Field(default="", description="Its map.")
+    digest: str = Field(default="", description="Digest of its plan.")
+    automated: bool = Field(default=True, description="It has an automated vehicle.")
+    causes: tuple[str, ...] = Field(default=(), description="Causes for which the automation asks.")
+    judged: bool = Field(default=True, description="It has criteria.")
+    places: tuple[tuple[str, str], ...] = Field(default=(), description="Taxonomies and its situation in each.")
+    tags: Tags = Field(default={}, description="Its conditions, as OpenLABEL's tags, with what belongs to each.")
+    runs: tuple[Ran, ...] = Field(default=(), description="Its runs.")
+    likeness: str = Field(default="", description="Digest of all that its plan says but its numbers.")
+    numbers: dict[str, float] = Field(default={}, description="The numbers of its plan, by where they stand.")
+
+
+Task = Callable[[str], Studied]
+
+
+def study_all(
+    targets: Sequence[str],
+    *,
+    runs: int = 0,
+    processes: int = 1,
+    maps: Sequence[Path] = (),
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[Studied]:
+    """Yield what is known of each scenario, in order.
+
+    Args:
+        targets: FILE#name of each.
+        runs: Number of runs of each, with ideal perception and the seeds from 1 on.
+        processes: Number of processes to spread them over.
+        maps: Folders that maps are looked for in first.
+        progress: Called with how many are done, and of how many.
+    """
+    task = partial(study, runs=runs, maps=tuple(maps), templates=templates_given())
+    few = processes < 2 or len(targets) <= FEW
+    for done, one in enumerate(map(task, targets) if few else _spread(targets, task, processes), start=1):
+        if progress is not None:
+            progress(done, len(targets))
+        yield one
+
+
+def _spread(targets: Sequence[str], task: Task, processes: int) -> Iterator[Studied]:
+    """Yield the results of processes of which any may die: what was lost is tried again alone, and given up then."""
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        waiting = [pool.submit(task, target) for target in targets]
+        for target, future in zip(targets, waiting, strict=True):
+            yield _alone(target, task) if _was_lost(future) else future.result()
+
+
+def _alone(target: str, task: Task) -> Studied:
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        future = pool.submit(task, target)
+        if _was_lost(future):
+            return _given_up(target, "the process that studied it was ended by the system")
+        return future.result()
+
+
+def _was_lost(future: Future[Studied]) -> bool:
+    return isinstance(future.exception(), BrokenProcessPool)
+
+
+def _given_up(target: str, fault: str) -> Studied:
+    return Studied(target=target, name=split_target(target)[1] or Path(target).stem, fault=fault)
+
+
+def study(target: str, runs: int = 0, maps: Sequence[Path] = (), templates: Sequence[Path] = ()) -> Studied:
+    """Return what is known of one scenario; why it could not be compiled is part of that."""
+    sink = Diagnostics()
+    with templates_from(templates):
+        compilation = compile_target(target, {}, sink, maps=maps, overrides=Overrides(perception="ideal"))
+    if compilation is None:
+        first = next((one for one in sink if one.severity is Severity.ERROR), None)
+        if first is None:
+            return _given_up(target, "it cannot be compiled")
+        return _given_up(target, f"{first.code.id} {first.message} ({position_text(first.place)})")
+    plan = compilation.plan
+    same, numbers = likeness(plan)
+    return Studied(
+        target=target,
+        name=plan.name,
+        summary=plan.summary,
+        map=plan.map.name,
+        digest=plan.digest,
+        automated=plan.controller is not None,
+        causes=tuple(cause.kind for cause in plan.takeover.causes),
+        judged=bool(plan.criteria),
+        places=tuple(_placed(one) for one in plan.classifications),
+        tags=tags_of(plan, compilation.network),
+        runs=tuple(_run(compilation, seed) for seed in range(1, runs + 1)),
+        likeness=same,
+        numbers=dict(numbers),
+    )
+
+
+def _placed(one: Classification) -> tuple[str, str]:
+    return one.scheme, one.place
+
+
+def _run(compilation: Compilation, seed: int) -> Ran:
+    world = open_world("kinematic", compilation.plan, compilation.network)
+    try:
+        outcome = judge(compilation.plan, run(compilation.plan, world, seed))
+    finally:
+        world.close()
+    return Ran(seed=seed, result=outcome.result, cause=outcome.cause, resolution=outcome.resolution)
