@@ -308,7 +308,7 @@ WAY_SIZE = 16
 """Roads that a look ahead crosses at most."""
 
 ROUTE_REACH = 40
-"""How far ahead the way is told to the ego's controller, m: what a camera sees of the ground, and some more."""
+"""How far ahead the ego's controller knows the way, m: what a camera sees of the ground, and some more."""
 
 OUTLOOK_HEAD = 3
 """Numbers of an outlook before its points: gap to the leader, its speed, and the distance to the next junction."""

@@ -235,7 +235,10 @@ def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 @compiled
 def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """After all have moved: places on the road, distance covered, acceleration, what is watched; and no numbers."""
+    """After all have moved: places on the road, distance covered, acceleration, what is watched.
+
+    A number that became NaN or infinite is a fault.
+    """
     watches = p.watches[0]
     for i in range(p.entity_count[0]):
         x = st.x[i]
