@@ -83,8 +83,10 @@ class State:
     turn: list[float] = column(ENTITY)
     """Heading relative to `facing` along the lane."""
     kept_lane: list[int] = column(ENTITY)
-    """Lane that a scripted entity is led by: its own, or the target of a lane change."""
+    """Lane that a scripted entity is led by: the one it belongs to, or the target of a lane change."""
     kept_off: list[float] = column(ENTITY)
+    changing: list[int] = column(ENTITY)
+    """1 where a lane change leads the entity, until it settles: it belongs to the lane that its point is in."""
     here_road: list[int] = column(ENTITY, op.NONE)
     """Where the lane's row and the road's piece below were found last: road and lane."""
     here_lane: list[int] = column(ENTITY)

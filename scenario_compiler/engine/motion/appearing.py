@@ -36,6 +36,7 @@ def lead_along(n: RoadTables, st: State, i: int, road: int, lane: int, s: float,
     st.s[i] = s
     st.kept_lane[i] = lane
     st.kept_off[i] = offset
+    st.changing[i] = 0
     st.facing[i] = direction
     st.turn[i] = away
     if cos(away) < 0.0:

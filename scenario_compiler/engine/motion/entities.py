@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.log import fault
 from scenario_compiler.engine.columns.numbers import CIRCLE, LARGEST, clip, heading_in_circle
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.beside import settle_in_lane
 from scenario_compiler.engine.motion.following import follow_leader
 from scenario_compiler.engine.motion.path import locate_ego
 from scenario_compiler.engine.motion.routes import leave_guide, next_turn
@@ -151,11 +152,10 @@ def place_here(n: RoadTables, st: State, i: int) -> None:
             lane = inside
             centre, _ = lane_centre(n, road, lane, s)
             off = t - centre
-            if st.lateral[i] < 0:
-                st.kept_lane[i] = lane
-                st.kept_off[i] = off
     st.lane[i] = lane
     st.off[i] = off
+    if st.lateral[i] < 0:
+        settle_in_lane(st, i)
 
 
 @compiled
