@@ -203,6 +203,8 @@ class State:
     action_span: list[float] = column(ACTION)
     action_from: list[float] = column(ACTION)
     action_change: list[float] = column(ACTION)
+    action_phase: list[int] = column(ACTION)
+    """Phase that an action is in, of those that go through several."""
     action_a: list[float] = column(ACTION)
     """Free memory of whoever executes the action; so is `action_b`."""
     action_b: list[float] = column(ACTION)
