@@ -51,6 +51,7 @@ SIGNAL_CONTROLLER = Of("controller of signals", lambda p: p.controller_count[0])
 PHASE = Of("phase", lambda p: len(p.phase_name))
 LIGHT = Of("state of a signal", lambda p: len(p.light_signal))
 ACTION = Of("action", lambda p: p.action_count[0])
+PIECE = Of("piece of a plan of speeds", lambda p: p.piece_count[0])
 POINT = Of("point of a path", lambda p: len(p.point_position))
 INIT = Of("action of the init", lambda p: p.init_count[0])
 CAUSE = fixed("cause", op.CAUSES)
@@ -99,6 +100,7 @@ class Program:
     action_count: list[int] = column(RUN, 0, COUNT)
     init_count: list[int] = column(RUN, 0, COUNT)
     vertex_count: list[int] = column(RUN, 0, COUNT)
+    piece_count: list[int] = column(RUN, 0, COUNT)
     span_count: list[int] = column(RUN, 0, COUNT)
     traffic_count: list[int] = column(RUN, 0, COUNT)
     """Number of entities that are background traffic."""
@@ -255,6 +257,8 @@ class Program:
     """Number of its points."""
     action_drives_on: list[int] = column(ACTION, 0, FLAG)
     """1 where the entity goes on along the lane at the end of its path."""
+    action_piece: list[int] = row_starts(ACTION, PIECE)
+    """Pieces of the plan of a speed profile."""
     point_position: list[int] = column(POINT, 0, index(POSITION))
     point_const: list[int] = column(POINT, 0, SLOT)
     init_action: list[int] = column(INIT, 0, index(ACTION))

@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.program import (
     ELEMENT,
     ENTITY,
     FAILURE,
+    PIECE,
     POSITION,
     RING,
     SIGNAL,
@@ -208,6 +209,11 @@ class State:
     action_a: list[float] = column(ACTION)
     """Free memory of whoever executes the action; so is `action_b`."""
     action_b: list[float] = column(ACTION)
+    piece_time: list[float] = column(PIECE)
+    """Plans of speed profiles: from when a piece holds, its speed and acceleration then, and its jerk."""
+    piece_speed: list[float] = column(PIECE)
+    piece_slope: list[float] = column(PIECE)
+    piece_jerk: list[float] = column(PIECE)
     track_x: list[float] = column(VERTEX)
     """Vertices of trajectories, as they lay when their action began last."""
     track_y: list[float] = column(VERTEX)
