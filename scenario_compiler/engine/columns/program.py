@@ -136,6 +136,8 @@ class Program:
     track_kind: list[int] = column(TRACK, 0, codes(op.TRACK_NURBS + 1))
     track_closed: list[int] = column(TRACK, 0, FLAG)
     """1 where a trajectory goes on at its begin."""
+    track_raised: list[int] = column(TRACK, 0, FLAG)
+    """1 where positions of a trajectory give heights."""
     track_order: list[int] = column(TRACK, 0, whole(0, 1000))
     """Order of a NURBS."""
     track_corner: list[int] = row_starts(TRACK, CORNER)

@@ -218,6 +218,8 @@ class State:
     """Vertices of trajectories, as they lay when their action began last."""
     track_y: list[float] = column(VERTEX)
     track_h: list[float] = column(VERTEX)
+    track_z: list[float] = column(VERTEX)
+    track_pitch: list[float] = column(VERTEX)
     track_s: list[float] = column(VERTEX)
     track_time: list[float] = column(VERTEX)
     track_v: list[float] = column(VERTEX)

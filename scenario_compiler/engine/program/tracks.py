@@ -44,12 +44,22 @@ def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> in
         _add_clothoids(draft, shape, place)
     p.track_kind.append(kind)
     p.track_closed.append(1 if trajectory.closed else 0)
+    p.track_raised.append(1 if raised(trajectory) else 0)
     p.track_order.append(shape.order if isinstance(shape, Nurbs) else 0)
     p.track_corner.append(len(p.corner_position))
     p.track_vertex.append(len(p.vertex_heading))
     p.track_sample.append(len(p.sample_corner))
     p.vertex_count[0] = len(p.vertex_heading)
     return len(p.track_kind) - 1
+
+
+def raised(trajectory: Trajectory) -> bool:
+    """Return whether a position of a trajectory gives a height."""
+    shape = trajectory.shape
+    if isinstance(shape, Clothoid | ClothoidSpline):
+        return False
+    places = [one.position for one in (shape.points if isinstance(shape, Nurbs) else shape.vertices)]
+    return any(getattr(one, "z", None) is not None or getattr(one, "dz", 0.0) != 0.0 for one in places)
 
 
 def _add_corner(draft: ProgramBuilder, position: int, *numbers: Slot, samples: int = 1) -> None:
