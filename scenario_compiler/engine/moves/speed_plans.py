@@ -15,7 +15,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 
-SHARPEST = 1.0e9
+SHARPEST = 1.0e6
 """Jerk where none is given: the acceleration changes at once, m/s3."""
 
 
@@ -129,29 +129,28 @@ def plan_single(p: Program, st: State, k: int, a: float, at: int) -> int:
     span = st.piece_time[first + 1] - begin
     rise = jerk_towards(p, k, slope - a)
     fall = jerk_towards(p, k, -slope)
-    square = 0.5 * (1.0 / fall - 1.0 / rise)
-    line = span + a / rise
-    rest = -0.5 * a * a / rise - change
+    square = 0.5 * (ratio(1.0, fall, 0.0) - ratio(1.0, rise, 0.0))
+    line = span + ratio(a, rise, 0.0)
+    rest = -0.5 * ratio(a * a, rise, 0.0) - change
     level = -ratio(rest, line, 0.0)
-    hold = 0.0
     if rise * fall < 0.0:
         under = line * line - 4.0 * square * rest
-        if under >= 0.0:
-            level = (safe_sqrt(under) - line) / (2.0 * square)
-        else:
-            level = safe_sqrt(rest / square) if rise > 0.0 else -safe_sqrt(rest / square)
+        level = -2.0 * ratio(rest, line + safe_sqrt(under), 0.0)
+        if under < 0.0:
+            level = safe_sqrt(ratio(rest, square, 0.0)) * (1.0 if rise > 0.0 else -1.0)
     elif line < op.TOLERANCE or (level - a) * rise < 0.0 or level * fall > 0.0:
         return drive_corners(st, first, first + 1, at)
-    least = -limit_in_profile(p, k, -1.0, 1)
-    level = clip(level, least, limit_in_profile(p, k, 1.0, 1))
-    done = 0.5 * (level * level - a * a) / rise - 0.5 * level * level / fall
-    hold = max(ratio(change - done, level, 0.0), 0.0)
+    timed = 1 if p.const[p.action_const[k] + slot.A_ENTRIES + 2 * p.action_lanes[k] - 1] >= 0.0 else 0
+    level = clip(level, -limit_in_profile(p, k, -1.0, timed), limit_in_profile(p, k, 1.0, timed))
+    begun = 0.5 * ratio(level * level - a * a, rise, 0.0)
+    ended = -0.5 * ratio(level * level, fall, 0.0)
+    hold = max(ratio(change - begun - ended, level, 0.0), 0.0)
     at = note_piece(st, at, begin, v, a, rise)
-    begin = begin + (level - a) / rise
-    v = v + 0.5 * (level * level - a * a) / rise
+    begin = begin + ratio(level - a, rise, 0.0)
+    v = v + begun
     at = note_piece(st, at, begin, v, level, 0.0)
     at = note_piece(st, at, begin + hold, v + level * hold, level, fall)
-    return note_piece(st, at, begin + hold - level / fall, st.piece_speed[first + 1], 0.0, 0.0)
+    return note_piece(st, at, begin + hold - ratio(level, fall, 0.0), st.piece_speed[first + 1], 0.0, 0.0)
 
 
 @compiled
@@ -169,18 +168,19 @@ def plan_rounded(p: Program, st: State, k: int, a: float, last: int, at: int) ->
     if abs(slope) > op.TOLERANCE and abs(slope - a) > op.TOLERANCE:
         jerk = jerk_towards(p, k, slope - a)
         at = note_piece(st, at, begin, v, a, jerk)
-        span = (slope - a) / jerk
+        span = ratio(slope - a, jerk, 0.0)
         begin = begin + span
         v = v + (a + 0.5 * jerk * span) * span
     at = note_piece(st, at, begin, v, slope, 0.0)
     for c in range(first + 1, last + 1):
         following = st.piece_slope[c]
-        if abs(following - slope) < op.TOLERANCE:
+        turn = following - slope
+        if abs(turn) < op.TOLERANCE:
             continue
-        jerk = jerk_towards(p, k, following - slope)
-        span = (following - slope) / jerk
+        jerk = jerk_towards(p, k, turn)
+        span = ratio(turn, jerk, 0.0)
         apart = st.piece_speed[c] + following * (begin - st.piece_time[c]) - v
-        touch = begin + (apart + 0.5 * jerk * span * span) / (slope - following)
+        touch = begin - (apart + 0.5 * jerk * span * span) / turn
         if touch < begin:
             if c == first + 1:
                 return drive_corners(st, first, last, start)

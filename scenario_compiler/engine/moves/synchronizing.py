@@ -120,6 +120,7 @@ def bend(st: State, k: int, v: float, last: float, way: float, time: float, dt: 
     lies above the mean of v and w, minus where it lies below. Where u would be negative the entity brakes to a stop in
     the share v^2 / (v^2 + w^2) of the way; it brakes at HARD_BRAKING where that is more than half of it.
     """
+    time = max(time, op.TOLERANCE)
     mean = way / time
     over = mean - 0.5 * (v + last)
     spread = safe_sqrt(0.5 * ((mean - v) * (mean - v) + (mean - last) * (mean - last)))
