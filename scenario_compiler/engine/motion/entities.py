@@ -3,7 +3,8 @@
 Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
 dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
 there, its speed is kept for the step that no longer moves it and is then 0. Where only its lane ends, or narrows to
-nothing, it goes on in the middle of a lane that does not. The bicycle is the usual kinematic one about the rear axle, without side slip.
+nothing, it goes on in the middle of a lane that does not. The bicycle is the usual kinematic one about the rear axle,
+without side slip.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.numbers import angle_between, clip
+from scenario_compiler.engine.columns.numbers import angle_between
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
 from scenario_compiler.engine.columns.state import State

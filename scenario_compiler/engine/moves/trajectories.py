@@ -185,7 +185,9 @@ def follow_trajectory_row(draft: ProgramDraft, word: FollowTrajectoryAction, act
         (word.begin, offset, scale),
         other=draft.track(word.trajectory),
         mode=op.TIMING_NONE if timing is None else TIMINGS[timing.domain],
-        flags=flags_of((op.FLAG_OWN_PATH, True), (op.FLAG_ON_TRACK, True), (op.FOLLOW_SMOOTHLY, word.following == "follow")),
+        flags=flags_of(
+            (op.FLAG_OWN_PATH, True), (op.FLAG_ON_TRACK, True), (op.FOLLOW_SMOOTHLY, word.following == "follow")
+        ),
     )
 
 
