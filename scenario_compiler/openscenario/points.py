@@ -99,12 +99,15 @@ def check_tilt(node: Node) -> None:
 
 
 class _Along:
-    """How far ahead a RelativeLanePosition lies: along the road (`ds`) or in the lane (`dsLane`, since 1.1)."""
+    """How far ahead a RelativeLanePosition lies: along the road (`ds`) or in the lane (`dsLane`, since 1.1).
+
+    Since 1.1 both may be missing: the position is beside the entity.
+    """
 
     def read(self, node: Node) -> Fields:
         if node.has("dsLane"):
             return {"along": "lane", "distance": node.number("dsLane")}
-        return {"along": "road", "distance": node.number("ds")}
+        return {"along": "road", "distance": node.number("ds", 0.0)}
 
     def write(self, word: LanesAwayPosition, element: etree._Element, output: Output) -> None:
         in_lane = word.along == "lane" and output.version > (1, 0)
@@ -159,6 +162,7 @@ def _write_world(word: FreePosition, output: Output) -> etree._Element:
 _FACING = Orientation()
 _ENTITY = entity("entity")
 _ACROSS = tuple(replace(number(name), default=0.0, always=True) for name in ("dx", "dy"))
+_ALONG_ROAD = tuple(replace(number(name), default=0.0, always=True) for name in ("ds", "dt"))
 
 POINTS = Forms(
     (
@@ -189,7 +193,7 @@ POINTS = Forms(
             number("dz", default=0.0),
             _FACING,
         ),
-        regular("RelativeRoadPosition", RelativeRoadPosition, _ENTITY, number("ds"), number("dt"), _FACING),
+        regular("RelativeRoadPosition", RelativeRoadPosition, _ENTITY, *_ALONG_ROAD, _FACING),
         regular(
             "RelativeLanePosition",
             LanesAwayPosition,

@@ -148,6 +148,8 @@ FLAG_SMOOTH = 128
 """Speeds are met smoothly."""
 FLAG_OWN_PATH = 256
 """The entity moves along points of its own, not along the road."""
+FLAG_ON_TRACK = 1024
+"""These points are a trajectory's."""
 
 # Whether a value is added to another entity's or multiplied by it.
 MODE_DELTA = 0
