@@ -4,7 +4,7 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 CODE := $(wildcard scenario_compiler tests maps examples)
-FRESH := $(wildcard tests/test_layers.py tests/engine/forms/test_translation.py tests/test_schemas.py tests/test_public_names.py \
+FRESH := $(wildcard tests/test_layers.py tests/forms/test_translation.py tests/test_schemas.py tests/test_public_names.py \
 	tests/roads/test_unread.py)
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
@@ -13,10 +13,10 @@ FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo test test-all test-vscode check format generate wheel-test clean
+.PHONY: setup demo test test-all test-vscode fuzz check format generate wheel-test clean
 
 setup: .venv/.stamp
-	@$(BIN)/python -m scenario_compiler.engine.forms.making
+	@$(BIN)/python -m scenario_compiler.forms.making
 
 .venv/.stamp: pyproject.toml constraints.txt
 	@if [ -z "$(PYTHON)" ]; then \
@@ -35,6 +35,13 @@ test: setup
 
 test-all: setup
 	$(PYTEST)
+
+# Mutants of real files through validate and compile, short runs, and the hostile files: `make fuzz SLICE=3/10` does the
+# third of ten equal parts. With SCENARIO_COMPILER_CORPUS the corpus is mutated too.
+SLICE ?= 1/1
+fuzz: setup
+	$(BIN)/python -m tests.fuzz --slice $(SLICE) --mutants 20000 --runs 3000
+	$(BIN)/pytest -q tests/hostile
 
 # The VS Code extension against the language server of this checkout; needs Node.js with npm.
 test-vscode: setup

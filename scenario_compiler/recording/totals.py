@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from scenario_compiler.engine.columns.declaration import columns_of
 from scenario_compiler.engine.columns.totals import SUMMARY, Totals
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import TIMED_EVENTS

@@ -9,14 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import RUN, column, columns_of, fixed, put_to_start
 from scenario_compiler.engine.columns.program import ENTITY
-from scenario_compiler.marker import compiled
+from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
 
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
 
+@container("m", 3, written=True)
 @dataclass(slots=True)
 class Totals:
     """The columns of the measures: SI units; times of what never happened are -1, least values FAR before the first."""
@@ -119,19 +119,6 @@ class Totals:
 
 
 SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)
-"""What `write_summary` writes for a run, in this order."""
+"""What a sweep writes for a run, in this order."""
 
 SUMMARY_SIZE = len(SUMMARY)
-
-
-@compiled
-def clear_totals(m: Totals) -> None:
-    """Put every column to its declared start."""
-    put_to_start(m)
-
-
-@compiled
-def write_summary(m: Totals, out: list[float], base: int) -> None:
-    """Write the totals of a run that is over into `out` from `base` on, by `SUMMARY`."""
-    for place, name in enumerate(SUMMARY):
-        out[base + place] = float(getattr(m, name)[0])
