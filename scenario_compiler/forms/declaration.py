@@ -14,8 +14,10 @@ of what a program holds. Marked functions take the container as the argument `st
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 Container = TypeVar("Container")
@@ -166,16 +168,19 @@ def _field(declared: ColumnDeclaration) -> Any:
     return field(default_factory=lambda: [declared.start] * size, metadata={"column": declared})
 
 
-def columns_of(container: type[Any]) -> dict[str, ColumnDeclaration]:
+@functools.cache
+def columns_of(container: type[Any]) -> Mapping[str, ColumnDeclaration]:
     """Return the declarations of a container's columns by name, in order."""
-    return {one.name: one.metadata["column"] for one in fields(container)}
+    return MappingProxyType({one.name: one.metadata["column"] for one in fields(container)})
 
 
+@functools.cache
 def column_types(container: type[Any]) -> Mapping[str, bool]:
     """Return for each column, in the order of the slots, whether it holds floats."""
-    return {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
+    return MappingProxyType({name: "float" in str(container.__annotations__[name]) for name in container.__slots__})
 
 
+@functools.cache
 def start_of(container: type[Any], name: str) -> float | int:
     """Return what each element of a column is at t = 0, of the column's type."""
     start = columns_of(container)[name].start
