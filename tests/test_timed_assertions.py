@@ -1,4 +1,4 @@
-"""No test asserts how long something took: a slow or busy machine would fail it. Work is counted instead (`tests.work`).
+"""No test asserts how long something took, which a slow or busy machine fails: work is counted (`tests.work`).
 
 A clock may be read to wait until a deadline. Times are compared in `tests/benchmarks` alone, as ratios in one run.
 """
@@ -33,7 +33,7 @@ CLOCKS = frozenset(
         "timeit",
     }
 )
-"""Functions that read a clock, with their module where the name alone is common, and times that `getrusage` gives."""
+"""Functions that read a clock, with their module where the name alone is common; times of `getrusage`."""
 
 
 def _reads_a_clock(node: ast.AST) -> bool:

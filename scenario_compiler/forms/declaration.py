@@ -14,7 +14,6 @@ of what a program holds. Marked functions take the container as the argument `st
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
@@ -168,19 +167,27 @@ def _field(declared: ColumnDeclaration) -> Any:
     return field(default_factory=lambda: [declared.start] * size, metadata={"column": declared})
 
 
-@functools.cache
+_COLUMNS: dict[type[Any], Mapping[str, ColumnDeclaration]] = {}
+_TYPES: dict[type[Any], Mapping[str, bool]] = {}
+"""What the next two functions have found: the interpreted form asks them for every column of every run."""
+
+
 def columns_of(container: type[Any]) -> Mapping[str, ColumnDeclaration]:
     """Return the declarations of a container's columns by name, in order."""
-    return MappingProxyType({one.name: one.metadata["column"] for one in fields(container)})
+    if container not in _COLUMNS:
+        _COLUMNS[container] = MappingProxyType({one.name: one.metadata["column"] for one in fields(container)})
+    return _COLUMNS[container]
 
 
-@functools.cache
 def column_types(container: type[Any]) -> Mapping[str, bool]:
     """Return for each column, in the order of the slots, whether it holds floats."""
-    return MappingProxyType({name: "float" in str(container.__annotations__[name]) for name in container.__slots__})
+    if container not in _TYPES:
+        _TYPES[container] = MappingProxyType(
+            {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
+        )
+    return _TYPES[container]
 
 
-@functools.cache
 def start_of(container: type[Any], name: str) -> float | int:
     """Return what each element of a column is at t = 0, of the column's type."""
     start = columns_of(container)[name].start

@@ -1,4 +1,4 @@
-"""Loading and locating against CARLA's C++ map library, in one run, and the cost on larger networks: ratios of CPU time."""
+"""Loading and locating against CARLA's C++ map library, and the cost on larger networks: ratios of CPU time."""
 
 from __future__ import annotations
 
