@@ -27,7 +27,8 @@ RELATIVE_SPEED = (
 )
 JUMPING_PROFILE = (
     "esmini begins the profile at its first corner without a time, so that the speed leaps by 3.9 m/s in one step, "
-    "far over the action's maxAcceleration; limits hold here, and an entry without a time is reached as fast as they let it."
+    "far over the action's maxAcceleration; limits hold here, and an entry without a time is reached as fast as they "
+    "let it."
 )
 AGAINST_HEADINGS = (
     "A speed is signed along the heading. The recorded B has a positive speed and moves against its heading; A, which "

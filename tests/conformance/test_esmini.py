@@ -56,7 +56,7 @@ def test_decisions_and_laws_are_of_variants_that_there_are() -> None:
 
 
 def test_a_road_file_with_an_offset_is_met_on_its_road(golden: Path) -> None:
-    folder = golden.parent / FEATURES
+    folder = golden / FEATURES
     sink = Diagnostics()
     overrides = Overrides(perception="ideal", step=STEP)
     done = compile_target(folder / "header_offset_world.xosc", {}, sink, overrides=overrides)
