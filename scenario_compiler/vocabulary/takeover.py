@@ -74,8 +74,8 @@ class Cause(Word):
         minimum=0,
     )
     after: Number | None = attribute(
-        "no_progress: time for which the vehicle stands until it asks, s, while no leader that moves, no red signal and "
-        "no action holds it.",
+        "no_progress: time for which the vehicle stands until it asks, s, while no leader that moves, no red signal "
+        "and no action holds it.",
         default=None,
         quantity="time",
         minimum=0,

@@ -86,8 +86,8 @@ EVENTS: dict[int, tuple[str, str]] = {
     ),
     op.EVENT_NO_PROGRESS: (
         "no_progress",
-        "The automated vehicle has stood for as long as the cause `no_progress` allows, and nothing that it follows, no "
-        "red signal and no action held it.",
+        "The automated vehicle has stood for as long as the cause `no_progress` allows, and nothing that it follows, "
+        "no red signal and no action held it.",
     ),
     op.EVENT_CONTACT: (
         "contact",

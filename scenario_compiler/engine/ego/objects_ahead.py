@@ -2,9 +2,9 @@
 
 Followed is a leader that moves along the way, and a vehicle that stands in a queue behind one or before a red signal:
 a vehicle keeps its distance to these, and stops where they stop. Whatever else reaches into the corridor that is
-driven blocks it: standing and crossing objects, and oncoming ones. Everything that makes the automation slow down for an
-object, and everything that makes it ask because of one, stands on this one answer, so that it never stops for an
-object that it does not ask about.
+driven blocks it: standing and crossing objects, and oncoming ones. All that makes the automation slow down for an
+object, and all that makes it ask because of one, stands on this one answer, so that it never stops for an object that
+it does not ask about.
 
 The corridor is that of a vehicle that keeps to the middle of its lane: the automation does not swerve.
 """

@@ -25,8 +25,8 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     """Write what lies ahead of the ego; return the number of the way's points, each 1 m after the one before.
 
     `out` has OUTLOOK_SIZE numbers: the gap from the front bumper to what the automation keeps its distance to (see
-    `gap_to_keep`), FAR without such a thing, and its speed along the way; the distance to the next junction, FAR where there is none in reach; then x (ahead) and y (left) of each
-    point in the ego's axes.
+    `gap_to_keep`), FAR without such a thing, and its speed along the way; the distance to the next junction, FAR where
+    there is none in reach; then x (ahead) and y (left) of each point in the ego's axes.
     """
     ego = p.ego[0]
     look_ahead(n, p, st, ego, p.const[slot.K_SENSOR_RANGE], p.const[slot.K_FIELD_OF_VIEW])
