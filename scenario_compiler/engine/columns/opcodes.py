@@ -217,6 +217,12 @@ CAUSE_LANE_ENDS = 5
 CAUSE_NO_PROGRESS = 6
 CAUSES = 7
 
+# What the state of a traffic signal says.
+ASPECT_NONE = 0
+"""Nothing: dark, or not known; and green."""
+ASPECT_CAUTION = 1
+ASPECT_STOP = 2
+
 # What an object ahead is.
 AHEAD_NOTHING = 0
 AHEAD_FOLLOWED = 1

@@ -15,6 +15,7 @@ from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import budget_distance, step_takeover
 from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.engine.motion.path import take_present_lane
+from scenario_compiler.engine.motion.signals_ahead import red_ahead
 from scenario_compiler.engine.motion.steering import come_to_rest, command_acceleration, command_angle, pursuit_angle
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -37,6 +38,7 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
         look_ahead(n, p, st, i, SIGHT, VIEW)
     else:
         look_ahead(n, p, st, i, p.const[slot.K_SENSOR_RANGE], p.const[slot.K_FIELD_OF_VIEW])
+    st.red_line[0] = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
     judge_objects(p, st, i)
     return find_block(p, st, i)
 

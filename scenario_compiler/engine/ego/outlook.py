@@ -15,6 +15,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.objects_ahead import gap_to_keep, judge_objects
 from scenario_compiler.engine.ego.sensor import look_ahead
 from scenario_compiler.engine.motion.path import advance_routed
+from scenario_compiler.engine.motion.signals_ahead import red_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
@@ -30,6 +31,7 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     """
     ego = p.ego[0]
     look_ahead(n, p, st, ego, p.const[slot.K_SENSOR_RANGE], p.const[slot.K_FIELD_OF_VIEW])
+    st.red_line[0] = red_ahead(n, p, st, ego) if p.head_count[0] > 0 else op.FAR
     judge_objects(p, st, ego)
     gap, lead = gap_to_keep(p, st, ego)
     out[0] = gap
