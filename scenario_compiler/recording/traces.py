@@ -23,6 +23,7 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
     "response",
     "minimum_risk",
     "standstill",
+    "no_progress",
     "collision",
 )
 """Events whose first time counts in a measure."""

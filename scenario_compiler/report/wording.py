@@ -19,6 +19,7 @@ CAUSE_WORDS = {
     "sensor_health": "sensor health",
     "path_blocked": "path blocked",
     "lane_ends": "lane ends",
+    "no_progress": "no progress",
     "controller": "controller",
 }
 
@@ -71,6 +72,7 @@ def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
     """Return what came of a run in a few words; without an automated vehicle, nothing of takeovers."""
     took_over = {
         "no_request": "no takeover request",
+        "stopped": "stopped without a request",
         "driver": "driver took over",
         "minimum_risk": "minimum-risk manoeuvre",
         "unanswered": "request unanswered",

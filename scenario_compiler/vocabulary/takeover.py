@@ -8,7 +8,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-CauseKind = Literal["lane_confidence", "sensor_health", "path_blocked", "lane_ends", "controller"]
+CauseKind = Literal["lane_confidence", "sensor_health", "path_blocked", "lane_ends", "no_progress", "controller"]
 """Why a takeover is requested."""
 
 
@@ -69,6 +69,13 @@ class Cause(Word):
     )
     gap_rear: Number | None = attribute(
         "lane_ends: least time until the vehicle behind in the lane beside has closed up, s.",
+        default=None,
+        quantity="time",
+        minimum=0,
+    )
+    after: Number | None = attribute(
+        "no_progress: time for which the vehicle stands until it asks, s, while no leader that moves, no red signal "
+        "and no action holds it.",
         default=None,
         quantity="time",
         minimum=0,

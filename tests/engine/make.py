@@ -109,6 +109,7 @@ USUAL = {
     slots.K_GAP_FRONT: 1.0,
     slots.K_GAP_REAR: 2.0,
     slots.K_DRIVER_TIME: 2.0,
+    slots.K_NO_PROGRESS_AFTER: 5.0,
 }
 
 
@@ -128,6 +129,7 @@ class Draft:
             op.CAUSE_LANE_CONFIDENCE,
             op.CAUSE_PATH_BLOCKED,
             op.CAUSE_LANE_ENDS,
+            op.CAUSE_NO_PROGRESS,
         )
 
     def causes(self, *codes: int) -> None:

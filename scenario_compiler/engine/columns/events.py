@@ -84,6 +84,11 @@ EVENTS: dict[int, tuple[str, str]] = {
         "hazard_lights",
         "`value` 1: on, 0: off.",
     ),
+    op.EVENT_NO_PROGRESS: (
+        "no_progress",
+        "The automated vehicle has stood for as long as the cause `no_progress` allows, and nothing that it follows, "
+        "no red signal and no action held it.",
+    ),
     op.EVENT_CONTACT: (
         "contact",
         "Two others touch, one of them for the first time: `entity`, and the one that `message` names.",

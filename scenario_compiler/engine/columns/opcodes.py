@@ -216,7 +216,19 @@ CAUSE_SENSOR_HEALTH = 2
 CAUSE_LANE_CONFIDENCE = 3
 CAUSE_PATH_BLOCKED = 4
 CAUSE_LANE_ENDS = 5
-CAUSES = 6
+CAUSE_NO_PROGRESS = 6
+CAUSES = 7
+
+# What the state of a traffic signal says.
+ASPECT_NONE = 0
+"""Nothing: dark, or not known; and green."""
+ASPECT_CAUTION = 1
+ASPECT_STOP = 2
+
+# What an object ahead is.
+AHEAD_NOTHING = 0
+AHEAD_FOLLOWED = 1
+AHEAD_BLOCKING = 2
 
 DRIVER_LOGNORMAL = 0
 DRIVER_FIXED = 1
@@ -249,6 +261,7 @@ EVENT_FAILURE = 17
 EVENT_FAILURE_END = 18
 EVENT_HAZARD_LIGHTS = 19
 EVENT_CONTACT = 20
+EVENT_NO_PROGRESS = 21
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 

@@ -36,7 +36,8 @@ K_DRIVER_TIME = 27
 K_DRIVER_MU = 28
 K_DRIVER_SIGMA = 29
 K_DRIVER_LAPSE = 30
-K_ENTITIES = 31
+K_NO_PROGRESS_AFTER = 31
+K_ENTITIES = 32
 """First slot after those of the run."""
 
 # An entity's block.

@@ -372,6 +372,10 @@ class State:
     border_left: list[float] = column(ENTITY)
     """Left border of the lane at the entity, relative to its centre."""
     border_right: list[float] = column(ENTITY)
+    ahead_is: list[int] = column(ENTITY)
+    """AHEAD_...: what the entity is to the ego."""
+    red_line: list[float] = column(RUN, op.FAR)
+    """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
     """From the front bumper to where the path is blocked, FAR when it is free."""
     blocked_far: list[float] = column(RUN, op.FAR)
@@ -411,6 +415,7 @@ class State:
     time_response: list[float] = column(RUN, -1.0)
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
+    time_no_progress: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
@@ -418,6 +423,11 @@ class State:
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""
+    held_up_since: list[float] = column(RUN, -1.0)
+    """Time since which the automated ego stands without a reason, -1 while it does not."""
+    held_up: list[int] = column(RUN)
+    """1 where it has done so for too long; and where this stop has been logged."""
+    held_up_logged: list[int] = column(RUN)
     hazard_lights: list[int] = column(RUN)
     trusted_steer: list[float] = column(RUN)
     """Last steering command that the automation could rely on."""

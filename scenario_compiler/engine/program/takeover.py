@@ -16,6 +16,7 @@ CAUSE_CODES: dict[CauseKind, int] = {
     "lane_confidence": op.CAUSE_LANE_CONFIDENCE,
     "path_blocked": op.CAUSE_PATH_BLOCKED,
     "lane_ends": op.CAUSE_LANE_ENDS,
+    "no_progress": op.CAUSE_NO_PROGRESS,
 }
 CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_confidence", "warning_below", slot.K_CONFIDENCE_WARNING),
@@ -35,6 +36,7 @@ CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_ends", "gap_rear", slot.K_GAP_REAR),
     ("lane_ends", "count", slot.K_LANE_END_COUNT),
     ("lane_ends", "of", slot.K_LANE_END_OF),
+    ("no_progress", "after", slot.K_NO_PROGRESS_AFTER),
 )
 """Cause, its field, and the slot of that number."""
 
