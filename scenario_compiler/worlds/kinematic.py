@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from scenario_compiler.perception.camera import Camera
     from scenario_compiler.perception.degradation import Degradation
     from scenario_compiler.perception.road_camera import RoadCamera
     from scenario_compiler.perception.solids import Box
@@ -50,7 +51,7 @@ class KinematicWorld:
         self.network = network
         self._seed = 1
         self._camera: RoadCamera | None = None
-        self._viewer: RoadCamera | None = None
+        self._viewers: dict[Camera, RoadCamera] = {}
         self._lines: list[SecondaryLine] = []
         camera = plan.camera
         self._mounting = CameraMounting(
@@ -69,7 +70,7 @@ class KinematicWorld:
         """Begin a run: noise and rain are drawn from its seed."""
         lines = lines_beside(self.plan, self.network, snapshot.poses)
         if seed != self._seed or lines != self._lines:
-            self._camera = self._viewer = None
+            self.close()
         self._lines = lines
         if self._camera is not None:
             self._camera.forget()
@@ -90,12 +91,18 @@ class KinematicWorld:
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
         """Draw what the driver sees."""
         from scenario_compiler.perception.overlay import DRIVER
+
+        return self.view(snapshot, DRIVER)
+
+    def view(self, snapshot: Snapshot, camera: Camera) -> NDArray[np.uint8]:
+        """Draw what any camera on the ego vehicle sees; each is prepared once, and all share one scene."""
         from scenario_compiler.perception.road_camera import RoadCamera
 
-        if self._viewer is None:
+        viewer = self._viewers.get(camera)
+        if viewer is None:
             scene = self._road_camera().scene
-            self._viewer = RoadCamera(scene, DRIVER, self._seed, self.plan.ego.vehicle.center)
-        return self._viewer.frame(
+            viewer = self._viewers[camera] = RoadCamera(scene, camera, self._seed, self.plan.ego.vehicle.center)
+        return viewer.frame(
             snapshot.poses[0],
             self._boxes(snapshot),
             self._weather(snapshot),
@@ -123,8 +130,9 @@ class KinematicWorld:
         return ()
 
     def close(self) -> None:
-        """Drop the camera's scene."""
-        self._camera = self._viewer = None
+        """Drop the cameras and their scene."""
+        self._camera = None
+        self._viewers = {}
 
     def __enter__(self) -> Self:
         """Return the world."""
