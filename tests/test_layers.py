@@ -35,6 +35,7 @@ ROWS = (
     ("plan",),
     ("vocabulary",),
     ("roads",),
+    ("forms",),
 )
 HALL = (
     "diagnostic_formats",
@@ -56,7 +57,7 @@ LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for ro
 
 ENGINE_ROWS = (
     ("simulation",),
-    ("program", "forms"),
+    ("program", "entries"),
     ("story",),
     ("moves",),
     ("ego", "traffic", "measures"),
@@ -70,7 +71,8 @@ KEPT_APART = {
     "runtime": ("languages", "openscenario", "source"),  # a plan that comes from JSON runs without a front end
     "worlds": ("openscenario", "source"),
     "controllers": ("openscenario", "source"),
-    "report": ("languages", "openscenario", "source"),
+    "report": ("languages", "openscenario", "source", "worlds"),
+    "batch": ("worlds",),
 }
 """Rooms below that a room may not import all the same."""
 

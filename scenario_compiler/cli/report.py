@@ -161,11 +161,11 @@ def frame_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"the run lasts from {begin:g} to {end:g} s: there is no picture at {options.t:g} s")
     from scenario_compiler.outputs import write_whole
     from scenario_compiler.perception.overlay import encode_png
-    from scenario_compiler.report.pictures import Sights, row_at, snapshots
+    from scenario_compiler.report.pictures import Sights, row_at, stills
 
     sights = Sights(run)
-    for _, snapshot in snapshots(run, [row_at(run, options.t)]):
-        write_whole(options.output, encode_png(sights.draw(snapshot, caption=not options.plain)))
+    still = next(stills(run, [row_at(run, options.t)]))
+    write_whole(options.output, encode_png(sights.draw(still, caption=not options.plain)))
     return FINE
 
 

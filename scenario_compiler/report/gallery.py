@@ -15,18 +15,17 @@ import numpy as np
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan, StartPose
+from scenario_compiler.plan.painted import lines_beside
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.embedding import page_script
 from scenario_compiler.report.palette import WORDS
-from scenario_compiler.report.pictures import Sights, row_at, snapshots
+from scenario_compiler.report.pictures import Sights, row_at, stills
 from scenario_compiler.report.preview import start_of, way_ahead
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.wording import CAUSE_WORDS, decimal
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose
-from scenario_compiler.runtime.loop import run
-from scenario_compiler.worlds.kinematic import KinematicWorld
-from scenario_compiler.worlds.model import EntityState, Snapshot
+from scenario_compiler.runtime.loop import open_world, run
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,18 +94,17 @@ def moment_of(plan: Plan, network: Network) -> Moment:
     """
     from scenario_compiler.perception.overlay import encode_png
 
-    world = KinematicWorld(plan, network)
-    recording = run(plan, world, 1)
-    world.close()
+    with open_world("kinematic", plan, network) as world:
+        recording = run(plan, world, 1)
     shown = Run(plan, network, recording, judge(plan, recording))
     kind, t = shown.focus
     if kind not in ("request", "collision") or not recording.present[:, :1].all():
         return Moment("at the start", "", start_picture(plan, network))
     sights = Sights(shown, fov=THUMBNAIL_VIEW)
-    _, snapshot = next(iter(snapshots(shown, [row_at(shown, t)])))
+    still = next(stills(shown, [row_at(shown, t)]))
     cause = CAUSE_WORDS.get(shown.outcome.cause, shown.outcome.cause) if shown.outcome.cause else ""
     words = f"{WORDS[kind]} after {decimal(t)} s" + (f": {cause}" if cause else "")
-    return Moment(words, cause, encode_png(shrunk(sights.draw(snapshot, labelled=False), SHRINK)))
+    return Moment(words, cause, encode_png(shrunk(sights.draw(still, labelled=False), SHRINK)))
 
 
 def start_picture(plan: Plan, network: Network) -> bytes:
@@ -115,19 +113,17 @@ def start_picture(plan: Plan, network: Network) -> bytes:
     Raises:
         ValueError: No entity has a place before the run.
     """
-    from scenario_compiler.perception.overlay import encode_png
+    from scenario_compiler.perception.overlay import DRIVER, encode_png
+    from scenario_compiler.perception.road_camera import RoadCamera
+    from scenario_compiler.perception.stage import Stage
 
     shown = plan.model_copy(update={"entities": tuple(one for one in plan.entities if one.id in plan.derived)})
-    poses = [_viewpoint(plan, network), *(plan.derived[one.id] for one in shown.entities[1:])]
-    world = KinematicWorld(shown, network)
-    snapshot = Snapshot(
-        t=0.0,
-        frame=0,
-        entities=tuple(EntityState(True, True, Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0)) for one in poses),
-    )
-    world.reset(snapshot, 1)
-    picture = world.picture(snapshot)
-    world.close()
+    starts = [_viewpoint(plan, network), *(plan.derived[one.id] for one in shown.entities[1:])]
+    poses = [Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0) for one in starts]
+    stage = Stage(shown, network, lines_beside(shown, network, poses))
+    boxes = stage.boxes((number, pose, False) for number, pose in enumerate(poses) if number > 0)
+    camera = RoadCamera(stage.scene, DRIVER, 1, plan.ego.vehicle.center)
+    picture = camera.frame(poses[0], boxes, plan.weather, 0.0, 0)
     return encode_png(shrunk(picture, SHRINK))
 
 

@@ -8,21 +8,22 @@ its recorded way.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from scenario_compiler.engine.columns.state import make_draws
-from scenario_compiler.engine.program.build import lowered
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import State, make_draws
+from scenario_compiler.engine.program.build import Lowered, lowered
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.plan.painted import lines_beside
 from scenario_compiler.recording.names import TAKEOVER_STATES
 from scenario_compiler.report.blocked import Blocks, blocks_of
-from scenario_compiler.report.replay import Picture
+from scenario_compiler.report.replay import Picture, starts_of
 from scenario_compiler.report.run import Run
 from scenario_compiler.roads.positions import Pose
-from scenario_compiler.runtime.loop import BRAKE_LIGHTS, snapshot_of
-from scenario_compiler.worlds.kinematic import KinematicWorld
-from scenario_compiler.worlds.model import EntityState, Snapshot
+from scenario_compiler.runtime.loop import BRAKE_LIGHTS
+from scenario_compiler.vocabulary.weather import Weather, weather_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
     from scenario_compiler.perception.camera import Camera
     from scenario_compiler.perception.overlay import Caption
+    from scenario_compiler.perception.road_camera import RoadCamera
+    from scenario_compiler.perception.stage import Stage
 
 PER_SECOND = 5.0
 """Pictures of a second of the run, in a page."""
@@ -50,7 +53,7 @@ def camera_pictures(run: Run, per_second: float = PER_SECOND, *, width: int = 64
         row_at(run, t): kind for kind, t in run.moments
     }
     sights = Sights(run, width)
-    drawn = ((row, sights.draw(snapshot)) for row, snapshot in snapshots(run, labels))
+    drawn = ((still.row, sights.draw(still)) for still in stills(run, labels))
     return tuple(
         Picture(float(recording.t[row]), labels[row], "image/webp", encode_webp(image)) for row, image in drawn
     )
@@ -68,6 +71,23 @@ def row_at(run: Run, t: float) -> int:
     return max(0, int((times <= t + 1e-6).sum()) - 1)
 
 
+@dataclass(frozen=True, slots=True)
+class Still:
+    """A row of a recording as a picture needs it.
+
+    Attributes:
+        row: Its number.
+        there: Of each entity that can be seen its number, the pose of its reference point, and whether it brakes.
+        weather: The weather.
+        signals: State of each traffic signal that the scenario names, empty for unknown.
+    """
+
+    row: int
+    there: Sequence[tuple[int, Pose, bool]]
+    weather: Weather
+    signals: Mapping[str, str]
+
+
 class Sights:
     """The driver's view of a recorded run, with what blocks the path outlined."""
 
@@ -76,46 +96,62 @@ class Sights:
         from scenario_compiler.perception.overlay import DRIVER
 
         self._run = run
-        self._world = KinematicWorld(run.plan, run.network)
         self._camera: Camera = replace(DRIVER, width=width, height=width // 2, fov=DRIVER.fov if fov is None else fov)
         self._blocks: Blocks = blocks_of(run)
-        self._started = False
+        self._stage: Stage | None = None
+        self._cameras: dict[Camera, RoadCamera] = {}
 
-    def draw(self, snapshot: Snapshot, *, caption: bool = False, labelled: bool = True) -> NDArray[np.uint8]:
+    def draw(self, still: Still, *, caption: bool = False, labelled: bool = True) -> NDArray[np.uint8]:
         """Return the driver's view of a row, (width / 2, width, 3) uint8, BGR.
 
         Args:
-            snapshot: The row, as `snapshots` gives it.
+            still: The row, as `stills` gives it; the first vehicle must be there.
             caption: Whether state, speed and messages are written into it.
             labelled: Whether it is written beside what blocks the path.
         """
         from scenario_compiler.perception.overlay import annotate
 
-        image = self.draw_from(snapshot, self._camera, labelled=labelled)
+        image = self.draw_from(still, self._camera, labelled=labelled)
         if caption:
-            annotate(image, self._caption(snapshot.frame))
+            annotate(image, self._caption(still.row))
         return image
 
-    def draw_from(self, snapshot: Snapshot, camera: Camera, *, labelled: bool = True) -> NDArray[np.uint8]:
+    def draw_from(self, still: Still, camera: Camera, *, labelled: bool = True) -> NDArray[np.uint8]:
         """Return the view of any camera on the first vehicle; that vehicle is outlined where the camera sees it."""
         from scenario_compiler.perception.overlay import RED, WHITE, outline_box, write_above
 
-        if not self._started:
-            self._world.reset(snapshot, self._run.recording.header.seed)
-            self._started = True
-        image = self._world.view(snapshot, camera)
-        entities, blocker = self._run.plan.entities, int(self._blocks.by[snapshot.frame])
-        view = camera.view(snapshot.poses[0], entities[0].vehicle.center)
+        poses = {number: pose for number, pose, _ in still.there}
+        stage, viewer = self._stage_of(), self._viewer(camera)
+        boxes = stage.boxes(one for one in still.there if one[0] > 0)
+        image = viewer.frame(poses[0], boxes, still.weather, 0.0, still.row, still.signals)
+        entities, blocker = self._run.plan.entities, int(self._blocks.by[still.row])
+        view = camera.view(poses[0], entities[0].vehicle.center)
         for i, colour in ((0, WHITE), (blocker, RED)):
-            if i < 0 or not snapshot.entities[i].shown or (i == 0 and camera.pitch > DOWN):
+            if i not in poses or (i == 0 and camera.pitch > DOWN):
                 continue
             vehicle = entities[i].vehicle
             box = (vehicle.length, vehicle.width, vehicle.height, vehicle.center)
-            outline = outline_box(image, view, snapshot.poses[i], box, colour)
+            outline = outline_box(image, view, poses[i], box, colour)
             if outline is not None and i == blocker and labelled:
-                apart = float(self._run.recording.blocked_distance[snapshot.frame])
+                apart = float(self._run.recording.blocked_distance[still.row])
                 write_above(image, outline, f"blocks the path, {apart:.0f} m", colour)
         return image
+
+    def _stage_of(self) -> Stage:
+        from scenario_compiler.perception.stage import Stage
+
+        if self._stage is None:
+            run = self._run
+            self._stage = Stage(run.plan, run.network, lines_beside(run.plan, run.network, starts_of(run.recording)))
+        return self._stage
+
+    def _viewer(self, camera: Camera) -> RoadCamera:
+        from scenario_compiler.perception.road_camera import RoadCamera
+
+        if camera not in self._cameras:
+            seed, center = self._run.recording.header.seed, self._run.plan.ego.vehicle.center
+            self._cameras[camera] = RoadCamera(self._stage_of().scene, camera, seed, center)
+        return self._cameras[camera]
 
     def _caption(self, row: int) -> Caption:
         from scenario_compiler.perception.overlay import Caption
@@ -140,8 +176,8 @@ class Sights:
         )
 
 
-def snapshots(run: Run, rows: Iterable[int]) -> Iterator[tuple[int, Snapshot]]:
-    """Yield rows of a recording as a world is told them, in ascending order: (row, snapshot whose frame is the row)."""
+def stills(run: Run, rows: Iterable[int]) -> Iterator[Still]:
+    """Yield rows of a recording as pictures need them, in ascending order."""
     wanted = sorted(set(rows))
     plan, recording = run.plan, run.recording
     program = lowered(plan, run.network, posed=plan.controller is not None)
@@ -152,7 +188,7 @@ def snapshots(run: Run, rows: Iterable[int]) -> Iterator[tuple[int, Snapshot]]:
         while row < target:
             row += 1
             _follow(simulation, run, row)
-        yield row, _as_recorded(snapshot_of(simulation.state, program), run, row)
+        yield _still(simulation.state, program, run, row)
 
 
 def _follow(simulation: Simulation, run: Run, row: int) -> None:
@@ -171,25 +207,25 @@ def _follow(simulation: Simulation, run: Run, row: int) -> None:
     simulation.end()
 
 
-def _as_recorded(snapshot: Snapshot, run: Run, row: int) -> Snapshot:
-    """Return a snapshot with everybody where the recording says."""
-    recording = run.recording
-    entities = []
-    for i, known in enumerate(snapshot.entities):
-        there = bool(recording.present[row, i])
-        if not there:
-            entities.append(EntityState(there=False, shown=False, pose=known.pose))
-            continue
-        x, y, z, h, pitch, roll, v, steer, throttle, brake, a = (
-            _number(float(getattr(recording, column)[row, i]))
-            for column in ("x", "y", "z", "h", "pitch", "roll", "v", "steer", "throttle", "brake", "a")
-        )
-        braking = brake > 0.0 or a < -BRAKE_LIGHTS
-        shown = known.shown or not known.there
-        entities.append(
-            EntityState(there, shown, Pose(x, y, z, h, pitch, roll), v, steer, throttle, brake, braking=braking)
-        )
-    return replace(snapshot, t=float(recording.t[row]), frame=row, entities=tuple(entities))
+def _still(st: State, program: Lowered, run: Run, row: int) -> Still:
+    """Return what pictures need of a row: where everybody is from the recording, the rest from the engine."""
+    recording, there = run.recording, []
+    for i in range(len(run.plan.entities)):
+        visible = st.present[i] == 0 or st.visible[i] & op.SEEN_IN_PICTURES != 0
+        if recording.present[row, i] and visible:
+            x, y, z, h, pitch, roll, brake, a = (
+                _number(float(getattr(recording, column)[row, i]))
+                for column in ("x", "y", "z", "h", "pitch", "roll", "brake", "a")
+            )
+            there.append((i, Pose(x, y, z, h, pitch, roll), brake > 0.0 or a < -BRAKE_LIGHTS))
+    changes = program.program.weather_count[0] > 1
+    signals = zip(program.signals, st.signal_state, strict=True)
+    return Still(
+        row,
+        there,
+        weather_of(st.weather) if changes else run.plan.weather,
+        {name: program.texts[state] if state >= 0 else "" for name, state in signals},
+    )
 
 
 def _number(value: float) -> float:

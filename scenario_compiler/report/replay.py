@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.plan.painted import lines_beside, mark_stretches, secondary_lines
 from scenario_compiler.recording.names import TAKEOVER_STATES
 from scenario_compiler.recording.recording import COLUMNS, Floats, Recording
 from scenario_compiler.report.blocked import blocks_of
@@ -35,7 +36,6 @@ from scenario_compiler.report.wording import unit_words
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose, SecondaryLine
 from scenario_compiler.vocabulary.word import number_value
-from scenario_compiler.worlds.kinematic import lines_beside, mark_stretches, secondary_lines
 
 TIME_STEP, PLACE_STEP = 1e-4, 0.01
 """What times and places are rounded to, s and m."""
@@ -302,14 +302,13 @@ def _kind(lane_type: str, drivable: bool) -> str:
 def _lines(run: Run) -> Iterator[tuple[SecondaryLine, Floats]]:
     """Yield each line that the plan adds beside the map's marks, with points of it, (k, 2) m."""
     recording = run.recording
-    count = len(run.plan.entities)
     if not len(recording.t) or not recording.present[0].all():
         beside: Sequence[SecondaryLine] = ()
     else:
         beside = lines_beside(
             run.plan,
             run.network,
-            [_standing(recording, i) for i in range(count)],
+            starts_of(recording),
         )
     for line in (*secondary_lines(run.plan), *beside):
         points = _points_of(run.network, line)
@@ -317,10 +316,11 @@ def _lines(run: Run) -> Iterator[tuple[SecondaryLine, Floats]]:
             yield line, points
 
 
-def _standing(recording: Recording, entity: int) -> Pose:
-    """Return where an entity starts."""
-    x, y, z, h = (float(one[0, entity]) for one in (recording.x, recording.y, recording.z, recording.h))
-    return Pose(x, y, z, h, 0.0, 0.0)
+def starts_of(recording: Recording) -> list[Pose]:
+    """Return where each entity is in the first row."""
+    columns = (recording.x, recording.y, recording.z, recording.h)
+    places = np.nan_to_num(np.stack([one[0] for one in columns], axis=-1))
+    return [Pose(x, y, z, h, 0.0, 0.0) for x, y, z, h in places.tolist()]
 
 
 def _points_of(network: Network, line: SecondaryLine) -> Floats:

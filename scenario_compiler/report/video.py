@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.report.palette import MOMENT_COLOURS, STATE_COLOURS
-from scenario_compiler.report.pictures import Sights, even_times, row_at, snapshots
+from scenario_compiler.report.pictures import Sights, even_times, row_at, stills
 from scenario_compiler.report.run import Run
 
 if TYPE_CHECKING:
@@ -76,14 +76,14 @@ def film(run: Run, rate: int, height: int, shows: Shows) -> Iterator[Image]:
     sights = Sights(run, 2 * height)
     bar = _timeline(run, height * {"view": 2, "map": 1, "both": 3}[shows])
     above = _above(height)
-    for row, snapshot in snapshots(run, rows):
+    for still in stills(run, rows):
         parts = []
         if shows != "map":
-            parts.append(sights.draw(snapshot, caption=True))
+            parts.append(sights.draw(still, caption=True))
         if shows != "view":
-            parts.append(sights.draw_from(snapshot, above))
-        image = np.concatenate([np.concatenate(parts, axis=1), _at(bar, run, row)])[..., ::-1]
-        for _ in range(rows.count(row)):
+            parts.append(sights.draw_from(still, above))
+        image = np.concatenate([np.concatenate(parts, axis=1), _at(bar, run, still.row)])[..., ::-1]
+        for _ in range(rows.count(still.row)):
             yield np.ascontiguousarray(image)
 
 

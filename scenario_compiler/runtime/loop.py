@@ -19,9 +19,9 @@ from scenario_compiler.controllers import (
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
-from scenario_compiler.engine.forms.failure import EngineError
-from scenario_compiler.engine.program.build import Lowered, lowered
+from scenario_compiler.engine.program.build import lowered
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
 from scenario_compiler.recording.names import STOP_REASONS, StopReason
@@ -135,34 +135,6 @@ def faults_of(state: State) -> CameraFaults:
     )
 
 
-def snapshot_of(st: State, lowered: Lowered) -> Snapshot:
-    """Return the state of a run as its world is told it."""
-    entities = tuple(
-        EntityState(
-            there=st.present[i] == 1,
-            shown=st.present[i] == 1 and st.visible[i] & op.SEEN_IN_PICTURES != 0,
-            pose=Pose(st.x[i], st.y[i], st.z[i], st.h[i], st.pitch[i], st.roll[i]),
-            speed=st.v[i],
-            steering=st.steer[i],
-            throttle=st.throttle[i],
-            brake=st.brake[i],
-            braking=st.brake[i] > 0.0 or st.a[i] < -BRAKE_LIGHTS,
-        )
-        for i in range(len(st.present))
-    )
-    states = zip(lowered.signals, st.signal_state, strict=True)
-    return Snapshot(
-        st.clock[0],
-        st.frame[0],
-        entities,
-        st.sigma[0],
-        faults_of(st),
-        weather_of(st.weather) if lowered.program.weather_count[0] > 1 else None,
-        tuple((name, lowered.texts[state] if state >= 0 else "") for name, state in states),
-        st.hazard_lights[0] == 1,
-    )
-
-
 class _Execution:
     """One run under way."""
 
@@ -175,6 +147,7 @@ class _Execution:
         self.program = self.lowered.program
         self.simulation = Simulation(world.network.tables, self.program, interpreted=interpreted)
         self.state = self.simulation.state
+        self.weather_changes = self.program.weather_count[0] > 1
         self.log = EventLog(plan, self.program)
         self.controller: ControllerModel | None = None
         self.control: Control | None = None
@@ -258,16 +231,46 @@ class _Execution:
 
     def snapshot(self) -> Snapshot:
         """Return the entities' states now."""
-        return snapshot_of(self.state, self.lowered)
+        st = self.state
+        entities = tuple(
+            EntityState(
+                there=st.present[i] == 1,
+                shown=st.present[i] == 1 and st.visible[i] & op.SEEN_IN_PICTURES != 0,
+                pose=Pose(st.x[i], st.y[i], st.z[i], st.h[i], st.pitch[i], st.roll[i]),
+                speed=st.v[i],
+                steering=st.steer[i],
+                throttle=st.throttle[i],
+                brake=st.brake[i],
+                braking=st.brake[i] > 0.0 or st.a[i] < -BRAKE_LIGHTS,
+            )
+            for i in range(len(st.present))
+        )
+        return Snapshot(
+            st.clock[0],
+            st.frame[0],
+            entities,
+            st.sigma[0],
+            faults_of(st),
+            weather_of(st.weather) if self.weather_changes else None,
+            self._signals(),
+            st.hazard_lights[0] == 1,
+        )
+
+    def _signals(self) -> tuple[tuple[str, str], ...]:
+        """Return the state of each traffic signal that the scenario names."""
+        texts = self.lowered.texts
+        states = zip(self.lowered.signals, self.state.signal_state, strict=True)
+        return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
     def finish(self) -> Recording:
         """Return the recording."""
         st = self.state
         reason = self.broken or STOP_REASONS[st.stop[0]]
         if st.flag[0]:
-            columns = {name: getattr(st, name) for name in QUANTITIES}
+            at = st.flag_at[0]
             ids = [entity.id for entity in self.plan.entities]
-            why = break_off_text(st.flag[0], st.flag_at[0], ids, columns, st.clock[0])
+            values = {name: getattr(st, name)[at] for name in QUANTITIES} if 0 <= at < len(ids) else {}
+            why = break_off_text(st.flag[0], at, ids, values, st.clock[0])
             self.builder.event(st.clock[0], "broken_off", cause=BROKE_OFF.id, message=why)
         self.builder.event(st.clock[0], "stop", message=reason)
         return self.builder.finish(reason, st.flag[0])
