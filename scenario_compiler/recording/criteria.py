@@ -18,6 +18,7 @@ from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
+    HORIZON,
     Criterion,
     MaximumLateralOffset,
     MinimumTimeToCollision,
@@ -208,7 +209,8 @@ def _destination_found(recording: Recording, traces: Traces, when: float | None,
 def _least_time_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
     least = float(least_time_to_collision(traces))
-    found = "nothing was closed in on" if math.isnan(least) else f"the least was {least:.2f} s"
+    none = f"nothing would have been reached within {HORIZON:g} s"
+    found = none if math.isnan(least) else f"the least was {least:.2f} s"
     return f"{found}, at least {limit:g} s is asked for"
 
 
