@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -14,9 +15,13 @@ from scenario_compiler.coverage import TABLES, table_of
 from scenario_compiler.coverage.conflict import EXECUTION, conflict_table, conflict_words
 from scenario_compiler.coverage.uses import files_with
 from scenario_compiler.engine.columns import opcodes
+from scenario_compiler.engine.moves.table import NUMBERS as ACTION_NUMBERS
+from scenario_compiler.engine.story.table import NUMBERS as CONDITION_NUMBERS
 from scenario_compiler.openscenario.structure.elements import elements
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
+from scenario_compiler.vocabulary.actions import Action
+from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.word import Word
 
 WORDS = conflict_words()
@@ -36,6 +41,12 @@ def test_what_executes_a_word_is_there(repository: Path, word: type[Word]) -> No
     for code in execution.opcodes:
         assert hasattr(opcodes, code)
         assert f"op.{code}" in engine
+
+
+def test_every_entry_of_the_engine_is_of_words_that_the_language_has() -> None:
+    known = {word.tag() for word in WORDS}
+    assert {word.tag() for word in get_args(Action)} <= set(ACTION_NUMBERS) <= known
+    assert {word.tag() for word in get_args(Condition)} <= set(CONDITION_NUMBERS) <= known
 
 
 def test_every_word_is_used_by_the_library_or_a_test(repository: Path) -> None:

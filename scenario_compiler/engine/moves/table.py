@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 from scenario_compiler.engine.moves import (
     appearance,
     camera,
@@ -24,23 +26,17 @@ from scenario_compiler.engine.moves import (
 )
 from scenario_compiler.engine.moves.entry import Entry
 
-ACTIONS: tuple[Entry, ...] = (
-    *(speeds.SPEED, speeds.RELATIVE_SPEED, speed_profiles.SPEED_PROFILE),
-    *(keeping_distance.KEEP_DISTANCE, synchronizing.SYNCHRONIZE),
-    *(lane_changes.LANE_CHANGE, lane_changes.LANE_CHANGE_TO),
-    *(lane_offsets.LANE_OFFSET, lane_offsets.LIMITED_LANE_OFFSET, keeping_aside.KEEP_LATERAL_DISTANCE),
-    *(follow_path.FOLLOW_PATH, trajectories.FOLLOW_TRAJECTORY),
-    *(routing.ASSIGN_ROUTE, routing.ACQUIRE_POSITION, routing.RANDOM_ROUTE),
-    *(places.TELEPORT, places.ADD_ENTITY, places.DELETE_ENTITY, places.VISIBILITY),
-    *(places.CONNECT_TRAILER, places.DISCONNECT_TRAILER),
-    *(control.ACTIVATE_CONTROLLER, control.ASSIGN_CONTROLLER, control.OVERRIDE_CONTROLLER),
-    *(appearance.LIGHT, appearance.ANIMATION),
-    *(camera.SENSOR_NOISE, camera.BEGIN_FAILURE, camera.END_FAILURE),
-    *(run.CHANGE_WEATHER, run.ENVIRONMENT, run.MESSAGE, run.STOP, run.COMMAND),
-    *(variables.SET_VARIABLE, variables.MODIFY_VARIABLE, signals.SIGNAL_STATE, signals.SIGNAL_PHASE),
-    *(traffic.TRAFFIC_SWARM, traffic.TRAFFIC_SOURCE, traffic.TRAFFIC_SINK, traffic.STOP_TRAFFIC),
+FAMILIES: tuple[ModuleType, ...] = (
+    *(speeds, speed_profiles, keeping_distance, synchronizing),
+    *(lane_changes, lane_offsets, keeping_aside, follow_path, trajectories),
+    *(routing, places, control, appearance, camera, run, variables, signals, traffic),
 )
-"""Every action; its place is the number that a program has for it."""
+"""The modules of the actions, one a family."""
+
+ACTIONS: tuple[Entry, ...] = tuple(
+    one for family in FAMILIES for one in vars(family).values() if isinstance(one, Entry)
+)
+"""Every action, as the families declare them; its place is the number that a program has for it."""
 
 STARTS = tuple(entry.start for entry in ACTIONS)
 STEPS = tuple(entry.step for entry in ACTIONS)

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+from types import ModuleType
+
 from scenario_compiler.engine.story import clearance, of_entity, of_run
 from scenario_compiler.engine.story.entry import Condition
 
-CONDITIONS: tuple[Condition, ...] = (
-    *(of_run.TIME, of_run.EVENT, of_run.ELEMENT_STATE),
-    *(of_entity.SPEED, of_entity.ACCELERATION, of_entity.TRAVELED_DISTANCE, of_entity.STANDSTILL),
-    *(of_entity.END_OF_ROAD, of_entity.OFF_ROAD),
-    *(of_entity.TIME_HEADWAY, of_entity.TIME_TO_COLLISION, of_entity.DISTANCE, of_entity.POSITION_DISTANCE),
-    *(of_entity.RELATIVE_SPEED, of_entity.REACH_POSITION, of_entity.COLLISION, clearance.CLEARANCE),
-    *(of_entity.ANGLE, of_entity.RELATIVE_ANGLE),
-    *(of_run.LANE_CONFIDENCE, of_run.SENSOR_HEALTH, of_run.TAKEOVER_STATE),
-    *(of_run.TIME_OF_DAY, of_run.VARIABLE_VALUE, of_run.USER_VALUE, of_run.SIGNAL_STATE, of_run.SIGNAL_PHASE),
+FAMILIES: tuple[ModuleType, ...] = (of_run, of_entity, clearance)
+"""The modules of the conditions, one a family."""
+
+CONDITIONS: tuple[Condition, ...] = tuple(
+    one for family in FAMILIES for one in vars(family).values() if isinstance(one, Condition)
 )
-"""Every condition; its place is the number that a program has for it."""
+"""Every condition, as the families declare them; its place is the number that a program has for it."""
 
 HOLDS = tuple(entry.holds for entry in CONDITIONS)
 OF_THE_RUN = tuple(1 if entry.of_the_run else 0 for entry in CONDITIONS)
