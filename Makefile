@@ -13,7 +13,7 @@ FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo test test-all test-vscode check format generate wheel-test clean
+.PHONY: setup demo test test-all test-vscode fuzz check format generate wheel-test clean
 
 setup: .venv/.stamp
 	@$(BIN)/python -m scenario_compiler.engine.forms.making
@@ -35,6 +35,13 @@ test: setup
 
 test-all: setup
 	$(PYTEST)
+
+# Mutants of real files through validate and compile, short runs, and the hostile files: `make fuzz SLICE=3/10` does the
+# third of ten equal parts. With SCENARIO_COMPILER_CORPUS the corpus is mutated too.
+SLICE ?= 1/1
+fuzz: setup
+	$(BIN)/python -m tests.fuzz --slice $(SLICE) --mutants 20000 --runs 3000
+	$(BIN)/pytest -q tests/hostile
 
 # The VS Code extension against the language server of this checkout; needs Node.js with npm.
 test-vscode: setup

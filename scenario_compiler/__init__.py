@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from scenario_compiler.resources import find_map
     from scenario_compiler.roads import Network, load_network
     from scenario_compiler.runtime import open_world, run
+    from scenario_compiler.trust import Trust
 
 _HOMES = {
     "Compilation": "compiler",
@@ -34,6 +35,7 @@ _HOMES = {
     "Plan": "plan.model",
     "Recording": "recording.recording",
     "Run": "report.run",
+    "Trust": "trust",
     "compile_built": "compiler",
     "compile_scenario": "compiler",
     "find_map": "resources",
@@ -57,6 +59,7 @@ __all__ = [
     "Plan",
     "Recording",
     "Run",
+    "Trust",
     "compile_built",
     "compile_scenario",
     "find_map",

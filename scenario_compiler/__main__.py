@@ -1,5 +1,47 @@
-"""`python -m scenario_compiler` is the command line."""
+"""The program: `scenario-compiler`, and `python -m scenario_compiler`.
 
-from scenario_compiler.cli import main
+It is as small as it is so that an interruption while the command line is still being imported ends as any other does.
+"""
 
-main()
+from __future__ import annotations
+
+import os
+import sys
+
+INTERRUPTED = 130
+"""Exit code of a program that Ctrl-C or SIGTERM ended: 128 and the number of SIGINT, as shells have it."""
+
+
+def main() -> None:
+    """Run the command line and exit; an interruption is one line and no traceback."""
+    try:
+        from scenario_compiler.interruption import ignore_from_now_on, raise_when_ended
+
+        raise_when_ended()
+        from scenario_compiler.cli import main as run_command_line
+
+        code = run_command_line()
+        ignore_from_now_on()
+    except KeyboardInterrupt:
+        _say_interrupted()
+        code = INTERRUPTED
+    sys.exit(code)
+
+
+def _say_interrupted() -> None:
+    """Write the line without what may have been half imported."""
+    from scenario_compiler.interruption import ignore_from_now_on
+
+    ignore_from_now_on()
+    os.write(2, b"scenario-compiler: interrupted\n")
+
+
+def _forget_current_folder() -> None:
+    """Import nothing from the current folder, which `python -m` looks into before Python's own library."""
+    if not getattr(sys.flags, "safe_path", False):  # `python -P`, from 3.11 on, leaves it out itself
+        del sys.path[0]
+
+
+if __name__ == "__main__":
+    _forget_current_folder()
+    main()

@@ -12,6 +12,7 @@ from lxml import etree
 from scenario_compiler.controllers import check_controller
 from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import Document
+from scenario_compiler.files import split_target
 from scenario_compiler.languages import (
     Source,
     declarations,
@@ -22,15 +23,17 @@ from scenario_compiler.languages import (
     parse,
     read_scenario_document,
 )
+from scenario_compiler.markup.codes import UNKNOWN_ROOT
 from scenario_compiler.openscenario.held import OpenScenario
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.plan.store import sealed
+from scenario_compiler.plan.store import read_plan, sealed
 from scenario_compiler.resources import templates_from
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.variation import Vary
@@ -51,7 +54,7 @@ class Overrides:
 
     Attributes:
         perception: What the lane confidence comes from: "camera" or "ideal".
-        controller: Name of the ego vehicle's controller, or package.module:Class.
+        controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class.
         step: Length of a time step, s; 0.001 to 1.
         duration: When the run ends at the latest, s; above 0 and below 1e6.
 
@@ -72,6 +75,11 @@ class Overrides:
         if self.duration is not None and not 0.0 < self.duration < 1.0e6:
             raise ValueError(f"duration is above 0 and below 1e6 s, not {self.duration}")
 
+    def trusting(self, trust: Trust, beside: Path) -> Trust:
+        """Return a trust that covers the controller set here too, looked for in the scenario's folder as well."""
+        named = trust.named if self.controller is None else (*trust.named, self.controller)
+        return Trust(named, trust.beside or beside)
+
     def applied(self, scenario: Scenario) -> Scenario:
         """Return the scenario with the overrides in it."""
         changes: dict[str, object] = {}
@@ -85,20 +93,16 @@ class Overrides:
         return scenario.model_copy(update=changes)
 
 
-def split_target(target: str | Path) -> tuple[str, str | None]:
-    """Split FILE#name into the file and the scenario's name; a file whose own name has a '#' stays whole."""
-    text = str(target)
-    if "#" not in text or Path(text).is_file():
-        return text, None
-    path, _, name = text.rpartition("#")
-    return path, name
-
-
 def read_source(path: str | Path, sink: Diagnostics) -> tuple[Document, Source] | None:
     """Read and parse a scenario file; None when nothing can be made of it.
 
     The document is the scenario's: another file than `path` when that gives values for the scenario's parameters.
     """
+    if str(path).endswith(".json"):
+        if read_plan(path, sink) is not None:
+            message = "the file is a plan, which has been compiled already: `run`, `sweep` and `export` take it"
+            sink.add(UNKNOWN_ROOT, message, FilePlace(str(path)))
+        return None
     document = read_scenario_document(path, sink)
     source = None if document is None else parse(document, sink)
     return None if source is None else (source.document, source)
@@ -111,10 +115,20 @@ def compile_target(
     *,
     maps: Sequence[Path] = (),
     overrides: Overrides | None = None,
+    trust: Trust | None = None,
 ) -> Compilation | None:
     """Compile FILE or FILE#name; None when the sink has errors.
 
+    Args:
+        target: The file, with the scenario's name where it holds several.
+        arguments: Values of the scenario's parameters, as text in XML units.
+        sink: Where faults go.
+        maps: Folders that its map is looked for in first.
+        overrides: What is set in place of what the scenario says; a controller named here is trusted.
+        trust: Code that the user trusts; of other code that the file names the spelling alone is checked.
+
     Raises:
+        ConfigurationError: The user's configuration file cannot be read.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
     """
     path, name = split_target(target)
@@ -124,7 +138,12 @@ def compile_target(
     document, source = read
     scenario = expand(source, name, arguments, sink)
     settings, whole = overrides or Overrides(), is_whole(source, sink)
-    done = None if scenario is None else compile_expanded(scenario, document, sink, maps, settings, whole=whole)
+    trusted = settings.trusting(trust or Trust(), Path(path).parent)
+    done = (
+        None
+        if scenario is None
+        else compile_expanded(scenario, document, sink, maps, settings, whole=whole, trust=trusted)
+    )
     drop_allowed(sink, source)
     return None if done is None else replace(done, plan=sealed(done.plan))
 
@@ -161,6 +180,7 @@ def compile_expanded(
     overrides: Overrides,
     *,
     whole: bool = True,
+    trust: Trust | None = None,
 ) -> Compilation | None:
     """Compile an expanded scenario that was written in `document` but for the seal; None when the sink has errors.
 
@@ -178,7 +198,7 @@ def compile_expanded(
         perception=overrides.perception or "camera",
         whole=whole,
     )
-    check_controller(plan, sink)
+    check_controller(plan, sink, trust)
     return None if sink.has_errors else Compilation(plan, network, scenario)
 
 
@@ -188,6 +208,7 @@ def compile_scenario(
     overrides: Overrides | None = None,
     maps: Sequence[str | Path] = (),
     templates: Sequence[str | Path] = (),
+    trust: Trust | None = None,
     **arguments: object,
 ) -> Plan:
     """Compile FILE or FILE#name with these values of its parameters.
@@ -197,19 +218,21 @@ def compile_scenario(
         overrides: What is set in place of what the scenario says: perception, controller, step, duration.
         maps: Folders that its map is looked for in first.
         templates: Folders that its templates are looked for in first.
+        trust: Code that is trusted; of other code that the file names the spelling alone is checked.
         **arguments: Values of the scenario's parameters, by name.
 
     Raises:
         CompileError: The input is at fault; its `diagnostics` say how.
         ScenarioNameNeededError: The file has several scenarios and no name is given.
-        TypeError: `overrides`, `maps` or `templates` got a value as a parameter has it; `compile_target` takes the
-            values of parameters of these names.
+        TypeError: `overrides`, `maps`, `templates` or `trust` got a value as a parameter has it; `compile_target` takes
+            the values of parameters of these names.
     """
-    _refuse_values(overrides, maps, templates)
+    _refuse_values(overrides, maps, templates, trust)
     sink = Diagnostics()
     texts = {name: _as_text(value) for name, value in arguments.items()}
+    folders = [Path(one) for one in maps]
     with templates_from([Path(one) for one in templates]):
-        compilation = compile_target(path, texts, sink, maps=[Path(one) for one in maps], overrides=overrides)
+        compilation = compile_target(path, texts, sink, maps=folders, overrides=overrides, trust=trust)
     if compilation is None:
         raise CompileError(sink)
     return compilation.plan
@@ -238,13 +261,15 @@ def compile_built(
     return replace(done, plan=sealed(done.plan))
 
 
-def _refuse_values(overrides: object, maps: object, templates: object) -> None:
+def _refuse_values(overrides: object, maps: object, templates: object, trust: object) -> None:
     """Raise TypeError for what a caller meant as the value of a scenario's parameter of that name."""
     if not isinstance(overrides, Overrides | None):
         raise TypeError(f"overrides is an Overrides, not {overrides!r}; it gives no parameter its value")
     for name, folders in (("maps", maps), ("templates", templates)):
         if isinstance(folders, str) or not isinstance(folders, Sequence):
             raise TypeError(f"{name} is a list of folders, not {folders!r}; it gives no parameter its value")
+    if not isinstance(trust, Trust | None):
+        raise TypeError(f"trust is a Trust, not {trust!r}; it gives no parameter its value")
 
 
 def _as_text(value: object) -> str:

@@ -13,6 +13,7 @@ from pathlib import PurePath
 from urllib.parse import quote
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Place, Severity, as_record, as_text, position_text
+from scenario_compiler.legible import legible_json, legible_line
 
 FORMATS = ("text", "json", "sarif", "github", "gitlab")
 
@@ -24,20 +25,18 @@ _GITHUB_LEVEL = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.
 def formatted(diagnostics: Iterable[Diagnostic], form: str) -> str:
     """Return diagnostics in one of FORMATS; JSON and SARIF are whole documents even when there is none.
 
-    Names of files that are no text in UTF-8 have their odd bytes as escapes, which JSON reads as such.
+    Whatever files and their names hold, a terminal or a build service sees characters that can be printed, and no
+    command but those of the format `github`.
     """
-    return _formatted(list(diagnostics), form).encode("utf-8", "backslashreplace").decode("utf-8")
-
-
-def _formatted(found: list[Diagnostic], form: str) -> str:
+    found = list(diagnostics)
     if form == "json":
-        return json.dumps([as_record(d) for d in found], indent=1, ensure_ascii=False)
+        return legible_json(json.dumps([as_record(d) for d in found], indent=1, ensure_ascii=False))
     if form == "sarif":
-        return json.dumps(_sarif(found), indent=1, ensure_ascii=False)
+        return legible_json(json.dumps(_sarif(found), indent=1, ensure_ascii=False))
     if form == "gitlab":
-        return json.dumps([_gitlab(d) for d in found], indent=1, ensure_ascii=False)
+        return legible_json(json.dumps([_gitlab(d) for d in found], indent=1, ensure_ascii=False))
     if form == "github":
-        return "\n".join(_github(d) for d in found)
+        return "\n".join(map(_github, found))
     return "\n".join(as_text(d) for d in found)
 
 
@@ -100,7 +99,7 @@ def _uri(file: str) -> str:
 
 def _github(d: Diagnostic) -> str:
     def escaped(text: str) -> str:
-        return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+        return legible_line(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
 
     text = f"{d.message} ({d.hint})" if d.hint else d.message
     text = "\n".join([text, *(f"{message}: {position_text(place)}" for message, place in _others(d))])

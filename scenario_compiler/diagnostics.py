@@ -9,9 +9,11 @@ from __future__ import annotations
 import difflib
 import enum
 import importlib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Protocol, TypeAlias
+
+from scenario_compiler.legible import legible, legible_line
 
 
 class Severity(enum.Enum):
@@ -98,12 +100,14 @@ CODES: dict[str, Code] = {}
 CODE_HOMES = (
     "cli.run",
     "roads.check",
+    "roads.parse",
     "roads.xsd",
     "runtime.failures",
     "source.aisa",
     "openscenario.export.files",
     "openscenario.validation",
     "openscenario.xsd",
+    "recording.break_off",
     "validation",
     "worlds.model",
 )
@@ -150,17 +154,48 @@ class Diagnostic:
             place = place.within
 
 
+MANY_FINDINGS = Code(
+    "SC307",
+    "many-findings",
+    "The file has so many faults of one kind that the rest of them is counted and not listed: 100 of each kind are "
+    "shown."
+    '\n\n    <lane id="-1" typ="driving">...</lane>     in each of 2000 lanes: 1900 are counted'
+    "\n\nSo many equal faults mostly have one cause, in the program that wrote the file or in the version that its "
+    "header names. Mend that, and check the file again.",
+    Severity.WARNING,
+)
+
+MOST_OF_A_KIND = 100
+"""Most findings of one code and severity that are kept of a file; the others are counted."""
+
+LONGEST_TEXT = 2000
+"""Most characters of a message or a hint; an attribute that it repeats may have many megabytes."""
+
+
+@dataclass(slots=True)
+class _Beyond:
+    """Findings of a kind that are counted alone: the first of them, their number, and what is kept of the kind."""
+
+    first: Diagnostic
+    kept: frozenset[tuple[object, ...]]
+    count: int = 0
+
+
 @dataclass(slots=True)
 class Diagnostics:
-    """The sink that every stage reports into.
+    """The sink that every stage reports into. Its size is bounded: of each file, code and severity it keeps some.
 
     Attributes:
-        found: What was reported.
+        found: What was reported and is kept. Findings go in by `add`, `take` and `absorb`, which keep it bounded.
         insisted: Codes of warnings that whoever asks wants to know of, even where a file allows them.
+        reported: Number of findings that were reported so far, kept or not.
     """
 
     found: list[Diagnostic] = field(default_factory=list)
     insisted: frozenset[str] = frozenset()
+    reported: int = 0
+    _kept: dict[_Kind, int] = field(default_factory=dict)
+    _beyond: dict[_Kind, _Beyond] = field(default_factory=dict)
 
     def add(
         self,
@@ -173,7 +208,49 @@ class Diagnostics:
         related: tuple[Related, ...] = (),
     ) -> None:
         """Report one finding with the code's severity, unless another is given."""
-        self.found.append(Diagnostic(code, message, place, hint, severity or code.severity, related))
+        self.take((Diagnostic(code, _bounded(message), place, _bounded(hint), severity or code.severity, related),))
+
+    def take(self, findings: Iterable[Diagnostic]) -> None:
+        """Report findings made elsewhere."""
+        for one in findings:
+            self.reported += 1
+            kind = _kind_of(one)
+            if self._kept.get(kind, 0) >= MOST_OF_A_KIND and kind not in self._beyond:
+                self._drop_repeated(kind)
+                if self._kept[kind] >= MOST_OF_A_KIND:
+                    same = [_rough_spot(other) for other in self.found if _kind_of(other) == kind]
+                    told_apart = len(set(same)) == len(same)
+                    self._beyond[kind] = _Beyond(one, frozenset(same if told_apart else ()))
+            if kind not in self._beyond:
+                self._kept[kind] = self._kept.get(kind, 0) + 1
+                self.found.append(one)
+            elif _rough_spot(one) not in self._beyond[kind].kept:
+                self._beyond[kind].count += 1
+
+    def _drop_repeated(self, kind: _Kind) -> None:
+        """Drop findings of a kind that say the same of the same place, as each use of a faulty template does."""
+        found, seen = [], set()
+        for one in self.found:
+            spot = (one.place.line, one.place.column, one.message)
+            if _kind_of(one) == kind:
+                if spot in seen:
+                    continue
+                seen.add(spot)
+            found.append(one)
+        self.found[:] = found
+        self._kept[kind] = len(seen)
+
+    def absorb(self, other: Diagnostics) -> None:
+        """Report all that another sink was told."""
+        self.take(other.found)
+        self.reported += other.reported - len(other.found)
+        for kind, beyond in other._beyond.items():
+            self._beyond.setdefault(kind, _Beyond(beyond.first, beyond.kept)).count += beyond.count
+
+    def retain(self, wanted: Callable[[Diagnostic], bool]) -> None:
+        """Take back all findings but those that are wanted."""
+        self.found[:] = [one for one in self.found if wanted(one)]
+        self._beyond = {kind: beyond for kind, beyond in self._beyond.items() if wanted(beyond.first)}
 
     @property
     def has_errors(self) -> bool:
@@ -181,9 +258,35 @@ class Diagnostics:
         return any(one.severity is Severity.ERROR for one in self.found)
 
     def __iter__(self) -> Iterator[Diagnostic]:
-        """Yield the findings by file, line and column, each once."""
+        """Yield the findings by file, line and column, each once, and how many of a kind are not kept."""
         unique = {(d.place.file, d.place.line, d.place.column, d.code.id, d.message): d for d in self.found}
-        return iter([unique[key] for key in sorted(unique)])
+        for key in sorted(unique):
+            yield unique[key]
+        for (file, code, _), beyond in self._beyond.items():
+            if not beyond.count:
+                continue
+            message = f"{beyond.count} more findings of {code} are not listed"
+            yield Diagnostic(MANY_FINDINGS, message, FilePlace(file), severity=MANY_FINDINGS.severity)
+
+
+_Kind: TypeAlias = tuple[str, str, Severity]
+"""File, id of the code, severity."""
+
+
+def _kind_of(one: Diagnostic) -> _Kind:
+    return one.place.file, one.code.id, one.severity
+
+
+def _rough_spot(one: Diagnostic) -> tuple[object, ...]:
+    """Return what tells findings of a kind apart well enough to count them, without looking for a column."""
+    element = getattr(one.place, "element", None)
+    if element is None:
+        return one.message, one.place.line, one.place.column
+    return one.message, element.sourceline, getattr(one.place, "attribute", None)
+
+
+def _bounded(text: str) -> str:
+    return text if len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}..."
 
 
 def weighed(
@@ -243,7 +346,10 @@ WIDEST_LINE = 240
 
 
 def as_text(diagnostic: Diagnostic) -> str:
-    """Format as a compiler does: position, code, message, the source line with carets, hint, chain, other places."""
+    """Format as a compiler does: position, code, message, the source line with carets, hint, chain, other places.
+
+    Whatever the file and its name are made of, each is a line, and all characters can be seen.
+    """
     place = diagnostic.place
     lines = [f"{position_text(place)}: {diagnostic.severity.value}[{diagnostic.code.id}]: {diagnostic.message}"]
     lines.extend(_source(place))
@@ -253,17 +359,21 @@ def as_text(diagnostic: Diagnostic) -> str:
     for other in diagnostic.related:
         lines.append(f"      = {other.message}: {position_text(other.place)}")
         lines.extend(_source(other.place))
-    return "\n".join(lines)
+    return "\n".join(map(legible_line, lines))
 
 
 def _source(place: Place) -> Iterator[str]:
     """Yield the line of a place and the carets below it, where they are known."""
     if place.source_line:
         gutter = f"{place.line:>5} | "
-        shown, before = _excerpt(place)
-        yield gutter + shown.replace("\t", " ")
+        text, before = _excerpt(place)
+        ahead, marked = text[:before], text[before : before + max(1, place.length)]
+        left, middle, right = (
+            legible(part.replace("\t", " ")) for part in (ahead, marked, text[before + len(marked) :])
+        )
+        yield gutter + left + middle + right
         if place.column:
-            yield " " * (len(gutter) + before) + "^" * max(1, min(place.length, len(shown) - before))
+            yield " " * (len(gutter) + len(left)) + "^" * max(1, len(middle))
 
 
 def _excerpt(place: Place) -> tuple[str, int]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Place, did_you_mean
-from scenario_compiler.files import read_file
+from scenario_compiler.files import SCENARIO_BYTES, read_file
 
 UNREADABLE = Code(
     "SC101",
@@ -35,13 +35,20 @@ MALFORMED = Code(
 FORBIDDEN = Code(
     "SC103",
     "forbidden-xml",
-    "The file declares entities or a document type. Entities can read other files and expand without bound, no "
-    "scenario or road file needs them, and they are never resolved. Remove the <!DOCTYPE ...> declaration."
+    "The file declares entities or a document type, or is so large that no scenario or road file can be meant. "
+    "Entities can read other files and expand without bound, no scenario or road file needs them, and they are never "
+    "resolved. Remove the <!DOCTYPE ...> declaration."
     '\n\n    <!DOCTYPE scenarios [<!ENTITY start SYSTEM "start.xml">]>     <include> brings in a file',
 )
 
 MAX_ATTRIBUTES = 1000
 """Most attributes on one element; real files have at most some twenty."""
+
+MAX_TAGS = 4_000_000
+"""Most tags of a file, a bound on memory: the largest road files known have some 700 000."""
+
+MOST_PLACED = 400_000
+"""Most tags of a file whose elements are placed by line and column; of larger ones the line alone is told."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,10 @@ class Document:
     def origin(self, element: etree._Element, attribute: str | None = None, within: Place | None = None) -> Origin:
         """Return the place of an element's start tag, or of one of its attributes."""
         return Origin(self, element, attribute, within)
+
+    @cached_property
+    def _is_vast(self) -> bool:
+        return self.text.count("<") > MOST_PLACED
 
     @cached_property
     def _lines(self) -> list[str]:
@@ -86,7 +97,7 @@ class Document:
         self, element: etree._Element, attribute: str | None, *, of_name: bool = False
     ) -> tuple[int, int, int]:
         """Return (line, column, length), counted from 1, of a start tag's name or of an attribute's value or name."""
-        ordinal = self._ordinals.get(element, -1)
+        ordinal = -1 if self._is_vast else self._ordinals.get(element, -1)
         if not 0 <= ordinal < len(self._tags):
             return int(getattr(element, "sourceline", 0) or 0), 0, 0
         start, end = self._tags[ordinal]
@@ -167,14 +178,19 @@ class Origin:
         return self.document.line_text(self.line)
 
 
-def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
+def read_document(path: str | Path, sink: Diagnostics, limit: int = SCENARIO_BYTES) -> Document | None:
     """Read an XML file; report and return None when it is missing, malformed or hostile.
 
     Entities are never resolved, nothing is loaded from elsewhere, and memory is bounded by the file's size.
+
+    Args:
+        path: The file.
+        sink: Where faults go.
+        limit: The most bytes that it may have; road files are larger than scenarios.
     """
     name = str(path)
     try:
-        raw = read_file(path)
+        raw = read_file(path, limit)
     except FileNotFoundError as error:
         dangling = Path(path).is_symlink()
         why, hint = ("it is a link to nothing", "") if dangling else (error.strerror, _beside(Path(path)))
@@ -189,11 +205,24 @@ def read_document(path: str | Path, sink: Diagnostics) -> Document | None:
     return parse_document(raw, name, sink)
 
 
+def drop_namespace(root: etree._Element) -> str:
+    """Rename elements of the root's namespace to their bare names; return the namespace, empty for none."""
+    namespace = etree.QName(root).namespace or ""
+    if namespace:
+        for element in root.iter(f"{{{namespace}}}*"):
+            element.tag = etree.QName(element).localname
+    return namespace
+
+
 def parse_document(raw: bytes, name: str, sink: Diagnostics) -> Document | None:
     """Parse the bytes of an XML file called `name`; see `read_document`."""
     line = _doctype_line(raw)
     if line > 0:
         sink.add(FORBIDDEN, _DOCTYPE_MESSAGE, FilePlace(name, line, 1))
+        return None
+    tags = raw.count(b"<")
+    if tags > MAX_TAGS:
+        sink.add(FORBIDDEN, f"the file has {tags} tags; at most {MAX_TAGS} are read", FilePlace(name))
         return None
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, remove_blank_text=False

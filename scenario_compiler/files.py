@@ -17,6 +17,9 @@ from pathlib import Path
 MAX_BYTES = 512 * 1024 * 1024
 """Largest file that is read, bytes; a bound on memory, far above any real road file (the largest known has 60 MB)."""
 
+SCENARIO_BYTES = 16 * 1024 * 1024
+"""Largest scenario file that is read, bytes; the largest of the library has 10 kB, of the corpus 1.5 MB."""
+
 _PIECE = 1024 * 1024
 _AT_ONCE = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
 
@@ -32,6 +35,15 @@ def unsaved(contents: Mapping[str, bytes]) -> Iterator[None]:
         yield
     finally:
         _UNSAVED.reset(token)
+
+
+def split_target(target: str | Path) -> tuple[str, str | None]:
+    """Split FILE#name into the file and the scenario's name; a file whose own name has a '#' stays whole."""
+    text = str(target)
+    if "#" not in text or Path(text).is_file():
+        return text, None
+    path, _, name = text.rpartition("#")
+    return path, name
 
 
 def read_file(path: str | Path, limit: int = MAX_BYTES) -> bytes:

@@ -21,10 +21,11 @@ from scenario_compiler.source.aisa_file import AisaConfig, read_aisa
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, load_catalogs, read_catalog
 from scenario_compiler.source.conflict import Library, LibraryElement, read_library
 from scenario_compiler.source.declared import Declaration, declared_in
-from scenario_compiler.source.expansion import around, check_template, expand_scenario
+from scenario_compiler.source.expansion import around, catalog_driver, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
 from scenario_compiler.source.unused import report_unused_templates
 from scenario_compiler.vocabulary.scenario import Scenario
+from scenario_compiler.vocabulary.takeover import Driver
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 
@@ -68,6 +69,11 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
 
         return read_openscenario(document, sink)
     known = [LibraryElement.tag(), CatalogElement.tag(), "config", "OpenSCENARIO"]
+    namespace, _, name = root.removeprefix("{").rpartition("}")
+    if name in known and namespace:
+        message = f"the elements are in the namespace '{namespace}', which this language does not have"
+        sink.add(codes.UNKNOWN_ROOT, message, place, hint=f"remove xmlns from <{name}>")
+        return None
     sink.add(
         codes.UNKNOWN_ROOT,
         f"<{root}> is not the first element of a scenario file",
@@ -110,13 +116,23 @@ def expand(
     if isinstance(source, OpenScenario):
         from scenario_compiler.openscenario.expansion import expand_openscenario
 
-        return expand_openscenario(source, chosen, arguments, sink)
+        return _with_driver(expand_openscenario(source, chosen, arguments, sink), catalogs, sink)
     catalogs = catalogs or load_catalogs(library_folder() / "catalogs", sink)
     if isinstance(source, AisaConfig):
         from scenario_compiler.source.aisa import expand_aisa
 
         return expand_aisa(source, chosen, arguments, sink, catalogs)
     return expand_scenario(source.scenarios[chosen], arguments, sink, around(source, catalogs))
+
+
+def _with_driver(scenario: Scenario, catalogs: Catalogs | None, sink: Diagnostics) -> Scenario:
+    """Return a scenario with the model of the driver that it names, or of the usual one, where somebody is driven."""
+    driver = scenario.takeover.driver
+    if scenario.ego is None or not isinstance(driver, Driver):
+        return scenario
+    catalogs = catalogs or load_catalogs(library_folder() / "catalogs", sink)
+    takeover = scenario.takeover.model_copy(update={"driver": catalog_driver(driver, catalogs, sink)})
+    return scenario.model_copy(update={"takeover": takeover})
 
 
 def drop_allowed(sink: Diagnostics, source: Source) -> None:
@@ -129,7 +145,7 @@ def drop_allowed(sink: Diagnostics, source: Source) -> None:
             return True
         return path not in {one.place.file, *(use.file for use in one.chain())}
 
-    sink.found[:] = [one for one in sink.found if kept(one)]
+    sink.retain(kept)
 
 
 @dataclass(frozen=True)
@@ -160,13 +176,14 @@ def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
         surroundings = around(source, load_catalogs(library_folder() / "catalogs", sink))
         for template in source.own_templates:
             check_template(source.templates[template], sink, surroundings)
-    expanded = []
+    expanded, read = [], list(sink.found)
     for name in source.scenarios:
-        found = Diagnostics(list(sink.found) if isinstance(source, OpenScenario) else [])
+        found = Diagnostics()
         scenario = expand(source, name, {}, found)
         if scenario is not None:
-            expanded.append(Expanded(scenario, is_whole(source, found)))
-        sink.found.extend(found.found)
+            known = [*read, *found.found] if isinstance(source, OpenScenario) else found.found
+            expanded.append(Expanded(scenario, is_whole(source, known)))
+        sink.absorb(found)
     read_without_fault = all(one.place.file != source.document.path for one in sink.found)
     if isinstance(source, Library) and read_without_fault:
         judge_form(source.document, sink)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Literal
 
+from scenario_compiler.compiler import read_source
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.languages import parse, read_scenario_document
 from scenario_compiler.markup.environment import Environment
 from scenario_compiler.markup.reading import read_word
 from scenario_compiler.openscenario.held import OpenScenario
@@ -31,6 +31,7 @@ class Listed:
     Attributes:
         kind: Which of the two.
         target: FILE#name as `run` takes it, or a template's name as `<use>` takes it.
+        file: The file that it stands in.
         name: Its name.
         summary: One sentence: what happens.
         source: Where the situation comes from.
@@ -42,6 +43,7 @@ class Listed:
 
     kind: Literal["conflict", "template"]
     target: str
+    file: Path
     name: str
     summary: str
     source: str
@@ -58,29 +60,36 @@ def list_library(folder: Path, sink: Diagnostics) -> Iterator[Listed]:
     """
     paths = sorted(path for ending in SUFFIXES for path in folder.rglob(f"*{ending}")) if folder.is_dir() else [folder]
     for path in paths:
-        document = read_scenario_document(path, sink)
-        source = None if document is None else parse(document, sink)
+        read = read_source(path, sink)
+        source = None if read is None else read[1]
         if isinstance(source, Library):
             for name in source.own_templates:
-                yield _listed("template", name, name, source.templates[name])
+                yield _listed("template", name, path, name, source.templates[name])
             for name, part in source.scenarios.items():
-                yield _listed("conflict", f"{path}#{name}", name, part)
+                yield _listed("conflict", f"{path}#{name}", path, name, part)
         elif isinstance(source, AisaConfig):
             for name, element in source.scenarios.items():
                 summary = KNOWN[name].summary if name in KNOWN else ""
                 town = element.get("town", "")
-                yield Listed("conflict", f"{path}#{name}", name, summary, "AISA toolkit", town, "")
+                yield Listed("conflict", f"{path}#{name}", path, name, summary, "AISA toolkit", town, "")
         elif isinstance(source, OpenScenario):
             yield from (_openscenario(path, name, source) for name in source.scenarios)
+
+
+def find_conflict(name: str, folder: Path) -> str | None:
+    """Return the conflict of that name below a folder as FILE#name, as `run` takes it; None where there is none."""
+    found = (one for one in list_library(folder, Diagnostics()) if one.kind == "conflict" and one.name == name)
+    first = next(found, None)
+    return None if first is None else first.target
 
 
 def list_templates(sink: Diagnostics) -> Iterator[Listed]:
     """Yield the templates that a `<use>` can name without an include, by name; report what is wrong in their files."""
     for folder in template_folders():
-        sink.found.extend(templates_in(folder).faults)
+        sink.take(templates_in(folder).faults)
     for name, part in sorted(templates_by_name().items()):
         if name:
-            yield _listed("template", name, name, part)
+            yield _listed("template", name, Path(part.document.path), name, part)
 
 
 def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
@@ -92,6 +101,7 @@ def _openscenario(path: Path, name: str, source: OpenScenario) -> Listed:
     return Listed(
         kind="conflict",
         target=str(path),
+        file=path,
         name=name,
         summary=described if variation is None else f"varies {Path(source.document.path).name}",
         source="" if header is None else header.get("author", ""),
@@ -112,7 +122,7 @@ def _varied(vary: Vary, sets: Mapping[str, Sequence[Mapping[str, str]]]) -> Iter
             yield axis.parameter, axis.spelling().partition("=")[2]
 
 
-def _listed(kind: Literal["conflict", "template"], target: str, name: str, part: Part) -> Listed:
+def _listed(kind: Literal["conflict", "template"], target: str, file: Path, name: str, part: Part) -> Listed:
     element = part.element
     placed = (one for one in element.iterchildren(Classification.tag()) if one.get("scheme") == "gold2018")
     gold = next((str(one.get("number", "")) for one in placed), "")
@@ -122,6 +132,7 @@ def _listed(kind: Literal["conflict", "template"], target: str, name: str, part:
     return Listed(
         kind=kind,
         target=target,
+        file=file,
         name=name,
         summary=element.get("summary", ""),
         source=element.get("source", ""),

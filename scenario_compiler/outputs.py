@@ -1,4 +1,4 @@
-"""Files out: whole or not there.
+"""Files and folders out: whole or not there.
 
 What cannot be written is an OSError that names the file and says why, for the command line to tell in one line.
 """
@@ -6,11 +6,16 @@ What cannot be written is an OSError that names the file and says why, for the c
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import shutil
+import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
+
+from scenario_compiler.interruption import put_off
 
 
 def write_whole(path: str | Path, content: bytes | str) -> None:
@@ -38,12 +43,122 @@ def whole_file(path: str | Path) -> Iterator[BinaryIO]:
         raise _cannot(path, fault) from None
 
 
+def make_private_folder(path: Path, within: Path) -> None:
+    """Make a folder that belongs to the user alone, and those above it up to `within`.
+
+    Raises:
+        OSError: One of them cannot be made, or belongs to somebody else.
+    """
+    folders = [within, *reversed([one for one in (path, *path.parents) if within in one.parents])]
+    make_folder(within.parent)
+    for folder in folders:
+        with contextlib.suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        status = folder.stat()
+        if not (_is_own(status) and _is_own(folder.lstat())):
+            raise PermissionError(errno.EPERM, "it belongs to another user", str(folder))
+        if status.st_mode & 0o077:
+            folder.chmod(0o700)
+
+
+def _is_own(status: os.stat_result) -> bool:
+    return not hasattr(os, "geteuid") or status.st_uid == os.geteuid()
+
+
 def make_folder(path: str | Path) -> None:
     """Make a folder and those above it where there are none; OSError where that cannot be."""
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
     except OSError as fault:
         raise _cannot(path, fault) from None
+
+
+class LockedError(Exception):
+    """Another process holds a lock; the message says which, in words that follow the name of what is locked."""
+
+
+@contextlib.contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Hold a lock for as long as the context lasts: a file that no other process has locked, and that goes with it.
+
+    The system itself releases it where this process dies, so that nothing stale is left to be found.
+
+    Raises:
+        LockedError: Another process holds it.
+        OSError: It cannot be written.
+    """
+    try:
+        file = _held(path)
+    except OSError as fault:
+        raise _cannot(path, fault) from None
+    try:
+        file.truncate(0)
+        file.write(str(os.getpid()).encode())
+        file.flush()
+        yield
+    finally:
+        with contextlib.suppress(OSError):
+            path.unlink()
+        file.close()
+
+
+def _held(path: Path) -> BinaryIO:
+    """Return the lock's file, opened and locked; one that its holder has deleted meanwhile is made anew."""
+    while True:
+        file = path.open("a+b")
+        if not _lock(file):
+            file.seek(0)
+            holder = file.read(20).decode("ascii", "replace").strip()
+            file.close()
+            raise LockedError(f" (process {holder})" if holder.isdecimal() else "")
+        with contextlib.suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+                return file
+        file.close()
+
+
+def _lock(file: BinaryIO) -> bool:
+    """Lock an open file; return False where another process has."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
+        return False
+    return True
+
+
+@contextlib.contextmanager
+def whole_folder(path: str | Path) -> Iterator[Path]:
+    """Yield an empty folder whose files all come to stand in the folder `path` when it is closed, or none of them.
+
+    What was there before under other names stays. A folder that is made for it is gone again where that fails.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    target = Path(path)
+    missing = [one for one in (target, *target.parents) if not one.exists()]
+    make_folder(target)
+    draft = target / f".{os.getpid()}-{threading.get_ident()}.tmp"
+    try:
+        make_folder(draft)
+        yield draft
+        with put_off():
+            for file in sorted(draft.iterdir()):
+                file.replace(target / file.name)
+            draft.rmdir()
+    except BaseException:
+        shutil.rmtree(draft, ignore_errors=True)
+        for one in missing:
+            with contextlib.suppress(OSError):
+                one.rmdir()
+        raise
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 _PACKAGE = Path(__file__).parent
 _CHECKOUT = _PACKAGE.parent
@@ -98,6 +98,17 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "scenario-compiler"
 
 
+def configuration_file() -> Path:
+    """Return the user's configuration file, whether it is there or not.
+
+    It is `scenario-compiler/config.toml` in $XDG_CONFIG_HOME, on Windows in %APPDATA%, else in `~/.config`. A relative
+    folder in a variable is ignored, as the XDG Base Directory Specification wants it: it would mean the current one.
+    """
+    named = Path(os.environ.get("XDG_CONFIG_HOME") or os.environ.get("APPDATA") or "")
+    folder = named if named.is_absolute() else Path("~/.config").expanduser()
+    return folder / "scenario-compiler" / "config.toml"
+
+
 @dataclass(frozen=True)
 class MapSearch:
     """Where maps are looked for.
@@ -123,6 +134,11 @@ class MapSearch:
 
 PUBLISHED_AS = {"conflictmap": "HRI_custommap"}
 """Names of maps in scenario files, and those of the files that they are published as: the AISA toolkit's own map."""
+
+
+def portable(path: str) -> str:
+    """Return a path as every system takes it: one with the backslashes of Windows, with slashes."""
+    return PureWindowsPath(path).as_posix() if "\\" in path else path
 
 
 class MapNotFoundError(FileNotFoundError):

@@ -5,17 +5,21 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from scenario_compiler.compiler import Overrides, compile_expanded, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
-from scenario_compiler.document import UNREADABLE, Document, read_document
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.files import MAX_BYTES
+from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
+from scenario_compiler.plan.store import read_plan
 from scenario_compiler.resources import templates_from, templates_given
 from scenario_compiler.structure.schemas import Schemas
+from scenario_compiler.trust import ConfigurationError, Trust
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ProcessPoolExecutor
@@ -48,9 +52,6 @@ def files_below(path: Path) -> list[Path]:
     return sorted([*files, *(Path(fault.filename) for fault in closed)])
 
 
-MOST_SCENARIO_BYTES = 16 * 1024 * 1024
-"""Largest scenario file that `validate` looks into, bytes; the library's largest has 10 kB."""
-
 FILES_A_TASK = 8
 """Files that a process checks before it hands its findings over."""
 
@@ -58,46 +59,55 @@ Check: TypeAlias = Callable[[Sequence[Path]], list[list[Diagnostic]]]
 """What returns the findings of each of some files."""
 
 
-def validate_file(path: Path, sink: Diagnostics, maps: Sequence[Path] = (), xsd: Schemas | None = None) -> None:
+def validate_file(
+    path: Path,
+    sink: Diagnostics,
+    maps: Sequence[Path] = (),
+    xsd: Schemas | None = None,
+    trust: Trust | None = None,
+) -> None:
     """Report every fault of one file: of all its templates and scenarios, or of the roads that it holds.
+
+    Code that the file names is imported only where it is trusted; otherwise its spelling alone is checked.
 
     `xsd` is where ASAM's schemas are: where there is one of the version of a road file, or of a file in OpenSCENARIO,
     that schema judges the file's structure, else what our readers declare does. Of a file in OpenSCENARIO, the
     structure alone decides: what its meaning lacks is a warning, and so is a fault of this program in telling that.
     """
     if path.suffix == ".xodr":
-        document = read_document(path, sink)
+        document = read_document(path, sink, MAX_BYTES)
         if document is not None and (xsd is None or _by_schema(document, xsd, sink) is None):
             from scenario_compiler.roads.structure import check_structure
 
             check_structure(document, sink)
         return
-    if path.is_file() and path.stat().st_size > MOST_SCENARIO_BYTES:
-        message = f"the file has {path.stat().st_size} bytes; scenario files have at most {MOST_SCENARIO_BYTES}"
-        sink.add(UNREADABLE, message, FilePlace(str(path)))
-        return
-    if path.suffix == ".xosc":
+    if path.suffix == ".json":
+        read_plan(path, sink)
+    elif path.suffix == ".xosc":
         from scenario_compiler.openscenario.validation import add_meaning, validate_openscenario
 
         meaning = Diagnostics()
         validate_openscenario(path, sink, xsd)
         try:
-            _check_scenarios(path, meaning, maps)
+            _check_scenarios(path, meaning, maps, trust)
+        except ConfigurationError:
+            raise
         except Exception as fault:
-            meaning.found.append(_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]))
+            meaning.take((_unchecked(path, f"{type(fault).__name__}: {fault}"[:300]),))
         add_meaning(meaning, sink)
     else:
-        _check_scenarios(path, sink, maps)
+        _check_scenarios(path, sink, maps, trust)
 
 
-def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path]) -> None:
+def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path], trust: Trust | None) -> None:
     """Report every fault of all templates and scenarios of a file."""
     read = read_source(path, sink)
     if read is None:
         return
     document, source = read
+    trusted = Overrides().trusting(trust or Trust(), path.parent)
     for one in check_source(source, sink):
-        compile_expanded(one.scenario, document, sink, maps, Overrides(), whole=one.whole)
+        compile_expanded(one.scenario, document, sink, maps, Overrides(), whole=one.whole, trust=trusted)
     drop_allowed(sink, source)
 
 
@@ -113,6 +123,7 @@ def validate_files(
     processes: int = 1,
     xsd: Schemas | None = None,
     insisted: frozenset[str] = frozenset(),
+    trust: Trust | None = None,
 ) -> Iterator[list[Diagnostic]]:
     """Yield the findings of each file, in the order of the files.
 
@@ -122,8 +133,9 @@ def validate_files(
         processes: Number of processes to spread the files over; few files are checked in this one.
         xsd: Where ASAM's schemas are, None to do without.
         insisted: Codes of warnings that are reported even where a file allows them.
+        trust: Code that may be imported where a file names it.
     """
-    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted, templates=templates_given())
+    check = partial(_findings, maps=maps, xsd=xsd, insisted=insisted, trust=trust, templates=templates_given())
     tasks = [files[at : at + FILES_A_TASK] for at in range(0, len(files), FILES_A_TASK)]
     if processes < 2 or len(tasks) < 2 * processes:
         for file in files:
@@ -140,12 +152,13 @@ def checked_by_processes(tasks: Sequence[Sequence[Path]], processes: int, check:
     """
     in_hand = 2 * processes + 1  # each process has one, and the pool lays out one more than it has processes
     alone: set[int] = set()
-    with ExitStack() as pools:
+    with _ended_with_this(), ExitStack() as pools:
 
         def hand_out(numbers: Sequence[int]) -> dict[int, Future[list[list[Diagnostic]]]]:
             pool = _pool(processes)
             pools.callback(pool.shutdown, cancel_futures=True)
-            return {number: pool.submit(check, tasks[number]) for number in numbers}
+            with left_to_this_process():
+                return {number: pool.submit(check, tasks[number]) for number in numbers}
 
         found = hand_out(range(len(tasks)))
         for number, task in enumerate(tasks):
@@ -160,7 +173,8 @@ def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic
     """Yield the findings of each file, checked with no other at hand; one that ends the process is at fault."""
     pool = _pool(1)
     for file in files:
-        only = pool.submit(check, [file])
+        with left_to_this_process():
+            only = pool.submit(check, [file])
         if not _was_lost(only):
             yield only.result()[0]
             continue
@@ -168,6 +182,20 @@ def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic
         pool.shutdown()
         pool = _pool(1)
     pool.shutdown()
+
+
+@contextmanager
+def _ended_with_this() -> Iterator[None]:
+    """End the processes that were started meanwhile when the user interrupts: they know nothing of that."""
+    from multiprocessing import active_children
+
+    before = set(active_children())
+    try:
+        yield
+    except (KeyboardInterrupt, GeneratorExit):
+        for process in set(active_children()) - before:
+            process.kill()
+        raise
 
 
 def _pool(processes: int) -> ProcessPoolExecutor:
@@ -195,6 +223,7 @@ def _findings(
     maps: Sequence[Path],
     xsd: Schemas | None,
     insisted: frozenset[str],
+    trust: Trust | None,
     templates: Sequence[Path],
 ) -> list[list[Diagnostic]]:
     """Return the findings of each file; a fault of this program is a finding too, and the other files go on."""
@@ -203,9 +232,11 @@ def _findings(
         sink = Diagnostics(insisted=insisted)
         try:
             with templates_from(templates):
-                validate_file(file, sink, maps, xsd)
+                validate_file(file, sink, maps, xsd, trust)
+        except ConfigurationError:
+            raise
         except Exception as fault:
-            sink.found.append(_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]))
+            sink.take((_unchecked(file, f"{type(fault).__name__}: {fault}"[:300]),))
         found.append(list(sink))
     return found
 

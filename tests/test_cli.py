@@ -25,7 +25,7 @@ CONFLICT = """\
 
 TWO = CONFLICT.replace("</scenarios>", "") + CONFLICT[CONFLICT.index("  <scenario ") :].replace('"fade"', '"other"')
 
-RUN_FOLDER = ["events.csv", "outcome.json", "plan.json", "recording.parquet", "report.html"]
+RUN_FOLDER = ["events.csv", "map.xodr", "outcome.json", "plan.json", "recording.parquet", "report.html"]
 
 
 @pytest.fixture

@@ -43,11 +43,14 @@ HALL = (
     "expressions",
     "files",
     "frames",
+    "interruption",
+    "legible",
     "marker",
     "outputs",
     "randomness",
     "resources",
     "structure",
+    "trust",
 )
 LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for room in row}
 
@@ -78,7 +81,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "lsprotocol": ("editor.server",),
-    "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview"),
+    "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview", "report.lettering"),
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),

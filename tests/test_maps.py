@@ -464,3 +464,10 @@ def test_carla_loads_the_map_without_dead_ends(map_: Map) -> None:
     known = {(int(road), section, lane) for name, road, section, lane in LANES_THAT_END if name == map_.name}
     assert {tuple(place[:3]) for place in found["dead"]} <= known
     assert all(found["ended"])
+
+
+def test_the_pictures_of_the_documentation_show_own_maps(repository: Path) -> None:
+    own = tuple(f"map_{path.name.partition('_')[0]}" for path in (repository / "maps").iterdir() if path.is_dir())
+    pictures = [path.name for path in (repository / "docs" / "images").glob("map_*")]
+    assert pictures
+    assert [name for name in pictures if not name.startswith(own)] == []

@@ -15,9 +15,9 @@ import pytest
 from scenario_compiler.cli.validate import summary
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics, FilePlace, Severity
 from scenario_compiler.document import UNREADABLE
+from scenario_compiler.files import SCENARIO_BYTES
 from scenario_compiler.resources import library_folder
 from scenario_compiler.validation import (
-    MOST_SCENARIO_BYTES,
     checked_by_processes,
     files_below,
     validate_file,
@@ -65,7 +65,7 @@ def _hostile(folder: Path) -> list[Path]:
         "empty.xml": b"",
         "bomb.xml": b'<!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;">]><scenarios>&c;</scenarios>',
         "deep.xml": b'<scenarios version="1">' + b"<template>" * 5000,
-        "huge.xml": b'<scenarios version="1">' + b" " * MOST_SCENARIO_BYTES + b"</scenarios>",
+        "huge.xml": b'<scenarios version="1">' + b" " * SCENARIO_BYTES + b"</scenarios>",
         "road.xodr": b"<OpenDRIVE><header/>",
     }
     for name, content in contents.items():

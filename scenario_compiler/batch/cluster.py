@@ -7,7 +7,6 @@ way at a time, so that memory does not grow with the sweep.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -19,6 +18,10 @@ import distributed
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import error_columns
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
+from scenario_compiler.files import read_file
+from scenario_compiler.outputs import make_private_folder, write_whole
+from scenario_compiler.resources import cache_folder
+from scenario_compiler.trust import Trust
 
 AHEAD = 3
 """Parts under way for each thread of the cluster."""
@@ -26,7 +29,7 @@ AHEAD = 3
 CONNECT = 30.0
 """Longest wait for the scheduler and a first worker, s."""
 
-_RUNNERS: dict[tuple[Form, int], Runner] = {}
+_RUNNERS: dict[tuple[Form, int, Trust], Runner] = {}
 """A worker's runners: they stay between parts, with their plans, maps and the compiled engine."""
 
 
@@ -39,18 +42,16 @@ class Freight:
     content: bytes
 
 
-def run_part(form: Form, seed: int, part: Part, freight: dict[int, Freight]) -> list[Batch]:
+def run_part(form: Form, seed: int, trust: Trust, part: Part, freight: dict[int, Freight]) -> list[Batch]:
     """Run a part on a worker; the body of a task."""
-    runner = _RUNNERS.setdefault((form, seed), Runner(form, seed))
+    runner = _RUNNERS.setdefault((form, seed, trust), Runner(form, seed, trust=trust))
     sent = []
     for family, one in freight.items():
-        place = Path(tempfile.gettempdir()) / "scenario-compiler-maps" / sha256(one.content).hexdigest()[:16]
+        place = cache_folder() / "maps" / sha256(one.content).hexdigest()
         file = place / one.map_name
-        if not file.is_file():
-            place.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(dir=place, delete=False) as draft:
-                draft.write(one.content)
-            Path(draft.name).replace(file)
+        make_private_folder(place, cache_folder())
+        if not file.is_file() or read_file(file) != one.content:
+            write_whole(file, one.content)
         sent.append(SentPlan(family, one.plan, str(file)))
     return list(runner.batches(replace(part, plans=tuple(sent))))
 
@@ -58,13 +59,15 @@ def run_part(form: Form, seed: int, part: Part, freight: dict[int, Freight]) -> 
 class Cluster:
     """Runs the parts of a sweep on the workers of a Dask scheduler."""
 
-    def __init__(self, form: Form, seed: int, scheduler: str, patience: float = CONNECT) -> None:
+    def __init__(
+        self, form: Form, seed: int, scheduler: str, patience: float = CONNECT, trust: Trust | None = None
+    ) -> None:
         """Connect within `patience` seconds.
 
         Raises:
             SweepError: There is no scheduler at the address, or it has no workers.
         """
-        self._form, self._seed = form, seed
+        self._setup = (form, seed, trust or Trust())
         try:
             self._client: Any = distributed.Client(scheduler, timeout=patience)
             self._client.wait_for_workers(1, timeout=patience)
@@ -121,7 +124,7 @@ class Cluster:
                 self._freight[sent.family] = self._client.scatter(freight, broadcast=True, hash=True)
         freight_of = {sent.family: self._freight[sent.family] for sent in part.plans}
         bare = replace(part, plans=())
-        return self._client.submit(run_part, self._form, self._seed, bare, freight_of, pure=False, retries=2)
+        return self._client.submit(run_part, *self._setup, bare, freight_of, pure=False, retries=2)
 
     def _one_by_one(self, part: Part, why: str) -> Iterator[tuple[int, Batch]]:
         """Run the variants of a part that failed as a whole each on its own."""

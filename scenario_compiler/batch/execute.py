@@ -23,6 +23,7 @@ from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.engine.forms.compiled import library, why_interpreted
 from scenario_compiler.source.declared import Declaration
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 PRESENTED = 1_000_000
@@ -123,6 +124,12 @@ class Sweep:
     _on_the_way: dict[int, SentPlan] = field(default_factory=dict)
 
     @property
+    def trust(self) -> Trust:
+        """What a worker may import: what was found to be trusted when the sweep was prepared."""
+        trust, controller = self.spec.trusted(self.target), self.families.base.plan.controller
+        return trust if controller is None else Trust((*trust.named, controller.model), trust.beside)
+
+    @property
     def parts(self) -> int:
         """Number of parts."""
         return math.ceil(self.sampler.total / self.part_size)
@@ -160,8 +167,8 @@ class Sweep:
     def manifest(self) -> dict[str, Any]:
         """Return what decides the rows, for the folder to be known by."""
         return {
-            "target": self.target,
-            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed"}),
+            "target": Path(self.target).name,
+            "spec": self.spec.model_dump(mode="json", exclude={"traces", "time_limit", "errors", "allowed", "trust"}),
             "digest": self.families.base.plan.digest,
             "variants": self.sampler.total,
             "part_size": self.part_size,
@@ -253,18 +260,18 @@ def open_executor(sweep: Sweep, workers: int) -> Executor:
     """Return what runs a sweep on this machine: worker processes where a run may hang or there are several."""
     spec = sweep.spec
     if workers == 1 and sweep.form != "camera" and spec.time_limit is None:
-        runner = Runner(sweep.form, spec.seed)
+        runner = Runner(sweep.form, spec.seed, sweep.trust)
         base = sweep.families.base
         runner.add(base.number, base.plan, base.network)
         return Inline(runner)
-    return Pool(sweep.form, spec.seed, workers, spec.time_limit)
+    return Pool(sweep.form, spec.seed, workers, spec.time_limit, trust=sweep.trust)
 
 
 def connect(sweep: Sweep, scheduler: str) -> Executor:
     """Return what runs a sweep on a cluster; SweepError where none answers at the address of the scheduler."""
     from scenario_compiler.batch.cluster import Cluster
 
-    return Cluster(sweep.form, sweep.spec.seed, scheduler)
+    return Cluster(sweep.form, sweep.spec.seed, scheduler, trust=sweep.trust)
 
 
 def execute(
@@ -340,6 +347,26 @@ def run_sweep(
     sweep = prepare(target, spec, Diagnostics() if sink is None else sink, maps)
     store = sweep.store(folder)
     store.check(resume=resume)
+    with store.owned():
+        return _run_owned(sweep, store, resume, progress, scheduler, workers, report, say)
+
+
+def _run_owned(
+    sweep: Sweep,
+    store: ResultStore,
+    resume: bool,
+    progress: Callable[[Progress], None] | None,
+    scheduler: str | None,
+    workers: int | None,
+    report: bool,
+    say: Callable[[str], None] | None,
+) -> SweepResult:
+    """Run a sweep whose folder is its own now; see `run_sweep`."""
+    spec, folder = sweep.spec, store.folder
+    store.check(resume=resume)  # another sweep may have had the folder until now
+    damaged = store.drop_damaged()
+    if damaged and say is not None:
+        say(f"damaged, and made again: {', '.join(path.name for path in damaged)}")
     count = workers_for(sweep, workers)
     if not store.finished:
         cluster = None if scheduler is None else connect(sweep, scheduler)  # or there is nothing to resume

@@ -13,9 +13,10 @@ import numpy as np
 
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.break_off import break_off_text
 from scenario_compiler.recording.criteria import fails, limit_of
 from scenario_compiler.recording.measures import MEASURES, measures_of
-from scenario_compiler.recording.names import CAUSES, FAULTS, STOP_REASONS
+from scenario_compiler.recording.names import CAUSES, STOP_REASONS
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import resolutions
@@ -37,7 +38,9 @@ def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[s
         parameters: Each run's values of the plan's parameters.
     """
     stops = [str(STOP_REASONS[code]) for code in totals.code("stop")]
-    errors = [_fault(flag, stop) for flag, stop in zip(totals.code("flag"), stops, strict=True)]
+    flags, flagged, ends = totals.code("flag"), totals.code("flag_at"), totals.last_time.tolist()
+    ids = [entity.id for entity in plan.entities]
+    errors = [break_off_text(code, at, ids, {}, t) for code, at, t in zip(flags, flagged, ends, strict=True)]
     reached = np.array([stop == "destination" for stop in stops])
     failed: list[list[str]] = [[] for _ in parameters]
     for criterion in plan.criteria:
@@ -92,10 +95,4 @@ def error_columns(count: int, error: str) -> Columns:
 def _why_broken(recording: Recording) -> str:
     """Return why a run could not go on; empty where it could."""
     told = [event.message for event in recording.events if event.kind == "broken_off"]
-    return told[0] if told else _fault(recording.error, recording.stop_reason)
-
-
-def _fault(code: int, stop: str) -> str:
-    if code:
-        return FAULTS.get(code, f"fault {code} of the engine")
-    return "the run broke off" if stop == "error" else ""
+    return told[0] if told else ""

@@ -18,6 +18,8 @@ from multiprocessing.process import BaseProcess
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import error_columns
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, Variant
+from scenario_compiler.interruption import left_to_this_process
+from scenario_compiler.trust import Trust
 
 START_ATTEMPTS = 3
 """Deaths before the first variant of a part begins after which the sweep gives up."""
@@ -26,16 +28,16 @@ PATIENCE = 0.5
 """How often a time limit is looked at, s."""
 
 
-def serve(connection: Connection, form: Form, seed: int) -> None:
+def serve(connection: Connection, form: Form, seed: int, trust: Trust) -> None:
     """Run parts that come through the connection until it closes; the body of a worker process."""
-    runner = Runner(form, seed)
+    runner = Runner(form, seed, trust=trust)
     try:
         while True:
             part = connection.recv()
             for batch in runner.batches(part, lambda begun: connection.send(("begin", len(begun)))):
                 connection.send(("rows", batch))
             connection.send(("done", None))
-    except (EOFError, BrokenPipeError, KeyboardInterrupt):
+    except (EOFError, BrokenPipeError):
         return
     except Exception as fault:
         connection.send(("fault", f"{type(fault).__name__}: {fault}"))
@@ -56,10 +58,12 @@ class _Worker:
 class Pool:
     """Worker processes for the parts of a sweep."""
 
-    def __init__(self, form: Form, seed: int, workers: int, time_limit: float | None = None) -> None:
+    def __init__(
+        self, form: Form, seed: int, workers: int, time_limit: float | None = None, trust: Trust | None = None
+    ) -> None:
         """Start the workers, by spawning: nothing of this process is inherited."""
         self._context = multiprocessing.get_context("spawn")
-        self._setup = (form, seed)
+        self._setup = (form, seed, trust or Trust())
         self._time_limit = time_limit
         self._workers = [self._start() for _ in range(workers)]
         self._deaths: dict[int, int] = {}
@@ -102,7 +106,8 @@ class Pool:
     def _start(self) -> _Worker:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=serve, args=(theirs, *self._setup), daemon=True)
-        process.start()
+        with left_to_this_process():
+            process.start()
         theirs.close()
         return _Worker(process, ours)
 

@@ -61,6 +61,7 @@ def sweep_command(target: str, spec: SweepSpec) -> str:
     options = (
         ("--perception", spec.perception),
         ("--controller", spec.controller),
+        *(("--trust", name) for name in spec.trust),
         ("--dt", spec.step),
         ("--duration", spec.duration),
         ("--traces", spec.traces or None),

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,12 @@ import pyarrow.parquet as pq
 
 from scenario_compiler.batch.distributions import SweepError, ValueKind
 from scenario_compiler.batch.measuring import OUTCOME, Columns
-from scenario_compiler.outputs import make_folder, whole_file, write_whole
+from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
 from scenario_compiler.recording.measures import MEASURES
 
 FORMAT = "scenario-compiler/sweep/1"
 MANIFEST = "sweep.json"
+LOCK = "sweep.lock"
 TABLE = "results.parquet"
 PARTS = "parts"
 GROUP = 1 << 16
@@ -94,6 +96,24 @@ class ResultStore:
         elif self.folder.is_dir() and any(self.folder.iterdir()) and not self._unfinished_start():
             raise SweepError(f"{self.folder} is not empty and holds no sweep")
 
+    @contextmanager
+    def owned(self) -> Iterator[None]:
+        """Keep other sweeps out of the folder for as long as this one writes into it.
+
+        Raises:
+            SweepError: Another sweep is writing into it; or it may not begin, or be taken up again (see `check`).
+            OSError: The folder cannot be written.
+        """
+        make_folder(self.folder)
+        try:
+            with locked(self.folder / LOCK):
+                yield
+        except LockedError as taken:
+            raise SweepError(f"another sweep is writing into {self.folder}{taken}") from None
+        finally:
+            with suppress(OSError):  # a sweep that did not begin leaves no folder
+                self.folder.rmdir()
+
     def begin(self) -> None:
         """Make the folder the sweep's own, unless the sweep is finished; OSError when it cannot be written."""
         if self.finished:
@@ -104,12 +124,35 @@ class ResultStore:
         write_whole(self.folder / MANIFEST, (json.dumps(self._manifest, indent=1, sort_keys=True) + "\n").encode())
 
     def _unfinished_start(self) -> bool:
-        return all(path.name == PARTS or path.suffix == ".tmp" for path in self.folder.iterdir())
+        return all(path.name in (PARTS, LOCK) or path.suffix == ".tmp" for path in self.folder.iterdir())
 
     @property
     def finished(self) -> bool:
-        """Whether the table is whole."""
+        """Whether the table is there."""
         return self.table.is_file()
+
+    def drop_damaged(self) -> list[Path]:
+        """Delete the table and the parts that cannot be read back whole, so that they are made again; return them."""
+        files = [self.table] if self.finished else sorted(self._parts.glob("*.parquet"))
+        damaged = [path for path in files if not self._is_sound(path)]
+        for path in damaged:
+            path.unlink()
+        return damaged
+
+    def _is_sound(self, path: Path) -> bool:
+        """Return whether a file can be read to its end, with the columns of this sweep and its pages' checksums.
+
+        The table also says of itself what it is written with.
+        """
+        try:
+            with pq.ParquetFile(path, page_checksum_verification=True) as file:
+                about = (file.metadata.metadata or {}).get(_KEY, b"")
+                if not file.schema_arrow.equals(self._schema) or (path == self.table and about != self._about()):
+                    return False
+                rows = sum(file.read_row_group(number).num_rows for number in range(file.num_row_groups))
+                return bool(rows == file.metadata.num_rows)
+        except (OSError, ValueError, pa.ArrowException):
+            return False
 
     def done(self) -> set[int]:
         """Return the numbers of the parts that are there."""
@@ -141,11 +184,10 @@ class ResultStore:
 
     def merge(self, parts: int) -> None:
         """Make the table of all parts, in order, and drop them."""
-        about = json.dumps(self._about(), sort_keys=True).encode()
         with whole_file(self.table) as sink, _writer(sink, self._schema) as file:
             for tables in self._grouped(parts):
                 file.write_table(pa.concat_tables(tables))
-            file.add_key_value_metadata({_KEY: about})
+            file.add_key_value_metadata({_KEY: self._about()})
         for number in range(parts):
             self._part(number).unlink()
         self._parts.rmdir()
@@ -160,9 +202,10 @@ class ResultStore:
         if tables or not parts:
             yield tables or [self._schema.empty_table()]
 
-    def _about(self) -> dict[str, Any]:
+    def _about(self) -> bytes:
+        """Return what the table says about itself, as JSON."""
         measures = {m.name: {"unit": m.unit, "definition": m.definition, "source": m.source} for m in MEASURES}
-        return {**self._manifest, "measures": measures}
+        return json.dumps({**self._manifest, "measures": measures}, sort_keys=True).encode()
 
     def _part(self, number: int) -> Path:
         return self._parts / f"{number:08}.parquet"
@@ -223,6 +266,7 @@ def _writer(sink: Any, schema: pa.Schema) -> pq.ParquetWriter:
         use_dictionary=True,
         write_statistics=True,
         store_schema=False,
+        write_page_checksum=True,
     )
 
 

@@ -27,6 +27,7 @@ from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.roads import Network, load_network
 from scenario_compiler.runtime import open_world, run
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 Form = Literal["camera", "interpreted", "compiled"]
@@ -109,10 +110,12 @@ class Runner:
     Attributes:
         form: What runs them.
         seed: Seed of the runs.
+        trust: Code that the plans may name as their controllers.
     """
 
     form: Form
     seed: int
+    trust: Trust = field(default_factory=Trust)
     _families: dict[int, _Family] = field(default_factory=dict)
 
     def add(self, family: int, plan: Plan, network: Network) -> None:
@@ -120,7 +123,7 @@ class Runner:
         if family not in self._families:
             while len(self._families) >= FAMILIES_KEPT:
                 del self._families[next(iter(self._families))]
-            self._families[family] = _Family(plan, network, self.form)
+            self._families[family] = _Family(plan, network, self.form, self.trust)
 
     def batches(self, part: Part, begin: Callable[[tuple[Variant, ...]], None] | None = None) -> Iterator[Batch]:
         """Yield the rows of a part's variants, in order; `begin` is called with each batch before it runs."""
@@ -156,8 +159,8 @@ class Runner:
 class _Family:
     """A plan that is ready to run."""
 
-    def __init__(self, plan: Plan, network: Network, form: Form) -> None:
-        self.plan, self.network, self.form = plan, network, form
+    def __init__(self, plan: Plan, network: Network, form: Form, trust: Trust) -> None:
+        self.plan, self.network, self.form, self.trust = plan, network, form, trust
         self.usual = parameter_values(plan.parameters)
         self.limit = int(plan.duration / plan.step) + 2
         self.engine: Simulation | None = None
@@ -169,7 +172,7 @@ class _Family:
     def rows(self, batch: Sequence[Variant], seed: int) -> Columns:
         """Run variants and return their rows."""
         if self.engine is None:
-            return row_of_recording(self.plan, record(self.plan, self.network, batch[0], seed))
+            return row_of_recording(self.plan, record(self.plan, self.network, batch[0], seed, self.trust))
         try:
             numbers = [self.numbers.row(one.values) for one in batch]
         except ExpressionError as fault:
@@ -185,12 +188,12 @@ def joined(parts: Sequence[Columns]) -> Columns:
     return {name: [value for columns in parts for value in columns[name]] for name in parts[0]}
 
 
-def record(plan: Plan, network: Network, variant: Variant, seed: int) -> Recording:
-    """Run one variant interpreted and return its recording."""
+def record(plan: Plan, network: Network, variant: Variant, seed: int, trust: Trust | None = None) -> Recording:
+    """Run one variant interpreted and return its recording; `trust` is what the plan's controller may be."""
     chosen = with_values(plan, variant.values)
     world = open_world("kinematic", chosen, network)
     try:
-        return run(chosen, world, seed, variant=variant.index)
+        return run(chosen, world, seed, variant=variant.index, trust=trust)
     finally:
         world.close()
 

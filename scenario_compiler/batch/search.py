@@ -7,7 +7,8 @@ finds them there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -90,15 +91,23 @@ class Search:
         sink = Diagnostics() if sink is None else sink
         self.sweep: Sweep = prepare(target, spec, sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}
-        self.runner = Runner(self.sweep.form, spec.seed)
+        self.runner = Runner(self.sweep.form, spec.seed, trust=self.sweep.trust)
         manifest = {**self.sweep.manifest(), "asked": asked}
         self.store = ResultStore(folder, dict.fromkeys(self.ranges, "number"), manifest)
         self.count = 0
         self._kept: dict[int, Columns] = {}
 
-    def open(self, *, resume: bool) -> None:
-        """Begin, or take up again what the folder holds."""
-        self.store.open(resume=resume)
+    @contextmanager
+    def opened(self, *, resume: bool) -> Iterator[None]:
+        """Begin, or take up again what the folder holds, and keep other searches out of it meanwhile."""
+        self.store.check(resume=resume)
+        with self.store.owned():
+            self.store.open(resume=resume)
+            self.store.drop_damaged()
+            self._take_up()
+            yield
+
+    def _take_up(self) -> None:
         if self.store.finished:
             rows, _ = read_results(self.store.folder)
             count = len(rows["variant"])
@@ -166,18 +175,18 @@ def find_boundary(
     ((name, (low, high)),) = search.ranges.items()
     if tolerance <= 0 or high - low > tolerance * 2.0**60:
         raise SweepError(f"the tolerance {tolerance:g} is too small for the range")
-    search.open(resume=resume)
-    at_low, at_high = (happens(search.evaluate({name: value})) for value in (low, high))
-    if at_low == at_high:
-        where = "at both ends" if at_low else "at neither end"
-        raise SweepError(f"no boundary: '{when}' holds {where} of {name} from {low:g} to {high:g}")
-    while high - low > tolerance:
-        middle = 0.5 * (low + high)
-        if happens(search.evaluate({name: middle})) == at_low:
-            low = middle
-        else:
-            high = middle
-    search.finish()
+    with search.opened(resume=resume):
+        at_low, at_high = (happens(search.evaluate({name: value})) for value in (low, high))
+        if at_low == at_high:
+            where = "at both ends" if at_low else "at neither end"
+            raise SweepError(f"no boundary: '{when}' holds {where} of {name} from {low:g} to {high:g}")
+        while high - low > tolerance:
+            middle = 0.5 * (low + high)
+            if happens(search.evaluate({name: middle})) == at_low:
+                low = middle
+            else:
+                high = middle
+        search.finish()
     return Boundary(name, high if at_low else low, low if at_low else high, search.count)
 
 
@@ -215,7 +224,6 @@ def minimise(
     if measure not in {one.name for one in MEASURES}:
         raise SweepError(f"there is no measure '{measure}'")
     search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink)
-    search.open(resume=resume)
     names = list(search.ranges)
     best: list[tuple[float, dict[str, float]]] = []
 
@@ -230,13 +238,14 @@ def minimise(
         return UNDEFINED if found is None else float(found)
 
     bounds = list(search.ranges.values())
-    if optimizer == "direct":
-        optimize.direct(objective, bounds, maxfun=evaluations, maxiter=evaluations, locally_biased=True)
-    else:
-        middle = [0.5 * (low + high) for low, high in bounds]
-        options = {"maxfev": evaluations, "xatol": 1e-4, "fatol": 1e-6}
-        optimize.minimize(objective, middle, method="Nelder-Mead", bounds=bounds, options=options)
-    search.finish()
+    with search.opened(resume=resume):
+        if optimizer == "direct":
+            optimize.direct(objective, bounds, maxfun=evaluations, maxiter=evaluations, locally_biased=True)
+        else:
+            middle = [0.5 * (low + high) for low, high in bounds]
+            options = {"maxfev": evaluations, "xatol": 1e-4, "fatol": 1e-6}
+            optimize.minimize(objective, middle, method="Nelder-Mead", bounds=bounds, options=options)
+        search.finish()
     if not best:
         raise SweepError(f"'{measure}' is defined in none of {search.count} runs")
     return Minimum(best[0][1], best[0][0], search.count)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.batch.distributions import Distribution, SweepError, parse_distribution
 from scenario_compiler.compiler import Overrides
+from scenario_compiler.files import split_target
 from scenario_compiler.plan.lower import Perception
+from scenario_compiler.trust import Trust
 
 Method = Literal["random", "grid", "latin", "sobol"]
 
@@ -29,6 +32,7 @@ class SweepSpec(BaseModel):
     controller: str | None = Field(default=None, description="In place of the scenario's controller.")
     step: float | None = Field(default=None, description="In place of the scenario's time step, s.")
     duration: float | None = Field(default=None, description="In place of the scenario's duration, s.")
+    trust: tuple[str, ...] = Field(default=(), description="Code that the scenario may name; see `Trust`.")
     traces: str = Field(default="", description="Which variants' traces are kept: worst:K, random:K, all or none.")
     errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors, `all` for every one.")
     allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that are no errors all the same.")
@@ -39,6 +43,10 @@ class SweepSpec(BaseModel):
     def overrides(self) -> Overrides:
         """What is set in place of the scenario."""
         return Overrides(self.perception, self.controller, self.step, self.duration)
+
+    def trusted(self, target: str | Path) -> Trust:
+        """Return what is trusted when FILE, FILE#name or a plan's file is swept."""
+        return self.overrides.trusting(Trust(self.trust), Path(split_target(target)[0]).parent)
 
     @property
     def axes(self) -> dict[str, Distribution]:

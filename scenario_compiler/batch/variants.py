@@ -11,6 +11,7 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.compiler import compile_target
+from scenario_compiler.controllers import refuse_untrusted
 from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, weighed
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.markup.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
@@ -19,6 +20,7 @@ from scenario_compiler.plan.maps import open_plan_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import digest_of, read_plan
 from scenario_compiler.roads import Network
+from scenario_compiler.runtime.runnable import check_runnable
 from scenario_compiler.source.parameters import limits
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
@@ -101,6 +103,7 @@ class Families:
             SweepError: A plan does not leave one of the parameters open.
         """
         self._target, self._spec, self._first, self._maps = target, spec, first, maps
+        self.trust = spec.trusted(target)
         self._known: dict[tuple[tuple[str, str], ...], Family | Diagnostics] = {}
         self._numbers: list[Family] = []
         self._digests: dict[str, Family] = {}
@@ -128,7 +131,7 @@ class Families:
 
     def _compile_base(self, sink: Diagnostics) -> Family:
         base, found = self._compile({})
-        sink.found.extend(found.found)
+        sink.absorb(found)
         if base is None:
             raise CompileError(sink)
         self._known[()] = base
@@ -136,7 +139,7 @@ class Families:
         if isinstance(whole, Family):
             return whole
         if any(one.code is UNKNOWN_ARGUMENT for one in whole):
-            sink.found.extend(whole.found)
+            sink.absorb(whole)
             raise CompileError(sink)
         return base
 
@@ -147,7 +150,11 @@ class Families:
         of_settings: list[str] = []
         for arguments in (given, {**first, **given}):
             sink = Diagnostics(insisted=frozenset(self._spec.errors))
-            done = compile_target(self._target, arguments, sink, maps=self._maps, overrides=self._spec.overrides)
+            done = compile_target(
+                self._target, arguments, sink, maps=self._maps, overrides=self._spec.overrides, trust=self.trust
+            )
+            if done is not None:
+                refuse_untrusted(done.plan, sink, self.trust)
             sink.found[:] = weighed(sink.found, self._spec.errors, self._spec.allowed)
             if arguments == self._spec.settings:
                 of_settings = [one.message for one in sink]
@@ -171,7 +178,11 @@ class Families:
             raise SweepError("a plan is compiled already: settings and overrides are given to compile")
         plan = read_plan(self._target, sink)
         network = None if plan is None else open_plan_map(plan, sink, self._maps)
-        if plan is None or network is None:
+        if plan is not None:
+            refuse_untrusted(plan, sink, self.trust)
+        if plan is not None and network is not None:
+            check_runnable(plan, network, str(self._target), sink)
+        if plan is None or network is None or sink.has_errors:
             raise CompileError(sink)
         family = self._family(plan, network)
         closed = sorted(set(self._first) - set(family.slots))

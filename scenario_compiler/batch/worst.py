@@ -14,12 +14,10 @@ from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import Families, with_values
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import format_value
-from scenario_compiler.outputs import make_folder
-from scenario_compiler.plan.store import write_plan
+from scenario_compiler.outputs import whole_folder
 from scenario_compiler.randomness import hash_bits
-from scenario_compiler.recording.events import write_events
-from scenario_compiler.recording.outcome import judge, write_outcome
-from scenario_compiler.recording.store import write_recording
+from scenario_compiler.recording.outcome import judge
+from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.run import Run
 
 TRACES = "traces"
@@ -72,12 +70,12 @@ def run_again(families: Families, rows: Columns, index: int, seed: int) -> Run:
         raise ValueError(f"variant {index} does not compile any more")
     variant = Variant(index, family.number, family.values(sample))
     plan = with_values(family.plan, variant.values)
-    recording = record(family.plan, family.network, variant, seed)
+    recording = record(family.plan, family.network, variant, seed, families.trust)
     return Run(plan, family.network, recording, judge(plan, recording))
 
 
 def write_traces(families: Families, rows: Columns, indices: Sequence[int], seed: int, folder: Path) -> list[Path]:
-    """Write the plan, recording, events and outcome of variants, one at a time, into folders; return those.
+    """Write the plan, map, recording, events and outcome of variants, one at a time, into folders; return those.
 
     A folder that is whole already is left as it is.
     """
@@ -87,12 +85,8 @@ def write_traces(families: Families, rows: Columns, indices: Sequence[int], seed
         written.append(place)
         if (place / "outcome.json").is_file():
             continue
-        make_folder(place)
-        run = run_again(families, rows, index, seed)
-        write_plan(run.plan, place / "plan.json")
-        write_recording(run.recording, place / "recording.parquet")
-        write_events(run.recording.events, place / "events.csv")
-        write_outcome(run.outcome, place / "outcome.json")
+        with whole_folder(place) as draft:
+            write_run_folder(run_again(families, rows, index, seed), draft, report=False)
     return written
 
 
@@ -108,6 +102,7 @@ def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int) -> s
         options = (
             ("--perception", spec.perception),
             ("--controller", spec.controller),
+            *(("--trust", name) for name in spec.trust),
             ("--dt", spec.step),
             ("--duration", spec.duration),
         )

@@ -1,7 +1,8 @@
 """The command line, and the only package that prints.
 
-Exit codes: 0 fine (warnings too), 1 the input is at fault, 2 wrong use, 3 criteria failed under --strict. One module a
-group of commands: each has `add(commands)`, which declares them, and the functions that carry them out.
+Exit codes: 0 fine (warnings too), 1 the input, the controller or the world is at fault or a run broke off, 2 wrong use,
+3 criteria failed under --strict, 130 interrupted. One module a group of commands: each has `add(commands)`, which
+declares them, and the functions that carry them out.
 """
 
 from __future__ import annotations
@@ -9,7 +10,6 @@ from __future__ import annotations
 import argparse
 import gc
 import os
-import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -26,41 +26,38 @@ from scenario_compiler.cli import (
     sweep,
     validate,
 )
-from scenario_compiler.cli.options import FINE, WRONG_USE, WrongUse, reason_of
+from scenario_compiler.cli.options import WRONG_USE, WrongUse, library_target, reason_of
+from scenario_compiler.cli.terminal import complain, flush_streams, prepare_streams, put
+from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
+from scenario_compiler.trust import ConfigurationError
 
 GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
 """Groups of commands, in the order of the help."""
 
 
-def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and exit."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code; without arguments, those of the program.
+
+    Raises:
+        SystemExit: The arguments cannot be parsed, or ask for help.
+    """
     start_lightly()
-    parser = make_parser()
-    options = parser.parse_args(arguments)
+    prepare_streams()
+    options = make_parser().parse_args(arguments)
     try:
         with templates_from([one for one in getattr(options, "templates", ()) if one is not None]):
-            code = options.command(options)
-        sys.stdout.flush()
-    except WrongUse as fault:
-        print(f"scenario-compiler: {fault}", file=sys.stderr)
+            if "target" in options:
+                options.target = library_target(options.target)
+            code: int = options.command(options)
+        flush_streams()
+    except (WrongUse, ConfigurationError) as fault:
+        complain(fault)
         code = WRONG_USE
-    except BrokenPipeError:
-        sys.stderr.close()
-        code = FINE
     except OSError as fault:
-        print(f"scenario-compiler: {reason_of(fault)}", file=sys.stderr)
+        complain(reason_of(fault))
         code = WRONG_USE
-        forget_stdout()
-    sys.exit(code)
-
-
-def forget_stdout() -> None:
-    """Throw away what could not be printed, so that it is not tried again at the end."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return code
 
 
 def start_lightly() -> None:
@@ -72,6 +69,14 @@ def start_lightly() -> None:
     gc.set_threshold(100_000, 50, 50)
 
 
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are legible, whatever the arguments hold."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong with the arguments and exit with 2."""
+        super().error(legible(message))
+
+
 class ShowVersion(argparse.Action):
     """Prints the version and ends; it is looked up only then."""
 
@@ -79,15 +84,13 @@ class ShowVersion(argparse.Action):
         """Print the name and the version of the program."""
         from importlib.metadata import version
 
-        print(f"{parser.prog} {version('scenario-compiler')}")
+        put(f"{parser.prog} {version('scenario-compiler')}")
         parser.exit()
 
 
 def make_parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
-    parser = argparse.ArgumentParser(
-        prog="scenario-compiler", description="Compile, check and run conflicts for automated driving."
-    )
+    parser = Parser(prog="scenario-compiler", description="Compile, check and run conflicts for automated driving.")
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for group in GROUPS:

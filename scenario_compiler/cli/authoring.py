@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
@@ -17,9 +16,11 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
     add_templates,
     compiled,
     folder,
+    has_errors,
     inputs_of,
     keep_inputs,
     keep_loaded,
@@ -28,7 +29,7 @@ from scenario_compiler.cli.options import (
     suggestion,
     told,
 )
-from scenario_compiler.cli.tables import print_table
+from scenario_compiler.cli.terminal import put, put_table, tell
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.outputs import write_whole
 
@@ -58,7 +59,7 @@ def add(commands: Commands) -> None:
     new.add_argument("--force", action="store_true", help="write over a file that is there")
     new.set_defaults(command=new_command)
     preview = commands.add_parser("preview", help="draw a plan without running it")
-    preview.add_argument("target", metavar="FILE[#name]")
+    add_target(preview)
     preview.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png|FILE.svg")
     add_scenario(preview)
     preview.set_defaults(command=preview_command)
@@ -83,8 +84,8 @@ def list_command(options: argparse.Namespace) -> int:
     if options.html is not None:
         return _write_gallery(options, listed, sink)
     _print_tables(listed, told(options))
-    if not listed:
-        print(f"no conflict and no template in {', '.join(map(str, options.paths))}", file=sys.stderr)
+    if not listed and not has_errors(sink, options):
+        tell(f"no conflict and no template in {', '.join(map(str, options.paths))}")
     return AT_FAULT if show(sink, options) else FINE
 
 
@@ -102,7 +103,7 @@ def _list_templates(options: argparse.Namespace, sink: Diagnostics) -> int:
             (f"  {one.name}", parameter_kind(one), "(required)" if one.default is None else one.default, one.summary)
             for one in template.parameters
         ]
-    print_table(("template, parameters", "holds", "default", "what it does"), rows, told(options))
+    put_table(("template, parameters", "holds", "default", "what it does"), rows, told(options))
     return AT_FAULT if show(sink, options) else FINE
 
 
@@ -110,13 +111,19 @@ def _print_tables(listed: list[Listed], file: TextIO) -> None:
     """Print a table of the conflicts, one of the templates and one of what varies, those that have a row."""
 
     def rows_of(kind: str) -> list[tuple[str, ...]]:
-        return [(one.name, one.gold, one.map, one.summary) for one in listed if one.kind == kind]
+        return [(one.name, _short(one.file), one.gold, one.map, one.summary) for one in listed if one.kind == kind]
 
-    what = ("Gold", "map", "what happens")
-    print_table(("conflict", *what), rows_of("conflict"), file)
-    print_table(("template", *what), rows_of("template"), file)
+    what = ("file", "Gold", "map", "what happens")
+    put_table(("conflict", *what), rows_of("conflict"), file)
+    put_table(("template", *what), rows_of("template"), file)
     varied = [(one.name, *axis) for one in listed for axis in one.varied]
-    print_table(("conflict", "varied", "values"), varied, file)
+    put_table(("conflict", "varied", "values"), varied, file)
+
+
+def _short(path: Path) -> str:
+    """Return a path from the current folder where it lies below that, else whole."""
+    whole = path.resolve()
+    return str(whole.relative_to(Path.cwd())) if whole.is_relative_to(Path.cwd()) else str(whole)
 
 
 def _listed(options: argparse.Namespace, sink: Diagnostics) -> Iterator[Listed]:
@@ -136,7 +143,7 @@ def _write_gallery(options: argparse.Namespace, listed: list[Listed], sink: Diag
     keep_inputs([*options.paths, *(one.target for one in listed if one.kind == "conflict")], options.html)
     write_gallery(_cards(options, listed, sink), options.html)
     failed = show(sink, options)
-    print(f"gallery: {options.html}", file=told(options))
+    put(f"gallery: {options.html}", told(options))
     return AT_FAULT if failed else FINE
 
 
@@ -173,7 +180,7 @@ def new_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"there is no template '{options.template}'{suggestion(options.template, templates)}")
     keep_inputs((one for folder in template_folders() for one in folder.rglob("*.xml")), file)
     write_whole(file, new_conflict(options.name, chosen.name, chosen.summary, chosen.parameters))
-    print(file, file=told(options))
+    put(file, told(options))
     return AT_FAULT if show(sink, options) else FINE
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse
-from scenario_compiler.cli.tables import print_table
+from scenario_compiler.cli.terminal import put, put_raw, put_table
+from scenario_compiler.legible import legible_json
 
 if TYPE_CHECKING:
     from scenario_compiler.recording.comparison import Comparison
@@ -60,7 +61,7 @@ def compare_command(options: argparse.Namespace) -> int:
     outcomes = None if outcome is None or other is None else (outcome, other)
     found = compare(first, second, outcomes, tolerance=options.tolerance)
     if options.format == "json":
-        print(as_json(found))
+        put_raw(legible_json(as_json(found)))
     else:
         print_comparison(found, options.tolerance)
     return FINE if found.equal else AT_FAULT
@@ -89,7 +90,7 @@ def as_json(found: Comparison) -> str:
 
 def print_comparison(found: Comparison, tolerance: float | None) -> None:
     """Print a comparison as tables, without those that would be empty."""
-    print_table(
+    put_table(
         ("", "first", "second"),
         [
             (one.what, one.first, "=" if one.first == one.second else one.second)
@@ -97,14 +98,14 @@ def print_comparison(found: Comparison, tolerance: float | None) -> None:
             if one.first or one.second
         ],
     )
-    print_table(
+    put_table(
         ("entity", "rows", "alone", "apart, m", "at, s", "x, m", "y, m", "h, rad", "v, m/s"),
         [
             (entity, str(rows), str(alone), *map(_number, greatest))
             for entity, rows, alone, *greatest in map(astuple, found.apart)
         ],
     )
-    print_table(
+    put_table(
         ("event", "entity", "cause", "message", "first, s", "second, s"),
         [
             (one.kind, one.entity, one.cause, one.message, _number(one.first), _number(one.second))
@@ -112,8 +113,9 @@ def print_comparison(found: Comparison, tolerance: float | None) -> None:
         ],
     )
     if len(found.events) > MOST_EVENTS:
-        print(f"and {len(found.events) - MOST_EVENTS} more events\n")
-    print_table(
+        put(f"and {len(found.events) - MOST_EVENTS} more events")
+        put()
+    put_table(
         ("measure", "unit", "first", "second", "difference"),
         [
             (one.name, one.unit, _number(one.first), _number(one.second), _number(one.difference))
@@ -121,7 +123,8 @@ def print_comparison(found: Comparison, tolerance: float | None) -> None:
             if one.first is not None or one.second is not None
         ],
     )
-    print("\n".join(verdict(found, tolerance)))
+    for sentence in verdict(found, tolerance):
+        put(sentence)
 
 
 def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:

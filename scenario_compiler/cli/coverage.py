@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from scenario_compiler.cli.options import FINE, Commands, WrongUse, suggestion
+from scenario_compiler.cli.terminal import put, put_raw, put_rendered
 from scenario_compiler.coverage import TABLES
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def coverage_command(options: argparse.Namespace) -> int:
             raise WrongUse(f"there is no language '{language}'{suggestion(language, TABLES)}")
     tables = [table_of(language) for language in options.languages or TABLES]
     if options.format == "json":
-        print(json.dumps({table.language: table.records() for table in tables}, indent=1))
+        put_raw(json.dumps({table.language: table.records() for table in tables}, indent=1))
         return FINE
     for table in tables:
         _print(table)
@@ -45,13 +46,12 @@ def _print(table: Table) -> None:
         return
     lines = [table.columns, *table.rows]
     widths = [max(len(line[k]) for line in lines) for k in range(len(table.columns))]
-    print(table.title)
+    put(table.title)
     for line in lines:
-        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+        put("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
 
 
 def _print_folded(table: Table) -> None:
-    from rich.console import Console
     from rich.table import Table as Grid
     from rich.text import Text
 
@@ -60,4 +60,4 @@ def _print_folded(table: Table) -> None:
         grid.add_column(column, overflow="fold")
     for row in table.rows:
         grid.add_row(*map(Text, row))
-    Console().print(grid)
+    put_rendered(grid)

@@ -7,6 +7,7 @@ import os
 import sys
 
 from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, add_templates, keep_loaded
+from scenario_compiler.cli.terminal import put_raw
 
 
 def add(commands: Commands) -> None:
@@ -27,7 +28,7 @@ def schema_command(options: argparse.Namespace) -> int:
     del options
     from scenario_compiler.resources import schema_file
 
-    sys.stdout.write(schema_file("conflict.xsd").read_text(encoding="utf-8"))
+    put_raw(schema_file("conflict.xsd").read_text(encoding="utf-8").removesuffix("\n"))
     return FINE
 
 

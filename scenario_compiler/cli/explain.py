@@ -6,6 +6,7 @@ import argparse
 import textwrap
 
 from scenario_compiler.cli.options import FINE, Commands, WrongUse, suggestion
+from scenario_compiler.cli.terminal import put, put_raw
 from scenario_compiler.diagnostics import CODES, code_named
 
 
@@ -21,7 +22,8 @@ def explain_command(options: argparse.Namespace) -> int:
     code = code_named(options.code)
     if code is None:
         raise WrongUse(f"there is no code '{options.code}'{suggestion(options.code.upper(), CODES)}")
-    print(f"{code.id} {code.name} ({code.severity.value})\n")
+    put(f"{code.id} {code.name} ({code.severity.value})")
+    put()
     parts = code.explanation.split("\n\n")
-    print("\n\n".join(part if part.startswith("    ") else textwrap.fill(part, 100) for part in parts))
+    put_raw("\n\n".join(part if part.startswith("    ") else textwrap.fill(part, 100) for part in parts))
     return FINE

@@ -14,6 +14,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
     add_templates,
     compiled,
     inputs_of,
@@ -22,7 +23,9 @@ from scenario_compiler.cli.options import (
     show,
     told,
 )
+from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.interruption import put_off
 from scenario_compiler.outputs import make_folder, write_whole
 
 if TYPE_CHECKING:
@@ -36,7 +39,7 @@ VERSIONS = ("1.0", "1.1", "1.2", "1.3")
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("export", help="write a conflict or a plan as OpenSCENARIO, its road beside it")
-    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="OUT.xosc")
     parser.add_argument("--version", choices=VERSIONS, default=VERSIONS[-1], help="version of OpenSCENARIO")
     parser.add_argument("--force", action="store_true", help="write over files that are there")
@@ -65,10 +68,12 @@ def export_command(options: argparse.Namespace) -> int:
     keep_inputs([options.target, *inputs_of(plan)], *changed)
     if changed and not options.force:
         raise WrongUse(f"{changed[0]} is there already and differs; --force writes over it")
-    for path, content in files.items():
-        make_folder(path.parent)
-        write_whole(path, content)
-        print(path, file=told(options))
+    with put_off():  # all of them, or none
+        for path, content in files.items():
+            make_folder(path.parent)
+            write_whole(path, content)
+    for path in files:
+        put(path, told(options))
     return FINE
 
 

@@ -22,7 +22,7 @@ from scenario_compiler.cli.options import (
     show,
     told,
 )
-from scenario_compiler.cli.tables import print_table
+from scenario_compiler.cli.terminal import put, put_table
 from scenario_compiler.cli.validate import available_cores
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def library_command(options: argparse.Namespace) -> int:
         from scenario_compiler.survey.page import PAGE, write_survey
 
         write_survey(found, options.output)
-        print(f"page: {options.output / PAGE}", file=told(options))
+        put(f"page: {options.output / PAGE}", told(options))
     return AT_FAULT if failed or found.broken else FINE
 
 
@@ -83,17 +83,17 @@ def _print(found: Survey, file: TextIO) -> None:
         shown = sum(bool(one.scenarios) for one in taxonomy.situations)
         scenarios = sum(len(one.scenarios) for one in taxonomy.situations)
         rows.append((taxonomy.title, f"{shown} of {len(taxonomy.situations)}", str(scenarios)))
-    print_table(("taxonomy", "situations shown", "scenarios"), rows, file)
+    put_table(("taxonomy", "situations shown", "scenarios"), rows, file)
     for one in found.scenarios:
         if one.fault:
-            print(f"at fault: {one.target}: {one.fault}", file=file)
+            put(f"at fault: {one.target}: {one.fault}", file)
     for group in found.alike:
-        print(f"alike but for {len(group.differ)} numbers: {', '.join(group.scenarios)}", file=file)
+        put(f"alike but for {len(group.differ)} numbers: {', '.join(group.scenarios)}", file)
     if found.runs:
-        print(f"never ask: {', '.join(found.never_ask) or 'none'}", file=file)
-        print(f"never fail: {', '.join(found.never_fail) or 'none'}", file=file)
+        put(f"never ask: {', '.join(found.never_ask) or 'none'}", file)
+        put(f"never fail: {', '.join(found.never_fail) or 'none'}", file)
     for sentence in found.missing:
-        print(sentence, file=file)
+        put(sentence, file)
 
 
 def _count(text: str) -> int:

@@ -18,7 +18,9 @@ from scenario_compiler.cli.options import (
     suggestion,
     told,
 )
+from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.outputs import write_whole
 
 if TYPE_CHECKING:
@@ -63,7 +65,7 @@ def _loaded_map(options: argparse.Namespace, sink: Diagnostics) -> tuple[Documen
     from scenario_compiler.roads import load_network
 
     path = _map_file(options)
-    document = read_document(path, sink)
+    document = read_document(path, sink, MAX_BYTES)
     network = None if document is None else load_network(path, sink=sink)
     return None if document is None or network is None else (document, network)
 
@@ -81,7 +83,7 @@ def map_info_command(options: argparse.Namespace) -> int:
         return AT_FAULT
     description = describe_network(loaded[1])
     for one in fields(description):
-        print(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}", file=told(options))
+        put(f"{one.name.replace('_', ' '):<26}{_listed(getattr(description, one.name))}", told(options))
     return FINE
 
 
@@ -103,14 +105,14 @@ def map_check_command(options: argparse.Namespace) -> int:
     sink = Diagnostics()
     path = _map_file(options)
     check_file(path, sink)
-    document = read_document(path, sink)
+    document = read_document(path, sink, MAX_BYTES)
     if document is not None and options.xsd is not None:
         validate_with_xsd(document, options.xsd, sink)
     failed = show(sink, options)
     if document is not None and options.format == "text":
         for one in unread(document):
             attribute = f" attribute {one.attribute}" if one.attribute else ""
-            print(f"{path}:{one.line}: not read: {one.path}{attribute} ({one.count})")
+            put(f"{path}:{one.line}: not read: {one.path}{attribute} ({one.count})")
     return AT_FAULT if failed else FINE
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import gc
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, TypeAlias
 
+from scenario_compiler.cli.terminal import put_raw
 from scenario_compiler.diagnostic_formats import FORMATS, formatted
 from scenario_compiler.diagnostics import (
     Diagnostic,
@@ -19,12 +21,14 @@ from scenario_compiler.diagnostics import (
     did_you_mean,
     weighed,
 )
+from scenario_compiler.files import split_target
+from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
     from scenario_compiler.plan.model import Plan
 
-FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED = 0, 1, 2, 3
+FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -73,9 +77,32 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
         "--set", action="append", default=[], metavar="NAME=VALUE", help="give a parameter a value", dest="settings"
     )
     parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
-    parser.add_argument("--controller", metavar="NAME|package.module:Class", help="what drives the ego vehicle")
+    parser.add_argument(
+        "--controller",
+        metavar="NAME|package.module:Class|file.py:Class",
+        help="what drives the ego vehicle; code of your own that is named here is trusted",
+    )
+    add_trust(parser)
     parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step")
     parser.add_argument("--duration", type=positive, metavar="S", help="when the run ends at the latest")
+
+
+def add_trust(parser: argparse.ArgumentParser) -> None:
+    """Add what code of their own scenarios may run."""
+    parser.add_argument(
+        "--trust",
+        action="append",
+        default=[],
+        metavar="NAME|FILE",
+        help="trust code that scenarios name: a class (package.module:Class), a module, a Python file, or all that a "
+        "scenario's FILE names; code that is not trusted is never imported",
+    )
+
+
+def trust_of(options: argparse.Namespace) -> Trust:
+    """Return what a command's options trust; code that they name is looked for beside the scenario too."""
+    named = [*options.trust, *([options.controller] if options.controller else [])]
+    return Trust(tuple(named), Path(split_target(options.target)[0]).parent)
 
 
 def add_maps(parser: argparse.ArgumentParser) -> None:
@@ -170,7 +197,7 @@ def show(found: Iterable[Diagnostic], options: argparse.Namespace) -> bool:
     weighed = judged(found, options)
     text = formatted(weighed, options.format)
     if text:
-        print(text, file=sys.stderr if options.format == "text" else sys.stdout)
+        put_raw(text, sys.stderr if options.format == "text" else sys.stdout)
     return any(d.severity is Severity.ERROR for d in weighed)
 
 
@@ -203,6 +230,34 @@ def keep_loaded() -> None:
     gc.freeze()
 
 
+def library_target(text: str) -> str:
+    """Return FILE#name of a conflict of the library that a bare name names; anything else stays as it is.
+
+    Raises:
+        WrongUse: There is neither a file nor a conflict of that name.
+    """
+    if Path(text).exists() or not re.fullmatch(IDENTIFIER, text):
+        return text
+    from scenario_compiler.listing import find_conflict, list_library
+    from scenario_compiler.resources import library_folder
+
+    folder = library_folder() / "conflicts"
+    found = find_conflict(text, folder)
+    if found is None:
+        known = [one.name for one in list_library(folder, Diagnostics())]
+        raise WrongUse(f"there is no file and no conflict of the library called '{text}'{suggestion(text, known)}")
+    return found
+
+
+IDENTIFIER = r"[A-Za-z_]\w*"
+"""What a bare name of a conflict looks like: no folder, no ending."""
+
+
+def add_target(parser: argparse.ArgumentParser, metavar: str = "FILE[#name]|NAME") -> None:
+    """Add the scenario that a command is about: a file, one of its scenarios, or a conflict of the library by name."""
+    parser.add_argument("target", metavar=metavar, help="a scenario's file, or the name of a conflict of the library")
+
+
 def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | None:
     """Compile what a command names, with the changes that its options make."""
     from scenario_compiler.compiler import Overrides, compile_target
@@ -214,7 +269,12 @@ def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | No
     )
     try:
         return compile_target(
-            options.target, settings_of(options.settings), sink, maps=options.maps, overrides=overrides
+            options.target,
+            settings_of(options.settings),
+            sink,
+            maps=options.maps,
+            overrides=overrides,
+            trust=trust_of(options),
         )
     except ScenarioNameNeededError as needed:
         raise WrongUse(

@@ -18,24 +18,28 @@ Made from the program's own help by `make generate`; `scenario-compiler COMMAND 
 `python -m scenario_compiler` is the same program.
 
 `FILE` is a conflict, an OpenSCENARIO file or the AISA toolkit's; `FILE#name` is one scenario of a file that holds
-several, and `PLAN.json` what `compile` has written.
+several, `NAME` a conflict of the library (`list` shows them), and `PLAN.json` what `compile` has written.
 
 ## Exit codes
 
 | code | means |
 |---|---|
 | 0 | fine; warnings may have been told |
-| 1 | the input is at fault, and the diagnostics say how; `compare`: the runs differ; \
-`sweep`: all variants failed, or it broke off |
+| 1 | the input, the controller or the world is at fault, or a run broke off, and the diagnostics say how; \
+`compare`: the runs differ; `sweep`: all variants failed, or it broke off |
 | 2 | wrong use: an option that there is not, a name that is missing, \
 a folder that is not empty, a file that cannot be written |
-| 3 | `run --strict`: a criterion failed, or the run broke off |
+| 3 | `run --strict`: a criterion failed |
+| 130 | interrupted by Ctrl-C or SIGTERM: one line says so, and nothing is left half written; a sweep keeps what is \
+done for `--resume` |
 
 ## Diagnostics
 
 As text they go to stderr, so that stdout holds results alone; as `json`, `sarif` or `github` they go to stdout, which
 then holds nothing else: results are told on stderr.
-`explain CODE` tells what a code means and what to do.
+`explain CODE` tells what a code means and what to do. Of each file, code and severity 100 are listed and the rest is
+counted. Whatever files and their names hold, no control character, no mark that turns the direction of writing and no
+line that a build service would take for a command is printed: they are shown as escapes.
 
 `--error CODE` makes a warning an error, also where a file allows it with `<allow>`; `--error all` every one that no
 file allows.
@@ -44,6 +48,27 @@ for an error (exit 1); `run --strict` runs all the same, and exits with 3 when a
 
 `validate` of an OpenSCENARIO or OpenDRIVE file exits with 1 if and only if the file is not well-formed or its structure
 is not that of its own version: what else is found are warnings. `run` makes errors of what it cannot use.
+
+## Code that files name
+
+A scenario may name code of its author's own as the controller: `package.module:Class` or `file.py:Class`. Reading a
+file never runs it: `validate`, `compile`, `export`, `preview` and `list` check the spelling of the name, and warn that
+the controller's properties were not checked (SC507). `run` and `sweep` refuse it with the same code, unless you say
+that you trust it. What you name is trusted:
+
+- `--controller NAME`: that controller, in place of the scenario's;
+- `--trust NAME|FILE`: a class (`our_lab.steering:Mine`), a module or package with all that is in it (`our_lab`), a
+  Python file (`steering.py`), or a scenario's file with all that it names;
+- for good, the list in your configuration file, `scenario-compiler/config.toml` in `$XDG_CONFIG_HOME`, on Windows in
+  `%APPDATA%`, else in `~/.config`; never a file beside a scenario. Python files have absolute paths in it.
+
+```toml
+trust = ["our_lab.steering", "/home/me/steering.py"]
+```
+
+A module that the command line names is looked for in the current folder and beside the scenario too; one that only a
+file names is not. The path of a Python file starts from the current folder on the command line, and from the scenario's
+folder in a scenario. So does a path in a property that the controller's `Params` declare as a `pathlib.Path`.
 
 ## Files
 
@@ -64,7 +89,7 @@ library, and at last in installed packages ([sharing templates](sharing-template
 | `SCENARIO_COMPILER_TEMPLATES` | folders of templates, looked in after those of `--templates` |
 | `CARLA_ROOT` | CARLA's folder: its maps in `CarlaUE4/Content/Carla/Maps/OpenDrive`; \
 at last come the maps of this program |
-| `SCENARIO_COMPILER_CACHE` | folder for read maps and the compiled engine, else \
+| `SCENARIO_COMPILER_CACHE` | folder for read maps, which belongs to the user alone, else \
 `scenario-compiler` in `$XDG_CACHE_HOME` or `~/.cache` |
 """
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -16,6 +18,7 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
     add_templates,
     compiled,
     has_errors,
@@ -26,10 +29,14 @@ from scenario_compiler.cli.options import (
     show,
     suggestion,
     told,
+    trust_of,
 )
+from scenario_compiler.cli.terminal import complain, put
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
 from scenario_compiler.engine.forms.compiled import why_interpreted
-from scenario_compiler.outputs import make_folder
+from scenario_compiler.files import split_target
+from scenario_compiler.legible import legible
+from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
     from scenario_compiler.plan.model import Plan
@@ -56,7 +63,7 @@ def add(commands: Commands) -> None:
 
 def _add_compile(commands: Commands) -> None:
     parser = commands.add_parser("compile", help="compile a scenario to a plan")
-    parser.add_argument("target", metavar="FILE[#name]")
+    add_target(parser)
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="PLAN.json")
     add_scenario(parser)
     add_maps(parser)
@@ -67,7 +74,7 @@ def _add_compile(commands: Commands) -> None:
 
 def _add_run(commands: Commands) -> None:
     parser = commands.add_parser("run", help="run a scenario or a plan")
-    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, metavar="DIR", help="folder of the run")
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
@@ -117,19 +124,25 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
     """Return the plan of a file and its map; WrongUse where options would have to compile it anew."""
     from scenario_compiler.plan.maps import open_plan_map
     from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.runtime.runnable import check_runnable
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
         raise WrongUse(
             "a plan is compiled already: give --set, --perception, --controller, --dt and --duration to compile"
         )
     plan = read_plan(options.target, sink)
-    network = None if plan is None else open_plan_map(plan, sink, options.maps)
-    return None if plan is None or network is None else (plan, network)
+    beside = Path(options.target).parent
+    network = None if plan is None else open_plan_map(plan, sink, options.maps, beside)
+    if plan is None or network is None:
+        return None
+    check_runnable(plan, network, options.target, sink)
+    return None if sink.has_errors else (plan, network)
 
 
 def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
-    from scenario_compiler.worlds import WORLDS
+    from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.worlds import WORLDS, WorldError
 
     if options.world not in WORLDS:
         raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
@@ -140,66 +153,91 @@ def run_command(options: argparse.Namespace) -> int:
     sink = new_sink(options)
     keep_inputs([options.target], options.trajectory)
     planned = _planned(options, sink)
-    for_people = options.format == "text"
-    if planned is None or for_people or has_errors(sink, options):
-        at_fault = show(sink, options)
-        if planned is None or at_fault:
-            return AT_FAULT
+    if planned is not None:
+        refuse_untrusted(planned[0], sink, trust_of(options))
+    if planned is None or has_errors(sink, options):
+        show(sink, options)
+        return AT_FAULT
+    if options.format == "text":  # before a run that may take long; other formats are one document at the end
+        show(sink, options)
+        sink = new_sink(options)
     plan, network = planned
     keep_inputs(inputs_of(plan), options.trajectory)
-    if options.output is not None:
-        make_folder(options.output)  # before a run that may take long
+    try:
+        with nullcontext() if options.output is None else whole_folder(options.output) as draft:
+            finished = _finished_run(plan, network, options)
+            _write_run(finished, options, draft)
+    except WorldError as fault:
+        sink.add(fault.code, str(fault), FilePlace(split_target(options.target)[0]))
+        show(sink, options)
+        return AT_FAULT
+    print_run(finished, options.output, told(options))
+    note_failures(finished.recording, options, sink)
+    if show(sink, options):
+        return AT_FAULT
+    return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
+
+
+def _finished_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
+    """Execute a plan in the world that the options name, and judge it."""
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
     if not options.interpreted and (reason := why_interpreted()):
-        print(f"scenario-compiler: the engine runs interpreted: {reason}", file=sys.stderr)
+        complain(f"the engine runs interpreted: {reason}")
     with open_world(options.world, plan, network) as world:
         recording = run_with_progress(plan, world, options)
-    finished = Run(plan, network, recording, judge(plan, recording))
+    return Run(plan, network, recording, judge(plan, recording))
+
+
+def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> None:
+    """Write what the options ask for of a run; its folder is a draft of the one that they name."""
     if options.trajectory is not None:
         from scenario_compiler.recording.trajectory import write_trajectory
 
-        write_trajectory(recording, options.trajectory)
-    if options.output is not None:
-        from scenario_compiler.report.folder import write_run_folder
+        write_trajectory(run.recording, options.trajectory)
+    if folder is None:
+        return
+    from scenario_compiler.report.folder import write_run_folder
 
-        write_run_folder(finished, options.output)
+    write_run_folder(run, folder)
     if options.show == "route":
         from scenario_compiler.report.preview import draw_route
 
-        draw_route(plan, network, options.output / "route.png")
-    print_run(finished, options.output, told(options))
-    broken_off = failures_of(recording, options)
-    if show([*([] if for_people else sink), *broken_off], options):
-        return AT_FAULT
-    return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
+        draw_route(run.plan, run.network, folder / "route.png")
 
 
-def failures_of(recording: Recording, options: argparse.Namespace) -> Diagnostics:
-    """Return why a run could not go on, for each thing that ended it."""
-    sink = new_sink(options)
+def note_failures(recording: Recording, options: argparse.Namespace, sink: Diagnostics) -> None:
+    """Report why a run could not go on, for each thing that ended it."""
     for event in recording.events:
         code = code_named(event.cause) if event.kind == "broken_off" else None
         if code is not None:
-            sink.add(code, event.message, FilePlace(str(options.target)))
-    return sink
+            sink.add(code, event.message, FilePlace(split_target(options.target)[0]))
 
 
 def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> Recording:
     """Run a plan, with a progress bar where stderr is a terminal."""
     from scenario_compiler.runtime import run
 
-    asked = {"seed": options.seed, "variant": options.variant, "interpreted": options.interpreted}
+    start = partial(
+        run,
+        plan,
+        world,
+        options.seed,
+        variant=options.variant,
+        interpreted=options.interpreted,
+        trust=trust_of(options),
+    )
     if not sys.stderr.isatty():
-        return run(plan, world, **asked)
+        return start()
     from rich.console import Console
+    from rich.markup import escape
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(plan.name, total=plan.duration)
-        return run(plan, world, **asked, progress=lambda t: bar.update(task, completed=t))
+        task = bar.add_task(escape(legible(plan.name)), total=plan.duration)
+        return start(progress=lambda t: bar.update(task, completed=t))
 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
@@ -221,9 +259,9 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     )
     width = max(len(label) for label, _ in rows)
     for label, value in rows:
-        print(f"{label:<{width}}  {value}", file=file)
+        put(f"{label:<{width}}  {value}", file)
     if folder is not None:
-        print(f"report: {folder / 'report.html'}", file=file)
+        put(f"report: {folder / 'report.html'}", file)
 
 
 def report_command(options: argparse.Namespace) -> int:
@@ -237,7 +275,7 @@ def report_command(options: argparse.Namespace) -> int:
 
     sink = new_sink(options)
     plan = read_plan(options.folder / "plan.json", sink)
-    network = None if plan is None else open_plan_map(plan, sink, options.maps)
+    network = None if plan is None else open_plan_map(plan, sink, options.maps, options.folder)
     file = options.folder / "recording.parquet"
     try:
         recording = read_recording(file)
@@ -246,7 +284,7 @@ def report_command(options: argparse.Namespace) -> int:
     if show(sink, options) or plan is None or network is None:
         return AT_FAULT
     write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
-    print(f"report: {options.folder / 'report.html'}", file=told(options))
+    put(f"report: {options.folder / 'report.html'}", told(options))
     return FINE
 
 

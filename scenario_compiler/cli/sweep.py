@@ -13,11 +13,13 @@ from scenario_compiler.cli.options import (
     AT_FAULT,
     CRITERIA_FAILED,
     FINE,
+    INTERRUPTED,
     Commands,
     WrongUse,
     add_diagnostics,
     add_maps,
     add_scenario,
+    add_target,
     add_templates,
     new_sink,
     positive,
@@ -26,6 +28,7 @@ from scenario_compiler.cli.options import (
     show,
     told,
 )
+from scenario_compiler.cli.terminal import complain, put, tell
 from scenario_compiler.diagnostics import CompileError, Diagnostics
 
 if TYPE_CHECKING:
@@ -39,7 +42,7 @@ METHODS = ("random", "grid", "latin", "sobol")
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("sweep", help="run many variants of a scenario")
-    parser.add_argument("target", metavar="FILE[#name]|PLAN.json")
+    add_target(parser, "FILE[#name]|NAME|PLAN.json")
     parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder of the sweep")
     parser.add_argument(
         "--vary", action="append", default=[], metavar="NAME=DISTRIBUTION", help="such as gap=uniform(5,40)"
@@ -94,11 +97,11 @@ def sweep_command(options: argparse.Namespace) -> int:
     except OSError as error:
         if not (options.output / MANIFEST).is_file():
             raise
-        print(f"scenario-compiler: {reason_of(error)}; --resume does the rest", file=sys.stderr)
+        complain(f"{reason_of(error)}; --resume does the rest")
         return AT_FAULT
     except KeyboardInterrupt:
-        print("scenario-compiler: interrupted; --resume does the rest", file=sys.stderr)
-        return AT_FAULT
+        complain("interrupted; --resume does the rest")
+        return INTERRUPTED
 
 
 def _spec(options: argparse.Namespace) -> SweepSpec:
@@ -117,6 +120,7 @@ def _spec(options: argparse.Namespace) -> SweepSpec:
         controller=options.controller,
         step=options.dt,
         duration=options.duration,
+        trust=tuple(options.trust),
         traces=options.traces,
         errors=tuple(options.error),
         allowed=tuple(options.allow),
@@ -138,16 +142,16 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
             workers=options.workers,
             maps=options.maps,
             report=options.report,
-            say=lambda text: print(text, file=sys.stderr),
+            say=tell,
             sink=sink,
         )
     show(sink, options)
-    print(f"{result.total} variants, {result.failed} failed: {result.table}", file=told(options))
+    put(f"{result.total} variants, {result.failed} failed: {result.table}", told(options))
     if options.report:
-        print(f"report: {result.folder / 'report.html'}", file=told(options))
+        put(f"report: {result.folder / 'report.html'}", told(options))
     if result.failed:
         share = "all" if result.failed == result.total else f"{result.failed} of {result.total}"
-        print(f"scenario-compiler: {share} variants failed, most often: {result.commonest}", file=sys.stderr)
+        complain(f"{share} variants failed, most often: {result.commonest}")
     if result.failed == result.total:
         return AT_FAULT
     return FINE if options.pass_rate is None else _gate(result.table, result.total, options)
@@ -163,7 +167,7 @@ def _gate(table: Path, total: int, options: argparse.Namespace) -> int:
     told_text = (
         f"{passed} of {total} variants passed: {comparison} the share of {options.pass_rate:g} that is asked for"
     )
-    print(told_text, file=told(options) if enough else sys.stderr)
+    put(told_text, told(options) if enough else sys.stderr)
     return FINE if enough else CRITERIA_FAILED
 
 
@@ -183,14 +187,12 @@ def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
     if options.boundary is not None:
         found = find_boundary(*where, when=options.boundary, tolerance=options.tolerance, **again)
         show(sink, options)
-        print(
-            f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}", file=told(options)
-        )
+        put(f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}", told(options))
         return FINE
     least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, **again)
     show(sink, options)
     values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
-    print(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", file=told(options))
+    put(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", told(options))
     return FINE
 
 

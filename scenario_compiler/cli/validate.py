@@ -15,12 +15,15 @@ from scenario_compiler.cli.options import (
     add_diagnostics,
     add_maps,
     add_templates,
+    add_trust,
     judged,
     keep_loaded,
     show,
 )
+from scenario_compiler.cli.terminal import put
 from scenario_compiler.diagnostics import Diagnostic, Severity
 from scenario_compiler.structure.schemas import Schemas
+from scenario_compiler.trust import Trust
 
 
 def available_cores() -> int:
@@ -34,6 +37,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("paths", nargs="*", type=Path, metavar="PATH", help="file or folder")
     add_maps(parser)
     add_templates(parser)
+    add_trust(parser)
     add_diagnostics(parser)
     parser.add_argument(
         "--xsd",
@@ -62,10 +66,11 @@ def validate_command(options: argparse.Namespace) -> int:
     if not files:
         raise WrongUse("there is no .xml, .xosc or .xodr file to check")
     insisted = frozenset(options.error)
-    found = [one for some in validate_files(files, options.maps, options.jobs, options.xsd, insisted) for one in some]
+    checked = validate_files(files, options.maps, options.jobs, options.xsd, insisted, Trust(tuple(options.trust)))
+    found = [one for some in checked for one in some]
     failed = show(found, options)
     if options.format == "text":
-        print(summary(len(files), judged(found, options)))
+        put(summary(len(files), judged(found, options)))
     return AT_FAULT if failed else FINE
 
 

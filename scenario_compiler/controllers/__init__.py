@@ -1,15 +1,25 @@
 """What drives the ego vehicle from Python between steps, and the table of its names.
 
 In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, the plan and the
-hall. A controller of one's own is named `package.module:Class`.
+hall. A controller of one's own is named `package.module:Class` or `file.py:Class`; it is imported only where `Trust`
+allows it.
 """
 
 from __future__ import annotations
 
 import importlib
+from pathlib import Path, PurePath
+from typing import Any, get_args
 
 from pydantic import ValidationError
 
+from scenario_compiler.controllers.foreign import (
+    CONTROLLER_FAILED,
+    UNKNOWN_CONTROLLER,
+    ControllerError,
+    ForeignController,
+    load_class,
+)
 from scenario_compiler.controllers.model import (
     CameraMounting,
     Control,
@@ -18,9 +28,10 @@ from scenario_compiler.controllers.model import (
     SensorData,
     VehicleState,
 )
-from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Related, Severity, did_you_mean
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.trust import CodeName, Trust, code_name
 from scenario_compiler.vocabulary.entities import Controller
 
 CONTROLLERS: dict[str, str] = {
@@ -28,14 +39,6 @@ CONTROLLERS: dict[str, str] = {
 }
 """Name of a controller to its class; the modules are imported only when a controller is made."""
 
-UNKNOWN_CONTROLLER = Code(
-    "SC503",
-    "unknown-controller",
-    "The scenario names a controller that is neither one of ours nor a class that can be imported as "
-    "`package.module:Class` and derives from ControllerModel. A class of your own must be importable where the command "
-    "runs (set PYTHONPATH)."
-    '\n\n    <controller model="lane_detecton"/>     lane_detection, or package.module:Class',
-)
 BAD_PROPERTY = Code(
     "SC504",
     "bad-controller-property",
@@ -43,77 +46,170 @@ BAD_PROPERTY = Code(
     "controller's `Params` model says which there are."
     '\n\n    <controller model="lane_detection"><property name="look_ahed" value="9"/></controller>',
 )
+UNTRUSTED_CONTROLLER = Code(
+    "SC507",
+    "untrusted-controller",
+    "The scenario names code of its author's own as its controller. Reading a file never runs code that it names, so "
+    "`validate`, `compile`, `export`, `preview` and `list` check the spelling of the name alone, and not the "
+    "controller's properties; `run` and `sweep` refuse to run it. Read the code, then say that you trust it: by "
+    "naming a class, a module, a Python file or the scenario's file with --trust, or for good with the class, module "
+    "or absolute path of the Python file in the list `trust` of your configuration file, "
+    "`~/.config/scenario-compiler/config.toml` (see docs/commands.md).\n\n"
+    "    scenario-compiler run conflict.xml --trust our_lab.steering:Mine\n"
+    '    trust = ["our_lab.steering:Mine"]     in config.toml',
+    Severity.WARNING,
+)
 
 
-class UnknownControllerError(LookupError):
-    """No controller of that name can be made; the message says why."""
+def controller_class(name: str, trust: Trust | None = None, named_in: str = "") -> type[ControllerModel]:
+    """Return the class of a controller by its name, by `package.module:Class` or by `file.py:Class`.
 
-
-def controller_class(name: str) -> type[ControllerModel]:
-    """Return the class of a controller by its name or by `package.module:Class`.
+    Args:
+        name: The controller's name.
+        trust: What the user trusts beside the list of the user's configuration file.
+        named_in: Path of the file that names it.
 
     Raises:
-        UnknownControllerError: There is no such controller.
+        ControllerError: There is no such controller, it is not trusted, or importing it fails.
+        ConfigurationError: The user's configuration file cannot be read.
     """
-    target = CONTROLLERS.get(name, name)
-    module, colon, attribute = target.partition(":")
-    if not colon:
-        raise UnknownControllerError(f"there is no controller '{name}'")
-    try:
-        found = getattr(importlib.import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise UnknownControllerError(f"cannot import the controller '{name}': {error}") from error
-    if not (isinstance(found, type) and issubclass(found, ControllerModel)):
-        raise UnknownControllerError(f"'{name}' does not derive from ControllerModel")
-    return found
+    if name in CONTROLLERS:
+        module, _, attribute = CONTROLLERS[name].partition(":")
+        ours: type[ControllerModel] = getattr(importlib.import_module(module), attribute)
+        return ours
+    code = code_name(name)
+    if code is None:
+        raise ControllerError(f"there is no controller '{name}'")
+    trust = trust or Trust()
+    if not trust.allows(code, named_in):
+        raise ControllerError(_untrusted(name), UNTRUSTED_CONTROLLER)
+    return load_class(name, code, trust, named_in)
 
 
-def create_controller(controller: Controller) -> ControllerModel:
+def _untrusted(name: str) -> str:
+    return f"the scenario names code of its own, '{name}', which is not trusted: its properties were not checked"
+
+
+def create_controller(controller: Controller, trust: Trust | None = None) -> ControllerModel:
     """Return a new controller as the scenario describes it.
 
     Raises:
-        UnknownControllerError: There is no such controller.
+        ControllerError: There is no such controller, it is not trusted, or it cannot be made.
+        ConfigurationError: The user's configuration file cannot be read.
         pydantic.ValidationError: A property is wrong; `check_controller` reports that when compiling.
     """
-    found = controller_class(controller.model)
-    return found(found.Params.model_validate({p.name: p.value for p in controller.properties}))
+    named_in = controller.place_of("model").file
+    found = controller_class(controller.model, trust, named_in)
+    params = found.Params.model_validate(_values(controller, found, named_in, trust))
+    if controller.model in CONTROLLERS:
+        return found(params)
+    return ForeignController(controller.model, lambda: found(params))
 
 
-def check_controller(plan: Plan, sink: Diagnostics) -> None:
+def _values(controller: Controller, found: type[ControllerModel], named_in: str, trust: Trust | None) -> dict[str, str]:
+    """Return the properties by name; a path that the parameters declare as one starts from the scenario's folder."""
+    folder = Path(named_in).parent
+    if trust is not None and trust.beside is not None and not Path(named_in).is_file():
+        folder = trust.beside
+    fields = found.Params.model_fields
+    return {
+        one.name: str((folder / one.value).resolve())
+        if one.name in fields and _is_path(fields[one.name].annotation)
+        else one.value
+        for one in controller.properties
+    }
+
+
+def _is_path(annotation: Any) -> bool:
+    """Return whether a parameter is a path, or may be one."""
+    if isinstance(annotation, type) and issubclass(annotation, PurePath):
+        return True
+    return any(_is_path(one) for one in get_args(annotation))
+
+
+def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
     """Report a controller that does not exist and properties that it does not take.
 
-    One of ours without properties is not even imported: its parameters have defaults.
+    Of code that is not trusted the spelling alone is checked, and a warning says so. One of ours without properties is
+    not even imported: its parameters have defaults.
+
+    Raises:
+        ConfigurationError: The user's configuration file cannot be read.
     """
     controller = plan.controller
     if controller is None or (controller.model in CONTROLLERS and not controller.properties):
         return
+    place = controller.place_of("model")
     try:
-        found = controller_class(controller.model)
-    except UnknownControllerError as error:
-        hint = did_you_mean(controller.model, CONTROLLERS)
-        sink.add(UNKNOWN_CONTROLLER, str(error), controller.place_of("model"), hint=hint)
+        found = controller_class(controller.model, trust, place.file)
+    except ControllerError as error:
+        report_controller(controller.model, error, place, sink)
         return
     words = {p.name: p for p in controller.properties}
     try:
-        found.Params.model_validate({name: word.value for name, word in words.items()})
+        found.Params.model_validate(_values(controller, found, place.file, trust))
     except ValidationError as error:
         for fault in error.errors(include_url=False):
             name = str(fault["loc"][0]) if fault["loc"] else ""
-            place = words[name].place_of("value") if name in words else place_of(plan, "controller")
+            at = words[name].place_of("value") if name in words else place_of(plan, "controller")
             hint = did_you_mean(name, found.Params.model_fields) if fault["type"] == "extra_forbidden" else ""
-            sink.add(BAD_PROPERTY, f"property '{name}' of '{controller.model}': {fault['msg']}", place, hint=hint)
+            sink.add(BAD_PROPERTY, f"property '{name}' of '{controller.model}': {fault['msg']}", at, hint=hint)
+
+
+def refuse_untrusted(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
+    """Report as an error that a run of the plan would import code that is not trusted; nothing is imported.
+
+    A run with ideal perception asks no controller, so there is nothing to refuse.
+
+    Raises:
+        ConfigurationError: The user's configuration file cannot be read.
+    """
+    controller = plan.controller
+    if controller is None or plan.perception != "camera" or controller.model in CONTROLLERS:
+        return
+    place = controller.place_of("model")
+    code = code_name(controller.model)
+    if code is not None and not (trust or Trust()).allows(code, place.file):
+        sink.add(
+            UNTRUSTED_CONTROLLER,
+            _untrusted(controller.model),
+            place,
+            hint=_how_to_trust(code),
+            severity=Severity.ERROR,
+        )
+
+
+def report_controller(name: str, error: ControllerError, named_at: Place, sink: Diagnostics) -> None:
+    """Report why a controller could not be had, at the line of its code where one is known, else where it is named."""
+    hint = ""
+    code = code_name(name)
+    if error.code is UNTRUSTED_CONTROLLER and code is not None:
+        hint = _how_to_trust(code)
+    elif error.code is UNKNOWN_CONTROLLER:
+        hint = did_you_mean(name, CONTROLLERS)
+    if error.place.file:
+        sink.add(error.code, str(error), error.place, related=(Related("the controller is named here", named_at),))
+    else:
+        sink.add(error.code, str(error), named_at, hint=hint)
+
+
+def _how_to_trust(code: CodeName) -> str:
+    return f"read the code; if you trust it, say --trust {code.source}:{code.attribute}"
 
 
 __all__ = [
     "CONTROLLERS",
+    "CONTROLLER_FAILED",
     "CameraMounting",
     "Control",
+    "ControllerError",
     "ControllerModel",
     "ControllerParams",
     "SensorData",
-    "UnknownControllerError",
     "VehicleState",
     "check_controller",
     "controller_class",
     "create_controller",
+    "refuse_untrusted",
+    "report_controller",
 ]

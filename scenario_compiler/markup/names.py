@@ -1,6 +1,6 @@
 """The codes of names that lead nowhere, or to two things (SC2xx), and of what is special to AISA's files."""
 
-from scenario_compiler.diagnostics import Code, Severity
+from scenario_compiler.diagnostics import Code, Place, Related, Severity
 
 UNKNOWN_PARAMETER = Code(
     "SC210",
@@ -87,6 +87,14 @@ UNUSABLE_INCLUDE = Code(
     "tried from the folder of the file that includes, whole and then by its bare name."
     '\n\n    <include file="templates/ours.xml"/>     from the folder of the file that says so',
 )
+DEEP_INCLUDE = Code(
+    "SC232",
+    "deep-include",
+    "A file is included through so many others, each of which includes the next, that it is not followed any further; "
+    "what lies beyond is not known here. Files that include each other in a circle are read once and are no fault.\n\n"
+    '    <include file="b.xml"/>     in a.xml, and in b.xml c.xml, and so on through more than 30 files\n\n'
+    "Include the files that are needed side by side.",
+)
 RESERVED_NAME = Code(
     "SC221",
     "reserved-name",
@@ -127,6 +135,13 @@ TOO_MANY_WAYS = Code(
     "    <when><any>...3 choices...</any><any>...3 choices...</any> ... seven in all ...\n\n"
     "Write several `<when>`, or fewer choices.",
 )
+
+
+def first_at(place: Place | None) -> tuple[Related, ...]:
+    """Return where the first of two things of one name stands, for a finding at the second."""
+    return () if place is None else (Related("the first one is here", place),)
+
+
 LEAVING_WHOLE = frozenset(
     (UNKNOWN_ARGUMENT, DUPLICATE_NAME, UNKNOWN_DRIVER, UNKNOWN_WEATHER, UNKNOWN_ENTITY, UNKNOWN_EVENT)
 )

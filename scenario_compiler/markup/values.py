@@ -12,6 +12,7 @@ from scenario_compiler.expressions import Expression, ExpressionError, Value, fo
 from scenario_compiler.markup import codes
 from scenario_compiler.markup.environment import ReadingContext, UndeterminedError, UnknownNameError
 from scenario_compiler.markup.names import UNKNOWN_PARAMETER
+from scenario_compiler.markup.units import in_unit
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule
 from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling
 
@@ -132,7 +133,10 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
         return "a text that says something", ""
     quantity = QUANTITIES.get(rule.spelling.quantity)
     unit = f" in {quantity.unit}" if quantity and quantity.unit not in ("", "1") else ""
-    hint = f"write {text.replace(',', '.')}" if _NUMBER.match(text.strip(SPACE).replace(",", ".")) else ""
+    converted = in_unit(text, rule.spelling.quantity)
+    if not converted and _NUMBER.match(text.strip(SPACE).replace(",", ".")):
+        converted = text.replace(",", ".")
+    hint = f"write {converted}" if converted else ""
     return f"a number{unit}", hint
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from scenario_compiler.diagnostics import Diagnostics, did_you_mean
+from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
+from scenario_compiler.markup.names import first_at
 from scenario_compiler.openscenario.codes import (
     AMBIGUOUS_STORYBOARD_ELEMENT,
     DUPLICATE_ELEMENT,
@@ -32,7 +33,7 @@ Path = tuple[str, ...]
 class Siblings:
     """Names taken by elements of one kind side by side."""
 
-    taken: set[str] = field(default_factory=set)
+    taken: dict[str, Place] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
 
     def name(self, node: Node) -> str:
@@ -44,8 +45,9 @@ class Siblings:
             name = f"{written}#{number}"
         self.counts[written] = number
         if name != written:
-            node.report(DUPLICATE_ELEMENT, f"<{node.tag}> '{written}' stands beside another of that name", "name")
-        self.taken.add(name)
+            message = f"<{node.tag}> '{written}' stands beside another of that name"
+            node.report(DUPLICATE_ELEMENT, message, "name", related=first_at(self.taken.get(written)))
+        self.taken[name] = node.place("name")
         return name
 
 

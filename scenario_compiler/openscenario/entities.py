@@ -69,8 +69,14 @@ def _add_object(
 ) -> None:
     if name in known.entities:
         node.read_whole()
-        node.report(names.DUPLICATE_NAME, f"an entity named '{name}' is there already", "name")
+        node.report(
+            names.DUPLICATE_NAME,
+            f"an entity named '{name}' is there already",
+            "name",
+            related=names.first_at(known.places.get(name)),
+        )
         return
+    known.places[name] = node.place("name")
     described = _described(node)
     kind: ObjectType = "external"
     if described is None:
@@ -124,8 +130,10 @@ def _described(node: Node) -> Node | None:
 def _add_selection(node: Node, known: Known) -> None:
     name = node.text("name")
     if name in known.entities or name in known.selections:
-        node.report(names.DUPLICATE_NAME, f"an entity or selection named '{name}' is there already", "name")
+        message = f"an entity or selection named '{name}' is there already"
+        node.report(names.DUPLICATE_NAME, message, "name", related=names.first_at(known.places.get(name)))
         return
+    known.places[name] = node.place("name")
     members = [entity for group in node.children("Members") for entity in _members(group, known)]
     known.selections[name] = tuple(dict.fromkeys(members))
 

@@ -28,7 +28,7 @@ from scenario_compiler.openscenario.restoring import restored
 from scenario_compiler.openscenario.road_network import read_map, read_signal_controllers
 from scenario_compiler.openscenario.scope import Bound, Scope, literal_number
 from scenario_compiler.openscenario.storyboard import read_storyboard
-from scenario_compiler.openscenario.structure import check_structure
+from scenario_compiler.openscenario.structure import check_structure, is_of_old_format, report_old_format
 from scenario_compiler.openscenario.traffic import with_traffic_vehicles
 from scenario_compiler.openscenario.unread import report_unread
 from scenario_compiler.openscenario.variables import read_variables, used_variables
@@ -46,6 +46,9 @@ LONGEST = 600.0
 
 def read_openscenario(document: Document, sink: Diagnostics) -> OpenScenario | None:
     """Return what an <OpenSCENARIO> file holds; None, reported, when it is nothing that is known."""
+    if is_of_old_format(document):
+        report_old_format(document, sink)
+        return None
     root = _root(document, sink)
     if root.child("Storyboard") is not None or root.child("Entities") is not None:
         return OpenScenario(document, {Path(document.path).stem: document.root})
@@ -100,17 +103,17 @@ def expand_openscenario(source: OpenScenario, name: str, arguments: Mapping[str,
         root = _root(source.document, attempt)
         scenario = _scenario(root, name, arguments, settled, variation)
         if root.scope.structural <= settled:
-            sink.found.extend(_with_structure(source.document, attempt.found))
+            sink.take(_with_structure(source.document, attempt))
             return scenario
         settled |= root.scope.structural
 
 
-def _with_structure(document: Document, found: list[Diagnostic]) -> list[Diagnostic]:
+def _with_structure(document: Document, found: Diagnostics) -> list[Diagnostic]:
     """Return findings and, as warnings, what the structure of the file's version has against it, each place once."""
     structure = Diagnostics()
     check_structure(document, structure, forgiving=True)
     wrong = {_where(one) for one in found if one.severity is Severity.ERROR}
-    told = [replace(one, severity=Severity.WARNING) for one in structure.found if _where(one) not in wrong]
+    told = [replace(one, severity=Severity.WARNING) for one in structure if _where(one) not in wrong]
     places = {_where(one) for one in told}
     return told + [one for one in found if one.code is not NOT_READ or _where(one) not in places]
 

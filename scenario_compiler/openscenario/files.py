@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path, PureWindowsPath
 
 from scenario_compiler.diagnostics import Diagnostics, Place
 from scenario_compiler.document import MALFORMED, Document, parse_document, read_document
-from scenario_compiler.files import read_file
+from scenario_compiler.files import SCENARIO_BYTES, read_file
 from scenario_compiler.openscenario.codes import MENDED_COMMENT, UNKNOWN_VERSION
 
 VERSIONS = ((1, 0), (1, 1), (1, 2), (1, 3))
 """Versions of OpenSCENARIO XML that are read."""
-
-_COMMENT = re.compile(rb"<!--(.*?)-->", re.DOTALL)
 
 
 def read_forgiving(path: str | Path, sink: Diagnostics) -> Document | None:
@@ -21,16 +20,34 @@ def read_forgiving(path: str | Path, sink: Diagnostics) -> Document | None:
     attempt = Diagnostics()
     document = read_document(path, attempt)
     if document is None and any(one.code is MALFORMED for one in attempt.found):
-        raw = read_file(path)
-        mended = _COMMENT.sub(lambda m: b"<!--" + _without_hyphens(m.group(1)) + b"-->", raw)
+        raw = _read_again(path)
+        mended = b"".join(_mended(raw))
         again = Diagnostics()
         document = None if mended == raw else parse_document(mended, str(path), again)
         if document is not None:
             sink.add(MENDED_COMMENT, "a comment holds '--'", attempt.found[0].place)
-            sink.found.extend(again.found)
+            sink.absorb(again)
             return document
-    sink.found.extend(attempt.found)
+    sink.absorb(attempt)
     return document
+
+
+def _read_again(path: str | Path) -> bytes:
+    """Return what was read a moment ago; nothing where the file is gone by now."""
+    try:
+        return read_file(path, SCENARIO_BYTES)
+    except OSError:
+        return b""
+
+
+def _mended(raw: bytes) -> Iterator[bytes]:
+    """Yield the pieces of a file, with its comments mended; a comment without an end stays as it is."""
+    at = 0
+    while (begin := raw.find(b"<!--", at)) >= 0 and (end := raw.find(b"-->", begin + 4)) >= 0:
+        yield raw[at : begin + 4]
+        yield _without_hyphens(raw[begin + 4 : end])
+        at = end
+    yield raw[at:]
 
 
 def _without_hyphens(comment: bytes) -> bytes:

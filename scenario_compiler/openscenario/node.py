@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias, TypeVar
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Related, Severity, did_you_mean
 from scenario_compiler.document import Document, Origin
 from scenario_compiler.expressions import Expression, ExpressionError
 from scenario_compiler.markup import codes
@@ -43,12 +43,14 @@ class Known:
         selections: Members of each EntitySelection.
         catalogs: The catalogs in the folders that the scenario lists.
         entries: The entries of catalogs that references led to.
+        places: Where each entity and each selection is named.
     """
 
     entities: dict[str, ObjectType] = field(default_factory=dict)
     selections: dict[str, tuple[str, ...]] = field(default_factory=dict)
     catalogs: CatalogFolders | None = None
     entries: dict[etree._Element, Node] = field(default_factory=dict)
+    places: dict[str, Place] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -166,11 +168,17 @@ class Node:
         return self._raw(attribute) is not None
 
     def report(
-        self, code: Code, message: str, attribute: str = "", hint: str = "", severity: Severity | None = None
+        self,
+        code: Code,
+        message: str,
+        attribute: str = "",
+        hint: str = "",
+        severity: Severity | None = None,
+        related: tuple[Related, ...] = (),
     ) -> None:
         """Report a finding at the element, or at one of its attributes, with the code's severity if none is given."""
         place: Place = self.place(attribute) if attribute else self.origin
-        self.reading.sink.add(code, message, place, hint=hint, severity=severity)
+        self.reading.sink.add(code, message, place, hint=hint, severity=severity, related=related)
 
     def text(self, attribute: str, default: str | None = None) -> str:
         """Return an attribute's text with parameters resolved; without a default it must be there."""

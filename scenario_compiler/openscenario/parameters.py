@@ -33,12 +33,14 @@ def declared_parameters(
         settled: For the scenario's own: those that do not stay open although they are numbers; None for others'.
     """
     found: dict[str, Bound] = {}
+    places: dict[str, Place] = {}
     for group in node.children("ParameterDeclarations"):
         for declaration in group.children("ParameterDeclaration"):
             name = declared_name(declaration)
             if name in found:
                 message = f"a parameter '{name}' is declared here already; this declaration counts"
-                declaration.report(REPEATED_PARAMETER, message, "name")
+                declaration.report(REPEATED_PARAMETER, message, "name", related=names.first_at(places[name]))
+            places[name] = declaration.place("name")
             one = _declared(declaration.inner(found), name, given or {})
             found[name] = one if settled is None or name in settled else node.scope.opened(name, one)
     return found

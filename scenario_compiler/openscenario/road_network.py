@@ -40,7 +40,8 @@ def read_signal_controllers(root: Node) -> tuple[SignalController, ...]:
         controller = _controller(node)
         if controller.name in found:
             message = f"a controller of traffic signals named '{controller.name}' is there already"
-            node.report(names.DUPLICATE_NAME, message, "name")
+            first = names.first_at(found[controller.name].origin)
+            node.report(names.DUPLICATE_NAME, message, "name", related=first)
         found.setdefault(controller.name, controller)
     return tuple(found.values())
 

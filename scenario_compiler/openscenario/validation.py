@@ -29,10 +29,10 @@ def validate_openscenario(path: Path, sink: Diagnostics, schemas: Schemas | None
 def add_meaning(meaning: Diagnostics, sink: Diagnostics) -> None:
     """Add what was found of a file's meaning, as warnings; faults of its structure have been told."""
     told = {(one.place.file, one.place.line, one.place.column) for one in sink.found}
-    for one in meaning.found:
+    for one in meaning:
         if one.code not in _OF_STRUCTURE and (one.place.file, one.place.line, one.place.column) not in told:
             severity = Severity.WARNING if one.severity is Severity.ERROR else one.severity
-            sink.found.append(replace(one, severity=severity))
+            sink.take((replace(one, severity=severity),))
 
 
 _OF_STRUCTURE = (UNREADABLE, MALFORMED, FORBIDDEN, MENDED_COMMENT, UNKNOWN_VERSION)
@@ -43,7 +43,7 @@ def _read(path: Path, sink: Diagnostics) -> Document | None:
     read = Diagnostics()
     document = read_forgiving(path, read)
     for one in read.found:
-        sink.found.append(replace(one, severity=Severity.ERROR) if one.code is MENDED_COMMENT else one)
+        sink.take((replace(one, severity=Severity.ERROR) if one.code is MENDED_COMMENT else one,))
     return document
 
 

@@ -29,7 +29,10 @@ def read_variables(root: Node) -> dict[str, Variable]:
         for node in group.children("VariableDeclaration", "MonitorDeclaration"):
             name = node.text("name")
             if name in found:
-                node.report(names.DUPLICATE_NAME, f"a variable '{name}' is declared here already", "name")
+                first = names.first_at(found[name].origin)
+                node.report(
+                    names.DUPLICATE_NAME, f"a variable '{name}' is declared here already", "name", related=first
+                )
             monitor = node.tag == "MonitorDeclaration"
             kind = "boolean" if monitor else node.choice("variableType", TYPES, "string")
             value = bound(kind, node, "value")

@@ -91,7 +91,6 @@ def validate_with_xsd(document: Document, version: tuple[int, int] | None, schem
     except (etree.XMLSchemaError, etree.XMLSyntaxError) as error:
         sink.add(NO_SCHEMA, f"the schema {schema} cannot be used: {str(error)[:200]}", FilePlace(document.path))
         return False
-    findings.close()
     if is_installed():
         check_rules(document, sink)
     return True
@@ -136,7 +135,6 @@ def check_rules(document: Document, sink: Diagnostics) -> None:
     except Exception as fault:
         message = f"ASAM's rules could not be checked: {type(fault).__name__}: {str(fault)[:200]}"
         sink.add(RULES_FAILED, message, FilePlace(document.path))
-    findings.close()
 
 
 def _checked(path: str) -> Result:

@@ -10,7 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Severity
+from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Place, Severity
+from scenario_compiler.document import Origin
 from scenario_compiler.expressions import Expression, Value, parse_expression
 from scenario_compiler.plan.binding import NO_RANDOM_PLACE, RANDOM_HERE, Binder
 from scenario_compiler.plan.checks import CHECKS
@@ -368,7 +369,7 @@ def check_spawn_points(draft: PlanDraft) -> None:
     found = Diagnostics()
     for point in listed:
         replace(draft.binder, sink=found, named={}).bind(point.position, center)
-    draft.sink.found += [one for one in found if _spot(one) not in told]
+    draft.sink.take(one for one in found if _spot(one) not in told)
 
 
 def _spot(one: Diagnostic) -> tuple[Code, str, int, int]:
@@ -386,9 +387,15 @@ def fill_duration(draft: PlanDraft) -> None:
     """Give the run an end."""
     if draft.scenario.duration is not None:
         draft.duration = draft.scenario.duration
+    elif _is_written(draft.scenario.origin, "duration"):
+        return  # it is at fault, which has been reported
     elif draft.scenario.storyboard.stop is None and (draft.scenario.ego is None or not draft.scenario.ego.destination):
         message = f"'{draft.scenario.name}' says nothing of its end; it ends after {DEFAULT_DURATION:g} s"
         draft.sink.add(NO_DURATION, message, draft.scenario.origin)
+
+
+def _is_written(place: Place, attribute: str) -> bool:
+    return isinstance(place, Origin) and attribute in place.element.attrib
 
 
 def add_kept_vehicles(draft: PlanDraft) -> None:

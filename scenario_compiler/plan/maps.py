@@ -18,8 +18,11 @@ from scenario_compiler.diagnostics import (
     did_you_mean,
 )
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.resources import PUBLISHED_AS, MapNotFoundError, find_map, known_maps
+from scenario_compiler.resources import PUBLISHED_AS, MapNotFoundError, find_map, known_maps, portable
 from scenario_compiler.roads import Network, load_network
+
+MAP_OF_RUN = "map.xodr"
+"""Name of the map in the folder of a run."""
 
 UNKNOWN_MAP = Code(
     "SC204",
@@ -47,7 +50,7 @@ def open_map(
         path = find_map(name, beside=beside, folders=maps)
     except MapNotFoundError as missing:
         folders = list(dict.fromkeys(str(file.parent) for file in missing.looked))
-        hint = did_you_mean(Path(name).stem, known_maps(maps))
+        hint = f"did you mean '{portable(name)}'?" if "\\" in name else did_you_mean(Path(name).stem, known_maps(maps))
         get = "give its folder with --maps, or set CARLA_ROOT to a CARLA installation for CARLA's towns"
         published = f"it is published as {PUBLISHED_AS[name]}.xodr" if name in PUBLISHED_AS else hint
         get = f"{published} Or {get}" if published.endswith("?") else "; ".join(filter(None, (published, get)))
@@ -56,7 +59,7 @@ def open_map(
         return None
     status = path.stat()
     network, findings = _loaded(path, status.st_mtime_ns, status.st_size)
-    sink.found.extend(findings)
+    sink.take(findings)
     return network
 
 
@@ -82,9 +85,24 @@ def _counted(found: Diagnostics, path: Path) -> Iterator[Diagnostic]:
             yield one
 
 
-def open_plan_map(plan: Plan, sink: Diagnostics, maps: Sequence[Path] = ()) -> Network | None:
-    """Load the map of a stored plan: the file it was compiled with, or one of its name on the search path."""
+def open_plan_map(
+    plan: Plan, sink: Diagnostics, maps: Sequence[Path] = (), beside: Path | None = None
+) -> Network | None:
+    """Load the map of a stored plan.
+
+    It is the one in the plan's own folder where that is a run's, else the file that the plan was compiled with, else
+    one of its name on the search path.
+
+    Args:
+        plan: The plan.
+        sink: Where faults go.
+        maps: Folders that the map is looked for in first.
+        beside: Folder of the plan; None for one that has none.
+    """
+    own = None if beside is None else beside / MAP_OF_RUN
     name = plan.map.file if Path(plan.map.file).is_file() else plan.map.name
+    if own is not None and own.is_file():
+        name = str(own.resolve())
     network = open_map(name, None, FilePlace(plan.name), sink, maps)
     if network is not None and network.sha256 != plan.map.sha256:
         sink.add(CHANGED_MAP, f"the map '{plan.map.name}' is not the one of the plan", FilePlace(network.path))

@@ -9,12 +9,20 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, did_you_mean
+from scenario_compiler.document import UNREADABLE
 from scenario_compiler.expressions import Expression
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
 
+UNDECLARED = Code(
+    "SC132",
+    "undeclared-in-plan",
+    "An expression in a plan names a parameter that the plan does not declare, so it has no value. Plans are written "
+    "by `compile`; one that was changed by hand or by a program must declare what it uses."
+    '\n\n    "speed": {"expr": "$v"}     and no parameter of the name v in "parameters"',
+)
 BAD_PLAN = Code(
     "SC130",
     "unreadable-plan",
@@ -51,11 +59,57 @@ def _plain(value: BaseModel | Expression) -> dict[str, Any]:
 def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
     """Read a plan; None and a diagnostic for each fault when it is none."""
     try:
-        return Plan.model_validate_json(read_file(path))
+        raw = read_file(path)
     except OSError as error:
-        sink.add(BAD_PLAN, f"cannot read the plan: {error.strerror}", FilePlace(str(path)))
+        sink.add(UNREADABLE, f"cannot read the file: {error.strerror}", FilePlace(str(path)))
+        return None
+    except ValueError:
+        sink.add(UNREADABLE, "cannot read the file: no file can have such a name", FilePlace(str(path)))
+        return None
+    plan = _parsed(raw, FilePlace(str(path)), sink)
+    if plan is not None:
+        _check_parameters(plan, FilePlace(str(path)), sink)
+    return None if plan is None or sink.has_errors else plan
+
+
+def _parsed(raw: bytes, place: FilePlace, sink: Diagnostics) -> Plan | None:
+    try:
+        content = json.loads(raw)
+    except (ValueError, RecursionError) as error:
+        line, column = (error.lineno, error.colno) if isinstance(error, json.JSONDecodeError) else (0, 0)
+        why = error.msg if isinstance(error, json.JSONDecodeError) else "it is not text, or nested too deeply"
+        sink.add(BAD_PLAN, f"the file is no plan: it is not JSON: {why}", FilePlace(place.file, line, column))
+        return None
+    if not isinstance(content, dict) or content.get("format") != Plan.model_fields["format"].default:
+        sink.add(BAD_PLAN, "the file is no plan: it is JSON, but does not say that it is a plan of this version", place)
+        return None
+    try:
+        return Plan.model_validate_json(raw)
     except ValidationError as error:
-        for fault in error.errors(include_url=False)[:20]:
+        for fault in error.errors(include_url=False):
             where = "/".join(str(part) for part in fault["loc"])
-            sink.add(BAD_PLAN, f"{where or 'plan'}: {fault['msg']}", FilePlace(str(path)))
+            sink.add(BAD_PLAN, f"{where or 'plan'}: {fault['msg']}", place)
+    except (ValueError, RecursionError) as error:
+        sink.add(BAD_PLAN, f"the file is no plan: {error}", place)
     return None
+
+
+def _check_parameters(plan: Plan, place: FilePlace, sink: Diagnostics) -> None:
+    """Report names in the plan's expressions that none of its parameters has."""
+    declared = {one.name for one in plan.parameters}
+    for name in sorted(_names_in(plan) - declared):
+        message = f"the plan uses a parameter '{name}' that it does not declare"
+        sink.add(UNDECLARED, message, place, hint=did_you_mean(name, declared))
+
+
+def _names_in(value: object) -> set[str]:
+    """Return the names of the parameters that expressions anywhere in a plan depend on."""
+    if isinstance(value, Expression):
+        return set(value.names)
+    if isinstance(value, BaseModel):
+        return _names_in(tuple(vars(value).values()))
+    if isinstance(value, dict):
+        return _names_in(tuple(value.values()))
+    if isinstance(value, tuple):
+        return set().union(*map(_names_in, value))
+    return set()

@@ -10,6 +10,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from scenario_compiler.outputs import write_whole
+from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.recording.decimals import shortest, to_the_nanosecond
 from scenario_compiler.recording.names import EVENT_TEXTS, EventKind
 
@@ -46,7 +47,6 @@ def write_events(events: Iterable[EventRow], path: Path) -> None:
     rows.writerow(EventRow.model_fields)
     for event in events:
         value = "" if event.value is None else shortest(event.value)
-        rows.writerow(
-            (shortest(to_the_nanosecond(event.t)), event.kind, event.entity, event.cause, event.message, value)
-        )
+        texts = (text_cell(text) for text in (event.kind, event.entity, event.cause, event.message))
+        rows.writerow((shortest(to_the_nanosecond(event.t)), *texts, value))
     write_whole(path, text.getvalue())

@@ -85,6 +85,7 @@ FAULTS: dict[int, str] = {
     opcodes.FAULT_DELAY_OVERFLOW: "a delayed condition changes too often to be remembered",
     opcodes.FAULT_UNKNOWN_RULE: "the program holds an unknown comparison",
     opcodes.FAULT_UNKNOWN_EDGE: "the program holds an unknown condition edge",
+    opcodes.FAULT_NO_ROOM: "there is no free place left to draw for it",
 }
 """What a run's fault code means."""
 

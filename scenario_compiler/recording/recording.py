@@ -40,7 +40,11 @@ class Header(BaseModel):
     perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
     world: str = Field(default="kinematic", description="Name of the world that the run took place in.")
     versions: dict[str, str] = Field(
-        default={}, description="Versions of what the result depends on: package, engine, python, numpy, ..."
+        default={}, description="Versions of what the result depends on: this package, Python, libraries, the world."
+    )
+    processor: str = Field(
+        default="",
+        description="Architecture of the processor and those of its features by which libraries choose their code.",
     )
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
+from scenario_compiler.recording.cells import cell_text, text_cell
 from scenario_compiler.recording.decimals import shortest
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 
@@ -28,7 +29,8 @@ def write_trajectory(recording: Recording, path: Path) -> None:
     Units: s, m, rad in [0, 2 pi), m/s; OpenDRIVE axes; off every road `road,lane,s,off` is `-1,0,0,0`. Numbers
     are the shortest decimals that read back to the same bits.
     """
-    names, roads = recording.header.entities, (*recording.roads, "-1")
+    names = [text_cell(name) for name in recording.header.entities]
+    roads = [text_cell(road) for road in (*recording.roads, "-1")]
     columns = {name: getattr(recording, name).tolist() for name in (*_NUMBERS, "road", "lane", "present")}
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
@@ -53,7 +55,10 @@ def read_trajectory(path: Path) -> Recording:
     try:
         text = io.StringIO(read_file(path).decode(), newline="")
         for row in csv.DictReader(text, strict=True):
-            rows.setdefault(_finite(row["t"]), {})[row["name"]] = row
+            if None in row.values():
+                raise ValueError(f"the row of {row['t']} s is not whole")
+            row["road"] = cell_text(row["road"])
+            rows.setdefault(_finite(row["t"]), {})[cell_text(row["name"])] = row
         return _recorded(path.stem, rows)
     except (csv.Error, KeyError, TypeError, ValueError, OverflowError) as problem:
         raise TrajectoryError(f"{path} holds no trajectories: {problem!r}") from problem

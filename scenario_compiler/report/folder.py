@@ -1,10 +1,16 @@
-"""The run folder: plan.json, recording.parquet, events.csv, outcome.json, report.html."""
+"""The run folder: plan.json, map.xodr, recording.parquet, events.csv, outcome.json, report.html.
+
+It holds all that its report is written from, so that `report DIR` works from any folder and on another machine.
+"""
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
-from scenario_compiler.outputs import make_folder
+from scenario_compiler.files import MAX_BYTES, read_file
+from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.plan.maps import MAP_OF_RUN
 from scenario_compiler.plan.store import write_plan
 from scenario_compiler.recording.events import write_events
 from scenario_compiler.recording.outcome import write_outcome
@@ -12,14 +18,38 @@ from scenario_compiler.recording.store import write_recording
 from scenario_compiler.report.html import write_report
 from scenario_compiler.report.run import Run
 
-RUN_FILES = ("plan.json", "recording.parquet", "events.csv", "outcome.json", "report.html")
+RUN_FILES = ("plan.json", MAP_OF_RUN, "recording.parquet", "events.csv", "outcome.json", "report.html")
 
 
-def write_run_folder(run: Run, folder: Path) -> None:
-    """Write all files of a run, making the folder when there is none; equal runs give equal bytes."""
+def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
+    """Write all files of a run, making the folder when there is none; equal runs give equal bytes.
+
+    Args:
+        run: The run.
+        folder: Its folder.
+        report: Write report.html too.
+
+    A map that has changed or gone since it was read is left out: the result of a long run is not lost for it.
+
+    Raises:
+        OSError: They cannot be written.
+    """
     make_folder(folder)
     write_plan(run.plan, folder / "plan.json")
+    content = _map_of(run)
+    if content is not None:
+        write_whole(folder / MAP_OF_RUN, content)
     write_recording(run.recording, folder / "recording.parquet")
     write_events(run.recording.events, folder / "events.csv")
     write_outcome(run.outcome, folder / "outcome.json")
-    write_report([run], folder)
+    if report:
+        write_report([run], folder)
+
+
+def _map_of(run: Run) -> bytes | None:
+    """Return the content of the map that the run took place on; None when it is no longer there as it was."""
+    try:
+        content = read_file(run.network.path, MAX_BYTES)
+    except OSError:
+        return None
+    return content if hashlib.sha256(content).hexdigest() == run.network.sha256 else None

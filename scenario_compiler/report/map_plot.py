@@ -22,7 +22,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from scenario_compiler.legible import legible
 from scenario_compiler.outputs import write_whole
+from scenario_compiler.report.lettering import LETTERING, lettered
 from scenario_compiler.report.map_shapes import (
     LaneShape,
     Points,
@@ -114,13 +116,15 @@ def plot_map(
     """
     shown = window if window is not None else extent_of(network)
     width, height = _figure_size(shown, size)
-    with mpl.rc_context({"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans", "path.simplify": True}):
+    with mpl.rc_context(
+        {"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans", "path.simplify": True, **LETTERING}
+    ):
         figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
         FigureCanvasAgg(figure)
         below = 0.62 / height
         axes = figure.add_axes((0.15 / width, below, 1.0 - 0.3 / width, 1.0 - below - 0.38 / height))
         handles = draw_map(axes, network, shown, spawn_points=spawn_points)
-        axes.set_title(title if title is not None else _title(network), fontsize=10, loc="left", pad=5)
+        axes.set_title(legible(title if title is not None else _title(network)), fontsize=10, loc="left", pad=5)
         columns = max(1, min(len(handles), int(width / 1.75)))
         figure.legend(handles=handles, loc="lower center", ncols=columns, fontsize=7, frameon=False, borderpad=0.2)
         save_picture(figure, path)
@@ -138,7 +142,8 @@ def save_picture(figure: Figure, path: str | Path) -> None:
         raise ValueError(f"a picture is drawn as .png or .svg, not as '{Path(path).suffix}'")
     metadata = {"Software": None} if ending == ".png" else {"Date": None, "Creator": None}
     picture = io.BytesIO()
-    figure.savefig(picture, format=ending[1:], metadata=metadata)
+    with lettered(figure):
+        figure.savefig(picture, format=ending[1:], metadata=metadata)
     write_whole(path, picture.getvalue())
 
 

@@ -21,6 +21,7 @@ from matplotlib.patches import Patch
 from scenario_compiler.recording.boxes import corners
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import traces_of
+from scenario_compiler.report.lettering import LETTERING, lettered
 from scenario_compiler.report.palette import (
     ASPHALT,
     BLUE,
@@ -46,6 +47,7 @@ from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds.kinematic import mark_stretches
 
 STYLE: Any = {
+    **LETTERING,
     "svg.hashsalt": "scenario-compiler",
     "svg.fonttype": "none",
     "font.family": "sans-serif",
@@ -420,7 +422,8 @@ def svg_of(figure: Figure, prefix: str) -> str:
     """
     text = io.StringIO()
     FigureCanvasSVG(figure)
-    figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    with lettered(figure):
+        figure.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)

@@ -20,10 +20,12 @@ from matplotlib.transforms import Bbox
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.frames import center_from_reference
+from scenario_compiler.legible import legible
 from scenario_compiler.plan.binding import Binder
 from scenario_compiler.plan.model import Entity, Plan, RouteLeg, StartPose
 from scenario_compiler.plan.standing import Standing, stands_at
 from scenario_compiler.report.happenings import Happening, happenings_of, last_known_time
+from scenario_compiler.report.lettering import LETTERING
 from scenario_compiler.report.map_plot import draw_map, extent_of, save_picture
 from scenario_compiler.report.palette import BLUE, GREY, ORANGE, VERMILION
 from scenario_compiler.report.surroundings import Window
@@ -71,7 +73,8 @@ def draw_preview(plan: Plan, network: Network, path: Path, *, size: float = 11.0
         top = 0.45 / height
         axes = figure.add_axes((0.01, 1.0 - top - map_height / height, 0.98, map_height / height))
         draw_section(axes, plan, network, window)
-        axes.set_title(f"{plan.name}: {plan.summary}" if plan.summary else plan.name, fontsize=11, loc="left")
+        title = f"{plan.name}: {plan.summary}" if plan.summary else plan.name
+        axes.set_title(_shortened(title, 160), fontsize=11, loc="left")
         below = figure.add_axes((0.36, 0.5 / height, 0.62, 0.34 * rows / height))
         _draw_times(below, plan, happenings)
         save_picture(figure, path)
@@ -93,7 +96,7 @@ def draw_route(plan: Plan, network: Network, path: Path, *, size: float = 11.0, 
         draw_section(axes, plan, network, window)
         length = sum(abs(leg.s_to - leg.s_from) for leg in plan.route)
         told = f"route of {length:.0f} m to the destination" if plan.route else "no destination: the way straight on"
-        axes.set_title(f"{plan.name}: {told}", fontsize=11, loc="left")
+        axes.set_title(_shortened(f"{plan.name}: {told}", 160), fontsize=11, loc="left")
         save_picture(figure, path)
 
 
@@ -216,7 +219,7 @@ def _write_label(axes: Axes, plan: Plan, entity: Entity, label: str, side: int, 
     left, up = (-math.sin(pose.heading), math.cos(pose.heading)), (0.0, 1.0)
     for (x, y), away in ((left, side * AWAY), (left, -side * AWAY), (up, AWAY), (up, -AWAY)):
         text = axes.annotate(
-            label,
+            legible(label),
             center_from_reference(pose.x, pose.y, pose.heading, vehicle.center),
             xytext=(x * away, y * away),
             textcoords="offset points",
@@ -268,8 +271,9 @@ def _draw_times(axes: Axes, plan: Plan, happenings: list[Happening]) -> None:
 
 
 def _shortened(text: str, most: int) -> str:
-    return text if len(text) <= most else f"{text[: most - 1]}…"
+    shown = legible(text)
+    return shown if len(shown) <= most else f"{shown[: most - 1]}…"
 
 
 def _style() -> AbstractContextManager[None]:
-    return mpl.rc_context({"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans"})
+    return mpl.rc_context({"svg.hashsalt": "scenario-compiler", "font.family": "DejaVu Sans", **LETTERING})

@@ -20,7 +20,7 @@ STOPS: Mapping[StopReason, str] = {
     "destination": "The automated vehicle reached its destination.",
     "standstill": "It has stood for a while after a minimum-risk manoeuvre, or a driver's stop.",
     "collision": "It has stood for a while after a collision.",
-    "error": "The engine broke off; `error` in outcome.json says why.",
+    "error": "The engine broke off; an event `broken_off` says which entity, which quantity and what value.",
     "world_lost": "The world could not go on, such as a server that ended; the event `broken_off` says why.",
     "controller_failed": "The controller failed; the event `broken_off` says where.",
     "user": "A person or a program ended it.",
@@ -49,13 +49,15 @@ Made from the program's own declarations by `make generate`. `scenario-compiler 
 | file | holds |
 |---|---|
 | `plan.json` | what was run: `run DIR/plan.json` runs it again |
+| `map.xodr` | the road file, with which the folder is whole on another machine; left out if it changed during the run |
 | `recording.parquet` | everything that moved or was measured, row by row |
 | `events.csv` | what happened, and when |
 | `outcome.json` | criteria, the takeover's timeline, measures with their definitions |
 | `report.html` | all of it for a reader, with pictures; in one file (`report DIR` writes it again) |
 
-The same plan and seed give the same bytes, on one platform and set of versions. JSON schemas are in `schemas/`:
-`plan.schema.json`, `events.schema.json`, `outcome.schema.json`. From Python: `read_recording` of
+The folder holds all of these or none of them. Cells of events.csv that a spreadsheet would take for a formula begin
+with an apostrophe. The same plan and seed give the same bytes, on one platform and set of versions. JSON schemas are in
+`schemas/`: `plan.schema.json`, `events.schema.json`, `outcome.schema.json`. From Python: `read_recording` of
 `scenario_compiler.recording.store` gives the `Recording` that `run` returned, `read_outcome` of
 `scenario_compiler.recording.outcome` its `Outcome`.
 

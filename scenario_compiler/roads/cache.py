@@ -1,8 +1,10 @@
 """Parsed tables in the user's cache: read back only when they are exactly what was written.
 
-A cache file is named by the road file's content and by this package's own sources, so a changed map or a changed reader
-never meets an old file. It is plain data: a JSON head, the columns as machine numbers and a SHA-256 over both. It is
-written whole or not at all, so two processes never see half of one. Whatever goes wrong, the road file is read again.
+A cache file is named by the road file's content and by the sources that read it, so a changed map or a changed reader
+never meets an old file; and it carries that key inside, so another file in its place is not believed. It is plain data:
+the key and a JSON head, the columns as machine numbers and a SHA-256 over all. It is written whole or not at all, so
+two processes never see half of one, into a folder that belongs to the user alone. Whatever goes wrong, the road file is
+read again.
 """
 
 from __future__ import annotations
@@ -16,12 +18,15 @@ from array import array
 from functools import lru_cache
 from pathlib import Path
 
+from lxml.etree import LIBXML_VERSION, LXML_VERSION
+
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, FilePlace, Severity
-from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.files import read_file
+from scenario_compiler.outputs import make_private_folder, write_whole
 from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads.tables import FLOAT_COLUMNS, ParsedNetwork, RoadTables
 
-MAGIC = b"SCROADS1"
+MAGIC = b"SCROADS2"
 DIGEST_SIZE = 32
 
 
@@ -31,15 +36,29 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
     The findings made when the file was read are reported again, at `path`.
     """
     try:
-        raw = _cache_file(sha256).read_bytes()
-    except (OSError, RuntimeError):
+        file = _cache_file(sha256)
+        make_private_folder(file.parent, cache_folder())
+        parsed, findings = _decoded(read_file(file), _key(sha256), path)
+    except _UNBELIEVABLE:
         return None
+    sink.take(findings)
+    return parsed
+
+
+_UNBELIEVABLE = (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError, IndexError, struct.error)
+"""What reading a file of the cache that is missing, another's, damaged or something else can end in."""
+
+
+def _decoded(raw: bytes, key: str, path: str) -> tuple[ParsedNetwork, list[Diagnostic]]:
+    """Return the network in a cache file and the findings made when it was read; ValueError when it is another file."""
     start = len(MAGIC) + DIGEST_SIZE
     if raw[: len(MAGIC)] != MAGIC or hashlib.sha256(raw[start:]).digest() != raw[len(MAGIC) : start]:
-        return None
+        raise ValueError("it is damaged, or no file of the cache")
     (size,) = struct.unpack_from("<Q", raw, start)
     start += 8
     head = json.loads(raw[start : start + size])
+    if head["key"] != key:
+        raise ValueError("it is of another road file, or was made by another version")
     start += size
     parsed = ParsedNetwork(RoadTables(), head["roads"], head["junctions"])
     for name, kind, count in head["columns"]:
@@ -50,10 +69,11 @@ def read_cached(sha256: str, path: str, sink: Diagnostics) -> ParsedNetwork | No
         start = end
     if head["findings"]:
         from scenario_compiler.roads import parse  # noqa: F401  # makes the codes of its findings known
-    for code, severity, message, hint, line, at, length, source in head["findings"]:
-        place = FilePlace(path, line, at, length, source)
-        sink.found.append(Diagnostic(CODES[code], message, place, hint, Severity(severity)))
-    return parsed
+    findings = [
+        Diagnostic(CODES[code], message, FilePlace(path, line, at, length, source), hint, Severity(severity))
+        for code, severity, message, hint, line, at, length, source in head["findings"]
+    ]
+    return parsed, findings
 
 
 def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> None:
@@ -64,14 +84,14 @@ def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> N
         columns.append((name, column.typecode, len(column)))
         blocks.append(column.tobytes())
     rows = [(d.code.id, d.severity.value, d.message, d.hint, *_numbers(d)) for d in findings]
-    head = json.dumps(
-        {"roads": parsed.road_ids, "junctions": parsed.junction_ids, "columns": columns, "findings": rows}
-    ).encode()
+    about = {"key": _key(sha256), "roads": parsed.road_ids, "junctions": parsed.junction_ids}
+    head = json.dumps({**about, "columns": columns, "findings": rows}).encode()
     payload = struct.pack("<Q", len(head)) + head + b"".join(blocks)
     with contextlib.suppress(OSError, RuntimeError):
         path = _cache_file(sha256)
-        make_folder(path.parent)
-        write_whole(path, MAGIC + hashlib.sha256(payload).digest() + payload)
+        make_private_folder(path.parent, cache_folder())
+        if path.is_file() or not path.exists():
+            write_whole(path, MAGIC + hashlib.sha256(payload).digest() + payload)
 
 
 def _numbers(finding: Diagnostic) -> tuple[int, int, int, str]:
@@ -92,10 +112,25 @@ def _cache_file(sha256: str) -> Path:
     return cache_folder() / "roads" / f"{sha256[:32]}-{_reader_version()}.tables"
 
 
+def _key(sha256: str) -> str:
+    return f"{sha256}-{_reader_version()}"
+
+
+PACKAGE = Path(__file__).parent.parent
+
+
+def sources() -> list[Path]:
+    """Return the modules that reading a road file can depend on: those of this package and of the hall."""
+    return sorted(path for pattern in ("roads/*.py", "*.py", "structure/*.py") for path in PACKAGE.glob(pattern))
+
+
 @lru_cache(maxsize=1)
 def _reader_version() -> str:
-    """Return a digest of what turns a road file into tables: this package's sources and the machine's number format."""
-    digest = hashlib.sha256(f"{sys.byteorder} {array('i').itemsize}".encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    """Return a digest of what turns a road file into tables.
+
+    That is the sources of this package and of the hall, the version of the XML parser, and the machine's numbers.
+    """
+    digest = hashlib.sha256(f"{sys.byteorder} {array('i').itemsize} {LXML_VERSION} {LIBXML_VERSION}".encode())
+    for path in sources():
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

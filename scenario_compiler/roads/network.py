@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, overload
 
 from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import parse_document, read_document
-from scenario_compiler.files import read_file
+from scenario_compiler.files import MAX_BYTES, read_file
 from scenario_compiler.roads import geometry, lanes, locate, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
 from scenario_compiler.roads.lane_details import LaneDetails
@@ -101,8 +101,8 @@ class Network:
             CompileError: When the file can no longer be read as what it was.
         """
         if self._model is None:
+            from scenario_compiler.document import drop_namespace
             from scenario_compiler.roads.model import read_model
-            from scenario_compiler.roads.parse import drop_namespace
 
             findings = Diagnostics()
             raw = _read(Path(self.path), findings)
@@ -438,7 +438,7 @@ def _read(path: Path, sink: Diagnostics) -> bytes | None:
         return read_file(path)
     except (OSError, ValueError):
         pass
-    read_document(path, sink)
+    read_document(path, sink, MAX_BYTES)
     return None
 
 
@@ -454,5 +454,5 @@ def _parse(raw: bytes, path: str, sink: Diagnostics, cache: bool) -> ParsedNetwo
     parsed = read_network(document, findings) if document is not None else None
     if parsed is not None and cache:
         write_cached(sha256, parsed, findings)
-    sink.found.extend(findings.found)
+    sink.absorb(findings)
     return parsed

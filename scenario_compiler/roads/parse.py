@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
-from scenario_compiler.document import Document
+from scenario_compiler.document import Document, drop_namespace
 from scenario_compiler.roads.attachments import cuts_of, read_attachments
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
@@ -98,14 +98,6 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
     build_index(parsed.tables)
     report_repeats(reader, root)
     return parsed
-
-
-def drop_namespace(root: etree._Element) -> None:
-    """Rename elements of a namespace to their bare names (OpenDRIVE declares none, some writers add one)."""
-    if not root.tag.startswith("{"):
-        return
-    for element in root.iter(etree.Element):
-        element.tag = etree.QName(element).localname
 
 
 def _read_road(

@@ -7,10 +7,9 @@ from math import inf
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.document import Document
 from scenario_compiler.roads.tables import NO_SPEED, RoadTables
-from scenario_compiler.structure.findings import MANY_FINDINGS
 
 BAD_NUMBER = Code(
     "SC305",
@@ -33,9 +32,6 @@ UNSORTED = Code(
     Severity.WARNING,
 )
 
-FINDINGS_LIMIT = 200
-"""Most findings that are reported of one file."""
-
 LENGTH_LIMIT = 1e7
 """Longest road, largest s, m; 10 000 km."""
 
@@ -53,16 +49,10 @@ class Reader:
         """Start with no finding."""
         self.document = document
         self.sink = sink
-        self._left = FINDINGS_LIMIT
 
     def report(self, code: Code, message: str, element: etree._Element, attribute: str | None = None) -> None:
-        """Report a finding at an element or at one of its attributes; none after `FINDINGS_LIMIT`."""
-        self._left -= 1
-        if self._left > 0:
-            self.sink.add(code, message, self.document.origin(element, attribute))
-        elif self._left == 0:
-            message = f"more than {FINDINGS_LIMIT} findings; the rest is not listed"
-            self.sink.add(MANY_FINDINGS, message, FilePlace(self.document.path))
+        """Report a finding at an element or at one of its attributes."""
+        self.sink.add(code, message, self.document.origin(element, attribute))
 
     def number(self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
         """Return an attribute as a finite number within +-limit, the default (and a finding) where it is none.

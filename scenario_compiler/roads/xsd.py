@@ -68,7 +68,6 @@ def validate_with_xsd(document: Document, folder: str | Path, sink: Diagnostics)
         message = f"the schema {schema} cannot be used: {error}"
         sink.add(NO_SCHEMA, message, FilePlace(document.path))
         return None
-    findings.close()
     return findings.total == 0
 
 

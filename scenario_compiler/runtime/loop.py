@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import importlib
 import math
-import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from importlib.metadata import version
 
-from scenario_compiler.controllers import Control, ControllerModel, SensorData, VehicleState, create_controller
+from scenario_compiler.controllers import (
+    Control,
+    ControllerError,
+    ControllerModel,
+    SensorData,
+    VehicleState,
+    create_controller,
+)
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
@@ -18,12 +23,15 @@ from scenario_compiler.engine.forms.failure import EngineError
 from scenario_compiler.engine.program.build import lowered
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
 from scenario_compiler.recording.names import STOP_REASONS, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
+from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network, Pose
-from scenario_compiler.runtime.failures import CONTROLLER_FAILED, ENGINE_BROKE_OFF, ControllerError
+from scenario_compiler.runtime.failures import ENGINE_BROKE_OFF
 from scenario_compiler.runtime.log import EventLog
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.weather import weather_of
 from scenario_compiler.worlds import (
@@ -91,6 +99,7 @@ def run(
     variant: int = 0,
     interpreted: bool = False,
     progress: Callable[[float], None] | None = None,
+    trust: Trust | None = None,
 ) -> Recording:
     """Execute a plan in a world.
 
@@ -104,8 +113,9 @@ def run(
         variant: Index of the variant, which the draws depend on too.
         interpreted: Whether the engine runs interpreted although its machine code is there.
         progress: Called with the time, s, after every step.
+        trust: Code of the user's own that the plan may name as its controller.
     """
-    execution = _Execution(plan, world, seed, variant, interpreted=interpreted)
+    execution = _Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust)
     while execution.going:
         execution.advance()
         if progress is not None:
@@ -128,7 +138,9 @@ def faults_of(state: State) -> CameraFaults:
 class _Execution:
     """One run under way."""
 
-    def __init__(self, plan: Plan, world: World, seed: int, variant: int, *, interpreted: bool) -> None:
+    def __init__(
+        self, plan: Plan, world: World, seed: int, variant: int, *, interpreted: bool, trust: Trust | None
+    ) -> None:
         self.plan = plan
         self.world = world
         self.lowered = lowered(plan, world.network, posed=world.moves_ego)
@@ -148,7 +160,7 @@ class _Execution:
         with self._noticing_failures():
             if plan.controller is not None and plan.perception == "camera":
                 with self._of_controller():
-                    self.controller = create_controller(plan.controller)
+                    self.controller = create_controller(plan.controller, trust)
                     self.controller.reset(seed)
             world.reset(self.snapshot(), seed)
         self.builder.append(self.state.clock[0])
@@ -198,7 +210,7 @@ class _Execution:
         except WorldError as error:
             self._break_off("world_lost", error.code.id, str(error))
         except ControllerError as error:
-            self._break_off("controller_failed", CONTROLLER_FAILED.id, str(error))
+            self._break_off("controller_failed", error.code.id, str(error))
         except EngineError as error:
             self._break_off("error", ENGINE_BROKE_OFF.id, str(error))
 
@@ -211,8 +223,11 @@ class _Execution:
         """Make whatever a controller raises a failure of the controller."""
         try:
             yield
+        except ControllerError:
+            raise
         except (Exception, SystemExit) as error:
-            raise ControllerError.of(self.plan.controller, self.controller, error) from error
+            name = "" if self.plan.controller is None else self.plan.controller.model
+            raise ControllerError.of(name, error) from error
 
     def snapshot(self) -> Snapshot:
         """Return the entities' states now."""
@@ -249,9 +264,15 @@ class _Execution:
 
     def finish(self) -> Recording:
         """Return the recording."""
-        reason = self.broken or STOP_REASONS[self.state.stop[0]]
-        self.builder.event(self.state.clock[0], "stop", message=reason)
-        return self.builder.finish(reason, self.state.flag[0])
+        st = self.state
+        reason = self.broken or STOP_REASONS[st.stop[0]]
+        if st.flag[0]:
+            columns = {name: getattr(st, name) for name in QUANTITIES}
+            ids = [entity.id for entity in self.plan.entities]
+            why = break_off_text(st.flag[0], st.flag_at[0], ids, columns, st.clock[0])
+            self.builder.event(st.clock[0], "broken_off", cause=BROKE_OFF.id, message=why)
+        self.builder.event(st.clock[0], "stop", message=reason)
+        return self.builder.finish(reason, st.flag[0])
 
     def _let_control(self, controller: ControllerModel) -> None:
         st, ego = self.state, self.plan.ego.vehicle
@@ -310,13 +331,8 @@ class _Execution:
             entities=tuple(entity.id for entity in self.plan.entities),
             perception=self.plan.perception,
             world=self.world.name,
-            versions={
-                "scenario-compiler": version("scenario-compiler"),
-                "python": platform.python_version(),
-                "numpy": version("numpy"),
-                "opencv": version("opencv-python-headless"),
-                **self.world.versions,
-            },
+            versions={**versions(), **self.world.versions},
+            processor=processor(),
         )
 
     def _columns(self) -> dict[str, list[float] | list[int]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from lxml import etree
@@ -66,7 +67,7 @@ def _converted(source: AisaConfig, name: str, catalogs: Catalogs, sink: Diagnost
         found.add(names.NO_START, message, scenario.origin, hint=hint, severity=Severity.WARNING)
     report_off_map(source, name, {}, found, Severity.WARNING)
     for one in found:
-        sink.found.append(one)
+        sink.take((one,))
         yield _comment(f"{name}: {one.message}")
     for element in source.scenarios[name].iterfind("object"):
         attributes = " ".join(f'{key}="{element.get(key)}"' for key in map(str, element.attrib))
@@ -76,7 +77,7 @@ def _converted(source: AisaConfig, name: str, catalogs: Catalogs, sink: Diagnost
 
 
 def _comment(text: str) -> etree._Element:
-    return etree.Comment(f" {text.replace('--', '- -')} ")
+    return etree.Comment(f" {re.sub('-(?=-)', '- ', text)} ")
 
 
 def scenario_element(scenario: Scenario) -> ScenarioElement:

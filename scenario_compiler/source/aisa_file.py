@@ -27,6 +27,9 @@ def read_aisa(document: Document, sink: Diagnostics) -> AisaConfig:
         name = str(element.get("name", ""))
         if name in scenarios:
             place = document.origin(element, "name")
-            sink.add(names.DUPLICATE_NAME, f"a scenario named '{name}' stands in this file already", place)
+            first = names.first_at(document.origin(scenarios[name], "name"))
+            sink.add(
+                names.DUPLICATE_NAME, f"a scenario named '{name}' stands in this file already", place, related=first
+            )
         scenarios.setdefault(name, element)
     return AisaConfig(document, scenarios)

@@ -77,6 +77,7 @@ def read_catalog(reading: ReadingContext) -> Catalogs:
                 names.DUPLICATE_NAME,
                 f"the catalog has '{entry.name}' already",
                 entry.place_of("name"),
+                related=names.first_at((vehicles | drivers)[entry.name].place_of("name")),
             )
         elif isinstance(entry, Vehicle):
             vehicles[entry.name] = entry
@@ -88,7 +89,7 @@ def read_catalog(reading: ReadingContext) -> Catalogs:
 def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:
     """Return the catalogs of a folder's XML files, read once a process; report what is wrong in them."""
     catalogs, faults = catalogs_in(folder)
-    sink.found.extend(faults)
+    sink.take(faults)
     return catalogs
 
 

@@ -20,6 +20,7 @@ from scenario_compiler.document import Document, read_document
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, place_children, read_attributes, read_word
+from scenario_compiler.resources import portable
 from scenario_compiler.source.catalogs import CatalogElement, Catalogs, read_catalog
 from scenario_compiler.vocabulary.conditions import Condition
 from scenario_compiler.vocabulary.criteria import Criterion
@@ -154,6 +155,10 @@ Item = Static | Dynamic | Row | WorkZone | Traffic | Paint | EntityWhen | Use | 
 
 for _word in (Else, If, Repeat, For):  # they hold items and are items: told here, where Item is known
     _word.model_fields["items"].annotation = tuple[Item, ...]
+
+
+DEEPEST_INCLUDE = 30
+"""Most files that an included file is included through; real libraries need three."""
 
 
 class TemplateElement(Word):
@@ -307,9 +312,14 @@ def _add_part(parts: dict[str, Part], part: Part, reading: ReadingContext) -> No
         reading.sink.add(
             names.DUPLICATE_NAME,
             f"a {part.element.tag} named '{part.name}' stands in this file already",
-            reading.origin(part.element, "name" if "name" in part.element.attrib else None),
+            _name_of(part, reading),
+            related=names.first_at(_name_of(parts[part.name], reading)),
         )
     parts.setdefault(part.name, part)
+
+
+def _name_of(part: Part, reading: ReadingContext) -> Place:
+    return reading.origin(part.element, "name" if "name" in part.element.attrib else None)
 
 
 def _bring_in(
@@ -318,6 +328,7 @@ def _bring_in(
     templates: dict[str, Part],
     catalogs: Catalogs,
     seen: set[str],
+    depth: int = 1,
 ) -> Catalogs:
     """Add the templates of an included file and of its includes; return the catalogs with its entries."""
     include = read_word(element, Include, reading)
@@ -328,11 +339,16 @@ def _bring_in(
     if os.path.realpath(path) in seen:
         return catalogs
     seen.add(os.path.realpath(path))
+    if depth > DEEPEST_INCLUDE:
+        message = f"'{include.file}' is included through {depth} files; at most {DEEPEST_INCLUDE} are followed"
+        reading.sink.add(names.DEEP_INCLUDE, message, place)
+        return catalogs.with_a_gap()
     inner = Diagnostics()
     document = read_document(path, inner)
     if document is None:
         for one in inner:
-            reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}': {one.message}", place, hint=one.hint)
+            hint = f"write {portable(include.file)}" if "\\" in include.file else one.hint
+            reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}': {one.message}", place, hint=hint)
         return catalogs.with_a_gap()
     inside = ReadingContext(document, reading.sink, Environment(), place)
     if document.root.tag == CatalogElement.tag():
@@ -343,7 +359,7 @@ def _bring_in(
     for child_element in document.root.iterchildren("template"):
         templates.setdefault(str(child_element.get("name", "")), Part(document, child_element, place))
     for child_element in document.root.iterchildren("include"):
-        catalogs = _bring_in(child_element, inside, templates, catalogs, seen)
+        catalogs = _bring_in(child_element, inside, templates, catalogs, seen, depth + 1)
     return catalogs
 
 

@@ -92,7 +92,7 @@ def expand_scenario(
         environment = _environment(declared, values, settled)
         scenario = _Attempt(part, part.reading(attempt, environment), surroundings).scenario(declared.known, values)
         if environment.structural <= settled:
-            sink.found.extend(attempt.found)
+            sink.absorb(attempt)
             if scenario is not None and scenario.vary is not None:
                 check_variation(scenario.vary, declared, sink)
             return scenario
@@ -235,6 +235,7 @@ class _Attempt:
                 ego = self.words.get("ego")
                 self.scope.declare(ego.id if ego else "ego")
                 if isinstance(ego, Ego):
+                    self.scope.places[("entity", ego.id)] = ego.place_of("id")
                     whens = tuple(self.scope.name_event(when, self.sink) for when in ego.whens)
                     self.words["ego"] = ego.model_copy(update={"whens": whens}).written_at(ego.origin)
 

@@ -39,20 +39,21 @@ class Declared:
 def read_parameters(element: etree._Element, reading: ReadingContext) -> Declared:
     """Return the parameters that an element declares; report a name that is declared twice."""
     known: dict[str, Parameter] = {}
-    sink, before = reading.sink, len(reading.sink.found)
+    sink, before = reading.sink, reading.sink.reported
     for child in element.iterchildren(Parameter.tag()):
-        faults = len(sink.found)
+        faults = sink.reported
         parameter = read_word(child, Parameter, reading)
-        if parameter is None or len(sink.found) > faults:
+        if parameter is None or sink.reported > faults:
             continue
         if parameter.name in known:
             sink.add(
                 names.DUPLICATE_NAME,
                 f"the parameter '{parameter.name}' is declared twice",
                 parameter.place_of("name"),
+                related=names.first_at(known[parameter.name].place_of("name")),
             )
         known.setdefault(parameter.name, parameter)
-    return Declared(known, len(sink.found) == before and not misspelt(element, [Parameter.tag()]))
+    return Declared(known, sink.reported == before and not misspelt(element, [Parameter.tag()]))
 
 
 def bind_arguments(declared: Declared, arguments: Mapping[str, str], sink: Diagnostics) -> dict[str, Value]:

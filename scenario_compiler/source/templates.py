@@ -55,6 +55,7 @@ class TemplateScope:
         uses: Names of the uses that stand here.
         events: Name of an event as this scope knows it, to its name in the whole scenario.
         numbered: Last number of a part without an id, by what its name begins with.
+        places: Where the names of this scope are written: of entities, parts, events and traffic.
         origin: The use or the loop that made the scope; None for the scenario.
     """
 
@@ -65,6 +66,7 @@ class TemplateScope:
     uses: set[str] = field(default_factory=set)
     events: dict[str, str] = field(default_factory=dict)
     numbered: dict[str, int] = field(default_factory=dict)
+    places: dict[tuple[str, str], Place] = field(default_factory=dict)
     origin: Origin | None = None
 
     def declare(self, local: str) -> str:
@@ -99,10 +101,18 @@ class TemplateScope:
             sink: Where an id that is taken goes.
         """
         if wanted in self.uses:
-            sink.add(names.DUPLICATE_NAME, f"a part '{wanted}' is there already", place)
+            self.report_taken("part", wanted, place, sink)
+        if wanted:
+            self.places.setdefault(("part", wanted), place)
         name = wanted or self._numbered(stem)
         self.uses.add(name)
         return name
+
+    def report_taken(self, kind: str, name: str, place: Place, sink: Diagnostics) -> None:
+        """Report that a name of this scope is taken, and by what."""
+        article = "" if kind == "traffic" else "an " if kind[0] in "aeiou" else "a "
+        message = f"{article}{kind} '{name}' is there already"
+        sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(self.places.get((kind, name))))
 
     def _numbered(self, stem: str) -> str:
         number = self.numbered.get(stem, 0) + 1
@@ -158,8 +168,8 @@ class TemplateScope:
         if not when.name:
             return when
         if when.name in self.events:
-            message = f"an event '{when.name}' is there already"
-            sink.add(names.DUPLICATE_NAME, message, when.place_of("name"))
+            self.report_taken("event", when.name, when.place_of("name"), sink)
+        self.places.setdefault(("event", when.name), when.place_of("name"))
         name, scope, full = when.name, self, self.in_full(when.name)
         scope.events[name] = full
         while scope.parent is not None:
@@ -360,9 +370,9 @@ class Expander:
         chain: tuple[str, ...],
     ) -> None:
         """Add the items of a `<repeat>` or `<for>` as often as it says, each round with ids of its own."""
-        before = len(reading.sink.found)
+        before = reading.sink.reported
         fields = read_attributes(element, word, reading)
-        faultless = len(reading.sink.found) == before
+        faultless = reading.sink.reported == before
         ((rule, elements),) = place_children(element, word, reading)
         values = _round_values(fields) if fields is not None and faultless else None
         if not values:
@@ -392,9 +402,9 @@ class Expander:
 
     def _add_actor(self, actor: Static | Dynamic, scope: TemplateScope, sink: Diagnostics) -> None:
         if actor.id in scope.ids:
-            message = f"an entity '{actor.id}' is there already"
-            sink.add(names.DUPLICATE_NAME, message, actor.place_of("id"))
+            scope.report_taken("entity", actor.id, actor.place_of("id"), sink)
             return
+        scope.places.setdefault(("entity", actor.id), actor.place_of("id"))
         full = scope.declare(actor.id)
         self.contents.actors.append((actor.model_copy(update={"id": full}), scope))
         if isinstance(actor, Dynamic):
@@ -403,8 +413,9 @@ class Expander:
     def _add_traffic(self, traffic: Traffic, scope: TemplateScope, sink: Diagnostics) -> None:
         full = scope.in_full(traffic.id)
         if full in self.contents.traffic:
-            sink.add(names.DUPLICATE_NAME, f"traffic '{traffic.id}' is there already", traffic.place_of("id"))
+            scope.report_taken("traffic", traffic.id, traffic.place_of("id"), sink)
             return
+        scope.places[("traffic", traffic.id)] = traffic.place_of("id")
         self.contents.traffic[full] = traffic.model_copy(update={"id": full}).written_at(traffic.origin)
 
     def _add_use(self, use: Use, reading: ReadingContext, scope: TemplateScope, chain: tuple[str, ...]) -> None:
@@ -446,7 +457,7 @@ class Expander:
         if use.template in self.own:
             return self.own[use.template]
         for shelf in map(templates_in, template_folders()):
-            sink.found.extend(shelf.faults)
+            sink.take(shelf.faults)
             if use.template in shelf.templates:
                 self.catalogs.append(shelf.catalogs)
                 return shelf.templates[use.template]

@@ -1,4 +1,4 @@
-"""Where the checks of a file report: findings at elements, with a bound on how many of one code are listed."""
+"""Where the checks of a file report: findings at elements, counted by code."""
 
 from __future__ import annotations
 
@@ -7,23 +7,8 @@ from collections.abc import Callable
 
 from lxml import etree
 
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, Severity
+from scenario_compiler.diagnostics import MOST_OF_A_KIND, Code, Diagnostics, Severity
 from scenario_compiler.document import Document
-
-MANY_FINDINGS = Code(
-    "SC307",
-    "many-findings",
-    "The file has so many faults of one kind that the rest of them is counted and not listed: 100 of each kind are "
-    "shown."
-    '\n\n    <lane id="-1" typ="driving">...</lane>     in each of 2000 lanes: 1900 are counted'
-    "\n\nSo many equal faults mostly have one cause, in the program that wrote the file or in the version that its "
-    "header names. Mend that, and check the file again.",
-    Severity.WARNING,
-)
-
-SHOWN_OF_A_CODE = 100
-"""Most findings of one code that are listed of one file; the rest is counted."""
-
 
 Mild = Callable[[Code, etree._Element], bool]
 
@@ -53,21 +38,14 @@ class Findings:
         self._counts[code.id] += 1
         if severity is None and self._mild is not None and self._mild(code, element):
             severity = Severity.WARNING
-        if self._counts[code.id] <= SHOWN_OF_A_CODE:
-            origin = self.document.origin(element, attribute)
-            place = origin.name_of(attribute) if by_name and attribute is not None else origin
-            self._sink.add(code, message, place, hint=hint, severity=severity)
+        origin = self.document.origin(element, attribute)
+        named = by_name and attribute is not None and self._counts[code.id] <= MOST_OF_A_KIND
+        place = origin.name_of(attribute) if named and attribute is not None else origin
+        self._sink.add(code, message, place, hint=hint, severity=severity)
 
     def lists(self, code: Code) -> bool:
         """Tell whether one more finding of a code will be listed; where not, its hint need not be found."""
-        return self._counts[code.id] < SHOWN_OF_A_CODE
-
-    def close(self) -> None:
-        """Say how many findings are not listed."""
-        for code, count in sorted(self._counts.items()):
-            if count > SHOWN_OF_A_CODE:
-                message = f"{count - SHOWN_OF_A_CODE} more findings of {code} are not listed"
-                self._sink.add(MANY_FINDINGS, message, FilePlace(self.document.path))
+        return self._counts[code.id] < MOST_OF_A_KIND
 
     def of(self, code: Code) -> int:
         """Return how many findings of a code were reported, listed or not."""

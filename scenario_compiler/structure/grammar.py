@@ -58,7 +58,6 @@ class Grammar:
         faults: The codes of what is wrong.
         words_since: First minor version whose words are checked.
         required_since: First minor version that requires attributes.
-        namespace_until: Last minor version whose elements may stand in a namespace.
         stands_for_word: Tells which texts may stand in place of any word.
         loosely: Returns the value of a kind (in a minor version) that a text which is none seems to mean, or None.
         groups: Models of the format's own words for children, by minor version.
@@ -75,7 +74,6 @@ class Grammar:
     faults: Faults
     words_since: int = 0
     required_since: int = 0
-    namespace_until: int = -1
     stands_for_word: Callable[[str], bool] = lambda text: False
     loosely: Callable[[str, str, int], str | None] = lambda kind, text, minor: None
     groups: Mapping[str, Callable[[int], Model]] = field(default_factory=dict)

@@ -44,9 +44,6 @@ class _Walk:
 
     def run(self, root: etree._Element) -> None:
         """Check the root and all below it."""
-        if etree.QName(root).namespace is not None and self.minor > self.grammar.namespace_until:
-            message = f"{self.grammar.name} 1.{self.minor} has no namespace"
-            self.findings.report(self.faults.unknown_element, message, root)
         self.below(root, self.grammar.root)
 
     def below(self, top: etree._Element, name: str) -> None:
@@ -225,7 +222,7 @@ class _Children:
     def check(self) -> list[tuple[etree._Element, str, int]]:
         """Check their order and number; return those that are declared, with declaration and version."""
         for child in self.element.iterchildren(etree.Element):
-            tag = local_name(child) if self.minor <= self.walk.grammar.namespace_until else child.tag
+            tag = child.tag
             name = self.content.declaration(tag)
             if name is None:
                 other = self.walk.unknown_element(child, self.element, self.declaration, self.minor)

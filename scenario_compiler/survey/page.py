@@ -8,7 +8,7 @@ from pathlib import Path
 
 import jinja2
 
-from scenario_compiler.compiler import split_target
+from scenario_compiler.files import split_target
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.survey.odd import NOT_LOOKED_FOR
 from scenario_compiler.survey.openlabel import openlabel_of

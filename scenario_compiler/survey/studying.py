@@ -11,8 +11,9 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenario_compiler.compiler import Compilation, Overrides, compile_target, split_target
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity, position_text
+from scenario_compiler.files import split_target
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.resources import templates_from, templates_given
 from scenario_compiler.runtime import open_world, run

@@ -66,7 +66,7 @@ class Controller(Word):
     word: Literal["controller"] = "controller"
 
     model: str = attribute(
-        "Name of a controller, or `package.module:Class` of your own.",
+        "Name of a controller, or `package.module:Class` or `file.py:Class` of your own.",
         default="lane_detection",
         names="controller",
     )

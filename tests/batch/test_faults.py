@@ -10,15 +10,20 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
-from scenario_compiler.batch.execute import execute, prepare, run_sweep
+from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.execute import Progress, execute, prepare, run_sweep
 from scenario_compiler.batch.pool import Pool
 from scenario_compiler.batch.results import read_results
 from scenario_compiler.batch.runner import Batch, Part
+from scenario_compiler.batch.search import find_boundary
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.diagnostics import Diagnostics
 
@@ -191,6 +196,121 @@ def test_a_full_tmpfs_keeps_what_was_finished(
     run_sweep(conflict, spec, tmp_path / "kept", workers=1, resume=True, report=False)
     tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("whole", "kept")]
     assert tables[0] == tables[1]
+
+
+def _bytes_of(folder: Path) -> bytes:
+    return (folder / "results.parquet").read_bytes()
+
+
+@pytest.fixture
+def half(conflict: Path, tmp_path: Path) -> Path:
+    """Folder of a sweep that was interrupted when two of its four parts were there; `whole` beside it has all."""
+    run_sweep(conflict, _spec(interpreted=True), tmp_path / "whole", workers=1, report=False)
+
+    def interrupt(progress: Progress) -> None:
+        if progress.done == 32:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(conflict, _spec(interpreted=True), tmp_path / "half", workers=1, progress=interrupt, report=False)
+    assert len(list((tmp_path / "half" / "parts").iterdir())) == 2
+    return tmp_path / "half"
+
+
+def _flip(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[200] ^= 0x20  # in the first page of data
+    path.write_bytes(content)
+
+
+DAMAGES: dict[str, Callable[[Path], object]] = {
+    "cut": lambda path: path.write_bytes(path.read_bytes()[:-20]),
+    "empty": lambda path: path.write_bytes(b""),
+    "a bit": _flip,
+    "other columns": lambda path: pq.write_table(pa.table({"x": [1.0]}), path),
+    "text": lambda path: path.write_text("variant,result"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_part_is_done_again(conflict: Path, half: Path, damage: str) -> None:
+    DAMAGES[damage](half / "parts" / "00000001.parquet")
+    told: list[str] = []
+    run_sweep(conflict, _spec(interpreted=True), half, workers=1, resume=True, report=False, say=told.append)
+    assert told[0] == "damaged, and made again: 00000001.parquet"
+    assert _bytes_of(half) == _bytes_of(half.parent / "whole")
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_table_is_made_again(conflict: Path, half: Path, damage: str) -> None:
+    whole = half.parent / "whole"
+    good = _bytes_of(whole)
+    DAMAGES[damage](whole / "results.parquet")
+    run_sweep(conflict, _spec(interpreted=True), whole, workers=1, resume=True, report=False)
+    assert _bytes_of(whole) == good
+
+
+def test_a_damaged_evaluation_of_a_search_is_done_again(conflict: Path, tmp_path: Path) -> None:
+    spec = SweepSpec(vary=("distance=uniform(20, 350)",), perception="ideal", interpreted=True)
+    search = partial(find_boundary, conflict, spec, tmp_path / "found", when="final_speed < -5", tolerance=100.0)
+    with pytest.raises(SweepError, match="no boundary"):
+        search()
+    part = tmp_path / "found" / "parts" / "00000000.parquet"
+    _flip(part)
+    with pytest.raises(SweepError, match="no boundary"):
+        search(resume=True)
+    assert part.is_file()
+
+
+def test_a_sweep_is_resumed_from_any_folder(conflict: Path, half: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(half)
+    target = Path("..") / conflict.name
+    run_sweep(target, _spec(interpreted=True), Path(), workers=1, resume=True, report=False)
+    assert _bytes_of(half) == _bytes_of(half.parent / "whole")
+
+
+def test_another_sweep_is_not_resumed(conflict: Path, half: Path) -> None:
+    with pytest.raises(SweepError, match="holds another sweep: it differs in spec"):
+        run_sweep(conflict, _spec(interpreted=True, seed=2), half, workers=1, resume=True, report=False)
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_second_sweep_in_one_folder_is_refused_at_once(conflict: Path, tmp_path: Path, resume: bool) -> None:
+    folder, refused = tmp_path / "taken", []
+
+    def try_the_same(progress: Progress) -> None:
+        if progress.done == 16:
+            told = [sys.executable, "-c", SECOND, str(conflict), str(folder), str(resume)]
+            refused.append(subprocess.run(told, capture_output=True, text=True, timeout=120, check=False).stdout)
+
+    run_sweep(conflict, _spec(interpreted=True), folder, workers=1, progress=try_the_same, report=False)
+    expected = f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "holds a sweep already"
+    assert expected in refused[0]
+    assert sorted(path.name for path in folder.iterdir()) == ["results.parquet", "sweep.json"]
+
+
+SECOND = """
+import sys
+from pathlib import Path
+from scenario_compiler.batch.distributions import SweepError
+from scenario_compiler.batch.execute import run_sweep
+from scenario_compiler.batch.spec import SweepSpec
+
+spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
+try:
+    run_sweep(sys.argv[1], spec, Path(sys.argv[2]), workers=1, report=False, resume=sys.argv[3] == "True")
+except SweepError as refused:
+    print(refused)
+"""
+
+
+def test_two_sweeps_that_begin_together_do_not_mix(conflict: Path, tmp_path: Path) -> None:
+    words = [sys.executable, "-c", SECOND, str(conflict), str(tmp_path / "both"), "False"]
+    both = [subprocess.Popen(words, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    told = [one.communicate(timeout=120)[0] for one in both]
+    assert sum("another sweep is writing" in text or "holds a sweep already" in text for text in told) == 1
+    run_sweep(conflict, _spec(interpreted=True), tmp_path / "whole", workers=1, report=False)
+    assert _bytes_of(tmp_path / "both") == _bytes_of(tmp_path / "whole")
 
 
 @pytest.mark.slow

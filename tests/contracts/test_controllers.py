@@ -14,13 +14,14 @@ from scenario_compiler.controllers import (
     CONTROLLERS,
     CameraMounting,
     Control,
+    ControllerError,
     ControllerModel,
     SensorData,
-    UnknownControllerError,
     VehicleState,
     controller_class,
     create_controller,
 )
+from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.entities import Controller, Property
 
 CAMERA = CameraMounting(512, 256, math.radians(45.0), 0.5, 1.3, math.radians(-5.0))
@@ -104,10 +105,10 @@ def test_a_controller_of_ones_own_is_named_by_module_and_class(tmp_path: Path, m
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     written = Controller(model="mine:Straight", properties=(Property(name="throttle", value="0.7"),))
-    assert commands(create_controller(written))[0].throttle == 0.7
+    assert commands(create_controller(written, Trust(("mine:Straight",))))[0].throttle == 0.7
 
 
 @pytest.mark.parametrize("name", ["lane_detectoin", "no.such:Class", "math:pi", "pathlib:Path", "a:b:c", ""])
 def test_what_is_no_controller_is_said_so(name: str) -> None:
-    with pytest.raises(UnknownControllerError, match=r"controller|ControllerModel"):
-        controller_class(name)
+    with pytest.raises(ControllerError, match=r"controller|ControllerModel"):
+        controller_class(name, Trust((name,)))

@@ -176,6 +176,15 @@ def test_another_process_with_another_hash_seed_writes_the_same_bytes(
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
 
 
+def test_a_map_that_changed_during_the_run_is_left_out_of_its_folder(tmp_path: Path) -> None:
+    from scenario_compiler.report.folder import RUN_FILES, write_run_folder
+
+    changed = made.run(made.town(Path(__file__).resolve().parents[2]), pictures=False)
+    changed.network.sha256 = "0" * 64
+    write_run_folder(changed, tmp_path, report=False)
+    assert {path.name for path in tmp_path.iterdir()} == set(RUN_FILES) - {"map.xodr", "report.html"}
+
+
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 
 

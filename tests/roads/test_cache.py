@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.resources import cache_folder
-from scenario_compiler.roads import load_network
+from scenario_compiler.roads import cache, load_network
 from tests.roads.make import lane, network, road, section
 
 
@@ -68,3 +71,59 @@ def test_the_folder_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     monkeypatch.delenv("SCENARIO_COMPILER_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert cache_folder() == tmp_path / "scenario-compiler"
+
+
+def test_it_belongs_to_the_user_alone(folder: Path, path: Path) -> None:
+    folder.mkdir(parents=True, mode=0o777)
+    folder.chmod(0o777)
+    load(path)
+    assert [one.stat().st_mode & 0o777 for one in (folder, folder.parent)] == [0o700, 0o700]
+
+
+def test_a_file_of_another_road_in_its_place_is_not_believed(folder: Path, path: Path, tmp_path: Path) -> None:
+    load(path)
+    (file,) = folder.iterdir()
+    other = tmp_path / "other"
+    other.mkdir()
+    network(other, road(length=200.0, lanes=section(lane(1), lane(-1))), sink=Diagnostics())
+    load_network(other / "made.xodr", sink=Diagnostics())
+    (planted,) = set(folder.iterdir()) - {file}
+    file.write_bytes(planted.read_bytes())
+    assert load(path)[0]["road_length"] == [100.0]
+
+
+def test_a_pipe_or_a_folder_in_its_place_is_passed_over(folder: Path, path: Path) -> None:
+    first = load(path)
+    (file,) = folder.iterdir()
+    file.unlink()
+    os.mkfifo(file)
+    assert load(path) == first
+    file.unlink()
+    file.mkdir()
+    assert load(path) == first
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only the administrator gives folders away")
+def test_a_folder_of_somebody_else_is_not_used(folder: Path, path: Path) -> None:
+    first = load(path)
+    (file,) = folder.iterdir()
+    os.chown(folder, 65534, 65534)
+    file.write_bytes(b"planted")
+    assert load(path) == first
+    assert file.read_bytes() == b"planted"
+
+
+def test_its_name_covers_all_code_that_reads(folder: Path, path: Path) -> None:
+    """A change in any module that is loaded to read a road file makes another name."""
+    probe = """
+import sys
+from pathlib import Path
+import scenario_compiler.roads.parse, scenario_compiler.roads.network
+package = Path(scenario_compiler.__file__).parent
+for name, module in sorted(sys.modules.items()):
+    if name.startswith("scenario_compiler") and module.__file__:
+        print(Path(module.__file__).relative_to(package))
+"""
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True, timeout=60)
+    covered = {str(one.relative_to(cache.PACKAGE)) for one in cache.sources()}
+    assert sorted(set(done.stdout.split()) - covered) == []

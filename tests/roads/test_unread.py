@@ -9,12 +9,12 @@ import pytest
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.document import Document, parse_document, read_document
+from scenario_compiler.document import Document, drop_namespace, parse_document, read_document
 from scenario_compiler.roads.check import unread
 from scenario_compiler.roads.check.coverage import KEPT_ATTRIBUTES, coverage_page
 from scenario_compiler.roads.check.unread import READ_ATTRIBUTES
 from scenario_compiler.roads.model import read_model
-from scenario_compiler.roads.parse import drop_namespace, read_network
+from scenario_compiler.roads.parse import read_network
 from scenario_compiler.roads.structure import road_version
 from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, declarations
 from tests.roads.make import lane, road, section

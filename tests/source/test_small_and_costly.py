@@ -71,7 +71,7 @@ FILES = {
     "many names that nobody has": (_file("".join(CAR.format(i, f"x{i}") for i in range(3000))), 3000),
     "a long line with many faults": (_file('<static id="s" at=""/>' * 3000), 6000),
 }
-"""Files, and how many findings each has."""
+"""Files, and how many findings each has, of one kind or two, of which 100 are kept and the rest is counted."""
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -85,8 +85,9 @@ def test_it_is_checked_in_little_time(tmp_path: Path, name: str) -> None:
     found = list(sink)
     told = sum(len(as_text(one)) for one in found)
     assert time.process_time() - before < MOST_SECONDS
-    assert len(found) == findings
-    assert told < 20_000 + 1000 * findings
+    assert sink.reported == findings
+    assert len(found) == min(findings, 202 if findings == 6000 else 101)
+    assert told < 20_000 + 1000 * len(found)
 
 
 def test_a_template_that_is_large_on_its_own_is_no_fault(tmp_path: Path) -> None:

@@ -119,7 +119,6 @@ def found(text: str, minor: int, grammar: Grammar = HOUSES) -> list[tuple[str, s
     assert document is not None
     findings = Findings(document, sink)
     check_elements(findings, grammar, minor)
-    findings.close()
     return [(one.code.id, one.message, one.hint) for one in sink]
 
 

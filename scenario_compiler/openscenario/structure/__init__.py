@@ -5,7 +5,12 @@ of elements (`*_elements`) and of words are the facts; `grammar` binds them, `ch
 tells which version has what. Imports the hall, and the codes and files of `openscenario`.
 """
 
-from scenario_compiler.openscenario.structure.check import check_structure, file_version
+from scenario_compiler.openscenario.structure.check import (
+    check_structure,
+    file_version,
+    is_of_old_format,
+    report_old_format,
+)
 from scenario_compiler.openscenario.structure.elements import Element, elements
 
-__all__ = ["Element", "check_structure", "elements", "file_version"]
+__all__ = ["Element", "check_structure", "elements", "file_version", "is_of_old_format", "report_old_format"]

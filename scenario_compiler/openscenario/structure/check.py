@@ -5,7 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from scenario_compiler.diagnostics import Code, Diagnostics
-from scenario_compiler.document import Document
+from scenario_compiler.document import Document, drop_namespace
 from scenario_compiler.openscenario.codes import UNKNOWN_VERSION
 from scenario_compiler.openscenario.files import read_version
 from scenario_compiler.openscenario.structure import codes
@@ -35,10 +35,13 @@ def check_structure(document: Document, sink: Diagnostics, *, forgiving: bool = 
         The version that the file was checked against, None where it names none.
     """
     findings = Findings(document, sink, _is_mild if forgiving else None)
+    namespace = drop_namespace(document.root)
     version = _version(findings, sink, forgiving)
+    if namespace and version is not None:
+        message = f"the elements are in the namespace '{namespace}', which OpenSCENARIO does not have"
+        findings.report(codes.UNKNOWN_ELEMENT, message, document.root, hint="remove xmlns from <OpenSCENARIO>")
     if version is not None:
         check_elements(findings, OPENSCENARIO, version[1])
-    findings.close()
     return version
 
 
@@ -96,12 +99,26 @@ def _named_version(findings: Findings, header: etree._Element) -> Version | None
     return named
 
 
+OLD_FORMAT = "the header names version 0.9, another format, which is not read; 1.0 to 1.3 are known"
+
+
+def is_of_old_format(document: Document) -> bool:
+    """Return whether a file is one of OpenSCENARIO 0.9, and not only says so as many of 1.0 do."""
+    old = ("{*}Catalogs", "{*}RoadNetwork/{*}Logics", "{*}Entities/{*}Object", "{*}ParameterDeclaration")
+    return file_version(document) == (0, 9) and any(document.root.find(path) is not None for path in old)
+
+
+def report_old_format(document: Document, sink: Diagnostics) -> None:
+    """Report a file of OpenSCENARIO 0.9 at the version in its header."""
+    header = document.root.find("{*}FileHeader")
+    if header is not None:
+        sink.add(codes.MISLABELLED, OLD_FORMAT, document.origin(header, "revMinor"))
+
+
 def _mislabelled(findings: Findings, header: etree._Element) -> Version | None:
     """Report a file that says 0.9; return the first version whose structure it has, else 1.0."""
-    root = findings.document.root
-    if root.find("Catalogs") is not None or root.find("RoadNetwork/Logics") is not None:
-        message = "the header names version 0.9, another format, which is not read; 1.0 to 1.3 are known"
-        findings.report(codes.MISLABELLED, message, header, "revMinor")
+    if is_of_old_format(findings.document):
+        findings.report(codes.MISLABELLED, OLD_FORMAT, header, "revMinor")
         return None
     fitting = next((minor for minor in OPENSCENARIO.minors if _has_structure(findings.document, minor)), None)
     minor = FIRST_MINOR if fitting is None else fitting

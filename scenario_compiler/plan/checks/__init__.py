@@ -11,6 +11,7 @@ from scenario_compiler.plan.checks.moves import check_moves
 from scenario_compiler.plan.checks.nowhere import check_nowhere
 from scenario_compiler.plan.checks.overlap import check_overlap
 from scenario_compiler.plan.checks.paths import check_paths
+from scenario_compiler.plan.checks.plausible import check_plausible
 from scenario_compiler.plan.checks.presence import check_presence
 from scenario_compiler.plan.checks.reach import check_budget, check_reach
 from scenario_compiler.plan.checks.restarts import check_restarts
@@ -28,6 +29,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_camera,
     check_causes,
     check_paths,
+    check_plausible,
     check_budget,
     check_reach,
     check_triggers,

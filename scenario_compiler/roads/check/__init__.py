@@ -14,7 +14,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
-from scenario_compiler.document import Document, read_document
+from scenario_compiler.document import Document, drop_namespace, read_document
+from scenario_compiler.files import MAX_BYTES
 from scenario_compiler.roads.check.filed import read_filed
 from scenario_compiler.roads.check.joints import check_joints
 from scenario_compiler.roads.check.junctions import check_junctions
@@ -24,7 +25,6 @@ from scenario_compiler.roads.check.shapes import check_shapes
 from scenario_compiler.roads.check.traffic import check_traffic
 from scenario_compiler.roads.check.unread import Unread, unread
 from scenario_compiler.roads.network import Network, load_network
-from scenario_compiler.roads.parse import drop_namespace
 from scenario_compiler.roads.reading import BAD_NUMBER
 from scenario_compiler.roads.structure import check_structure
 from scenario_compiler.roads.structure.codes import BAD_VALUE
@@ -48,7 +48,7 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
     """Report what is wrong in a road file beyond its structure and beyond what reading it reports.
 
     Args:
-        document: The file, its elements without namespace (`parse.drop_namespace`).
+        document: The file, its elements without namespace (`document.drop_namespace`).
         network: What was read from it; None when it gave no network, then only what stands in the file is checked.
         sink: Where the findings go.
     """
@@ -56,7 +56,6 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
     findings = Findings(document, sink)
     for check in CHECKS:
         check(filed, findings)
-    findings.close()
 
 
 def check_file(path: str | Path, sink: Diagnostics) -> None:
@@ -64,17 +63,17 @@ def check_file(path: str | Path, sink: Diagnostics) -> None:
 
     A value that the structure forbids is told once, not again by the reader that cannot use it.
     """
-    document = read_document(path, sink)
+    document = read_document(path, sink, MAX_BYTES)
     if document is None:
         return
-    check_structure(document, sink)
+    structure, reading = Diagnostics(), Diagnostics()
+    check_structure(document, structure)
     drop_namespace(document.root)
-    structural = len(sink.found)
-    network = load_network(path, cache=False, sink=sink)
-    told = {_spot(one) for one in sink.found[:structural] if one.code is BAD_VALUE}
-    sink.found[structural:] = [
-        one for one in sink.found[structural:] if one.code is not BAD_NUMBER or _spot(one) not in told
-    ]
+    network = load_network(path, cache=False, sink=reading)
+    told = {_spot(one) for one in structure.found if one.code is BAD_VALUE}
+    reading.retain(lambda one: one.code is not BAD_NUMBER or _spot(one) not in told)
+    sink.absorb(structure)
+    sink.absorb(reading)
     check_network(document, network, sink)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.document import Document
+from scenario_compiler.document import Document, drop_namespace
 from scenario_compiler.roads.structure import codes
-from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, OPENDRIVE
+from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, OPENDRIVE, may_have_namespace
 from scenario_compiler.roads.structure.keys import check_keys
 from scenario_compiler.structure.findings import Findings
 from scenario_compiler.structure.walk import check_elements, local_name
@@ -32,11 +32,14 @@ def check_structure(document: Document, sink: Diagnostics) -> bool:
         <OpenDRIVE>: nothing more can be said of it.
     """
     findings = Findings(document, sink)
+    namespace = drop_namespace(document.root)
     minor = _minor(findings, document.root)
     if minor is not None:
+        if not may_have_namespace(namespace, minor):
+            message = f"the elements are in the namespace '{namespace}', which OpenDRIVE 1.{minor} does not have"
+            findings.report(codes.UNKNOWN_ELEMENT, message, document.root, hint="remove xmlns from <OpenDRIVE>")
         check_elements(findings, OPENDRIVE, minor)
         check_keys(findings, document.root, minor)
-    findings.close()
     return findings.total == findings.of(codes.UNKNOWN_VERSION)
 
 

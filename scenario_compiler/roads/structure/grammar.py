@@ -61,11 +61,20 @@ OPENDRIVE = Grammar(
     ),
     words_since=4,
     required_since=5,
-    namespace_until=2,
     groups={"...": _additional, "..": _additional_but_in_6_and_7},
     conditions=CONDITIONS,
     conditions_since=FIRST_MINOR_WITH_CONDITIONS,
 )
+
+
+NAMESPACE = "http://code.asam.net/simulation/standard/opendrive_schema"
+"""Namespace of ASAM's OpenDRIVE, which its versions from 1.6 on may be written in; their schemas name none."""
+
+
+def may_have_namespace(namespace: str, minor: int) -> bool:
+    """Return whether the elements of a file of version 1.`minor` may be in a namespace; VIRES had one until 1.2."""
+    bare = namespace.rstrip("/").replace("https://", "http://")
+    return not namespace or minor <= 2 or (minor >= 6 and bare == NAMESPACE)
 
 
 def declarations(minor: int) -> dict[str, Declaration]:

@@ -4,7 +4,8 @@ OBJECT_ELEMENTS = """
 objects
     = object* objectReference*@1.2- tunnel* bridge* ...
 object
-    id name? type?@-1.4 type?:object_type@1.5- subtype?@1.5- s:not_negative t:number zOffset:number
+    id:count@1.1 id@1.2- name? type?:count@1.1 type?@1.2-1.4 type?:object_type@1.5- subtype?@1.5-
+    s:not_negative t:number zOffset:number
     orientation:orientation@-1.5 orientation?:orientation@1.6- dynamic:yes_or_no@1.5 dynamic?:yes_or_no@1.6-
     validLength:not_negative@-1.5 validLength?:not_negative@1.6- hdg:number@-1.5 hdg?:number@1.6- pitch:number@-1.5
     pitch?:number@1.6- roll:number@-1.5 roll?:number@1.6- height:number@-1.5 height?:number@1.6
@@ -90,10 +91,10 @@ objectReference
     validLength:not_negative@-1.5 validLength?:not_negative@1.6- length?:number@1.2
     = validity* ...
 tunnel
-    id name? s:not_negative length:not_negative type:tunnel_type lighting?:fraction daylight?:fraction
+    id:count@1.1 id@1.2- name? s:not_negative length:not_negative type:tunnel_type lighting?:fraction daylight?:fraction
     = laneValidity=validity*@1.1 validity*@1.2- ...
 bridge
-    id name? s:not_negative length:not_negative type:bridge_type
+    id:count@1.1 id@1.2- name? s:not_negative length:not_negative type:bridge_type
     = laneValidity=validity*@1.1 validity*@1.2- ...
 """
 
@@ -101,7 +102,7 @@ SIGNAL_ELEMENTS = """
 signals
     = signal* signalReference* ...
 signal
-    id name? s:not_negative@-1.7 s?:not_negative@1.8- t:number@-1.7 t?:number@1.8- zOffset:number@-1.7
+    id:count@1.1 id@1.2- name? s:not_negative@-1.7 s?:not_negative@1.8- t:number@-1.7 t?:number@1.8- zOffset:number@-1.7
     zOffset?:number@1.8-
     dynamic:yes_or_no orientation:orientation type:int@-1.3 type@1.4- subtype:int@-1.3 subtype@1.4- country?@-1.4
     country?:country@1.5- countryRevision?@1.5- value?:number unit?:any_unit@1.4- text?@1.4- hOffset?:number@1.4-
@@ -111,10 +112,10 @@ signal
     = laneValidity=validity*@1.1 Validity=validity*@1.2 validity*@1.3- dependency* reference*@1.5-
       (positionRoad | positionInertial)?@1.5- ... staticBoard*@1.8- vmsBoard*@1.8- semantics?@1.8-
 signalReference
-    id s:not_negative t:number orientation:orientation@1.3-
+    id:count@1.1 id@1.2- s:not_negative t:number orientation:orientation@1.3-
     = laneValidity=validity*@1.1 Validity=validity*@1.2 validity*@1.3- ...
 dependency
-    id type?
+    id:count@1.1 id@1.2- type?:count@1.1 type?@1.2-
     = ..
 reference
     elementId elementType:reference_kind type?
@@ -176,18 +177,18 @@ supplementaryEnvironment
     type?:environment_semantics
     = ...
 controller
-    ID?@-1.2 id@1.3- name? sequence?:count@1.3-
+    ID?:count@1.1 ID?@1.2 id@1.3- name? sequence?:count@1.3-
     = control+ ...
 control
-    signalID?@-1.2 signalId@1.3- type?
+    signalID?:count@1.1 signalID?@1.2 signalId@1.3- type?:count@1.1 type?@1.2-
     = userData?@-1.2 ...@1.3-1.5 ...@1.8-
 """
 
 JUNCTION_ELEMENTS = """
 junction
     by type@1.8-: virtual=virtual_junction direct=direct_junction crossing=crossing_junction
-    id name? type?:junction_type@1.5- mainRoad?@1.7 orientation?:orientation@1.7 sStart?:not_negative@1.7
-    sEnd?:not_negative@1.7
+    id:count@1.1 id@1.2- name? type?:junction_type@1.5- mainRoad?@1.7 orientation?:orientation@1.7
+    sStart?:not_negative@1.7 sEnd?:not_negative@1.7
     = connection+@-1.7 connection*@1.8- crossPath*@1.8- priority* controller=junction_controller*
       surface=junction_surface?@1.5-
       planView?@1.8- objects?@1.8- boundary?@1.8- elevationGrid?@1.8- ...
@@ -202,7 +203,8 @@ crossing_junction
     id name? type?:junction_type
     = roadSection+ priority* controller=junction_controller* surface? planView? objects? ...
 connection
-    id incomingRoad@-1.5 incomingRoad?@1.6- connectingRoad@-1.5 connectingRoad?@1.6- contactPoint:contact_point@-1.5
+    id:count@1.1 id@1.2- incomingRoad:count@1.1 incomingRoad@1.2-1.5 incomingRoad?@1.6-
+    connectingRoad:count@1.1 connectingRoad@1.2-1.5 connectingRoad?@1.6- contactPoint:contact_point@-1.5
     contactPoint?@1.6 contactPoint?:contact_point@1.7- type?:connection_type@1.5-1.7 connectionMaster?@1.5
     linkedRoad?@1.7
     = predecessor=connection_end?@1.5-1.7 successor=connection_end?@1.5-1.7 laneLink* ..
@@ -225,10 +227,10 @@ laneLink
     from:int to:int overlapZone?:above_zero@1.8-
     = userData?@-1.2 ...@1.3-1.5 ...@1.8-
 priority
-    high?@-1.7 high@1.8- low?@-1.7 low@1.8-
+    high?:count@1.1 high?@1.2-1.7 high@1.8- low?:count@1.1 low?@1.2-1.7 low@1.8-
     = ..
 junction_controller
-    id type? sequence?:count@1.3-
+    id:count@1.1 id@1.2- type?:count@1.1 type?@1.2- sequence?:count@1.3-
     = ..
 junction_surface
     = CRG=junction_crg*@-1.7 CRG*@1.8- ...

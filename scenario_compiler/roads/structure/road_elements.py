@@ -6,7 +6,7 @@ OpenDRIVE
 header
     revMajor:int revMinor:int name? version?:header_version date? north?:number south?:number east?:number
     west?:number vendor?@1.3-
-    maxRoad?:int@1.1 maxJunc?:int@1.1 maxPrg?:int@1.1
+    maxRoad?:count@1.1 maxJunc?:count@1.1 maxPrg?:count@1.1
     = geoReference?@1.4- offset?@1.5- license?@1.8- ... defaultRegulations?@1.8-
 geoReference
     = text ...@1.5-1.7
@@ -17,7 +17,7 @@ license
     name? resource? spdxid? text?
     = ...
 userData
-    code value@1.5 value?@-1.4 value?@1.6-
+    code:int@1.1 code@1.2- value@1.5 value?@-1.4 value?@1.6-
     = text@-1.4 anything
 include
     file
@@ -37,18 +37,18 @@ signalRegulations
     = ... semantics?
 
 road
-    id junction length:positive name? rule?:traffic_rule@1.5-
+    id:count@1.1 id@1.2- junction:int@1.1 junction@1.2- length:positive name? rule?:traffic_rule@1.5-
     = link=road_link? type=road_type* planView elevationProfile? lateralProfile? lanes objects? signals?
       surface?@1.2- railroad?@1.4- ...@1.3-
 road_link
     = predecessor=road_neighbour? successor=road_neighbour? neighbor?@1.1 neighbor{0,2}@1.2-1.5 ...
 road_neighbour
-    elementId elementType:link_kind@-1.5 elementType?@1.6 elementType?:link_kind@1.7-
+    elementId:count@1.1 elementId@1.2- elementType:link_kind@-1.5 elementType?@1.6 elementType?:link_kind@1.7-
     contactPoint?:contact_point@-1.5 contactPoint?@1.6 contactPoint?:contact_point@1.7-
     elementS?:not_negative@1.5- elementDir?:link_direction@1.5 elementDir?@1.6 elementDir?:link_direction@1.7-
     = ...@1.5 ...@1.8-
 neighbor
-    elementId side:side@1.2- direction:same_or_opposite
+    elementId:count@1.1 elementId@1.2- side:side@1.2- direction:same_or_opposite
     = ...@1.5
 road_type
     s:not_negative type:road_type country?:country@1.5-
@@ -145,19 +145,21 @@ right
 center
     = lane=centre_lane?@-1.4 lane=centre_lane+@1.5-1.7 lane=centre_lane@1.8- ...
 left_lane
-    id:positive_int type:lane_type level?:boolean direction?:lane_direction@1.8- advisory?:lane_advisory@1.8-
+    id:positive_int type:count@1.1 type:lane_type@1.2- level?:count@1.1 level?:boolean@1.2-
+    direction?:lane_direction@1.8- advisory?:lane_advisory@1.8-
     dynamicLaneDirection?:boolean@1.8- dynamicLaneType?:boolean@1.8- roadWorks?:boolean@1.8-
     = link=lane_link? width+@-1.3 (width+ | border+)@1.4 (width+ | border+)+@1.5 (border* | width*)+@1.6-1.7 (border+
       | width+)?@1.8-
       roadMark* material* visibility*@-1.5 speed* access* height*@1.2- rule*@1.4- ...
 right_lane
-    id:negative_int type:lane_type level?:boolean direction?:lane_direction@1.8- advisory?:lane_advisory@1.8-
+    id:negative_int type:count@1.1 type:lane_type@1.2- level?:count@1.1 level?:boolean@1.2-
+    direction?:lane_direction@1.8- advisory?:lane_advisory@1.8-
     dynamicLaneDirection?:boolean@1.8- dynamicLaneType?:boolean@1.8- roadWorks?:boolean@1.8-
     = link=lane_link? width+@-1.3 (width+ | border+)@1.4 (width+ | border+)+@1.5 (border* | width*)+@1.6-1.7 (border+
       | width+)?@1.8-
       roadMark* material* visibility*@-1.5 speed* access* height*@1.2- rule*@1.4- ...
 centre_lane
-    id:zero_int type:lane_type@-1.7 type?:lane_type@1.8- level?:boolean
+    id:zero_int type:count@1.1 type:lane_type@1.2-1.7 type?:lane_type@1.8- level?:boolean@1.2-
     = link=lane_link? (border* | width*)+@1.6-1.7 roadMark* material*@1.6-1.7 speed*@1.6-1.7 access*@1.6-1.7
       height*@1.6-1.7
       rule*@1.6-1.7 ...@-1.7
@@ -174,7 +176,7 @@ border
     sOffset:not_negative a:number b:number c:number d:number
     = ..
 material
-    sOffset:not_negative friction:not_negative surface?@1.2- roughness?:not_negative materialCode?:int@1.1
+    sOffset:not_negative friction:not_negative surface?@1.2- roughness?:not_negative materialCode?:count@1.1
     = ..
 visibility
     sOffset:not_negative forward:not_negative back:not_negative left:not_negative right:not_negative

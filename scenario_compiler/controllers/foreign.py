@@ -1,0 +1,237 @@
+"""Controllers of the user's own: found by name, imported, and asked so that what they raise becomes a value.
+
+Whatever code raises that is not ours (an exception, `SystemExit`, a model's file that is missing) is a
+`ControllerError` with the controller's name and the file and line at which it was raised; never a traceback.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import linecache
+import math
+import sys
+import sysconfig
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from scenario_compiler.controllers.model import Control, ControllerModel, SensorData, VehicleState
+from scenario_compiler.diagnostics import Code, FilePlace
+from scenario_compiler.trust import CodeName, Trust
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+UNKNOWN_CONTROLLER = Code(
+    "SC503",
+    "unknown-controller",
+    "The scenario names a controller that is neither one of ours nor a class of your own that can be found, as "
+    "`package.module:Class` or `file.py:Class`, and derives from ControllerModel. A module must be importable where "
+    "the command runs (set PYTHONPATH); one that the command line names may lie beside the scenario. The path of a "
+    "Python file starts from the current folder on the command line, and from the scenario's folder in a scenario."
+    '\n\n    <controller model="lane_detecton"/>     lane_detection, package.module:Class or file.py:Class',
+)
+CONTROLLER_FAILED = Code(
+    "SC521",
+    "controller-failed",
+    "A controller of your own raised an exception, ended the program, or gave a command that is none: when its module "
+    "was imported, when it was made, or at a step of the run. The place is the line of the controller's code. The run "
+    "ends there, and the recording up to there is kept.\n\n"
+    "    controller 'steering:Mine', steering.py:31: FileNotFoundError: [Errno 2] No such file or directory: "
+    "'model.onnx'\n\n"
+    "Mend the controller. A property that its `Params` declare as a `pathlib.Path` starts from the scenario's folder.",
+)
+
+_PACKAGE = str(Path(__file__).resolve().parent.parent)
+_Answer = TypeVar("_Answer")
+
+
+class ControllerError(Exception):
+    """A controller of the user's own cannot be found, imported or made, or it failed.
+
+    Attributes:
+        code: The diagnostic's code.
+        place: Where in the controller's code it happened; line 0 where that is not known.
+    """
+
+    def __init__(self, message: str, code: Code = UNKNOWN_CONTROLLER, place: FilePlace | None = None) -> None:
+        """Keep the message and what belongs to it."""
+        super().__init__(message)
+        self.code = code
+        self.place = FilePlace("") if place is None else place
+
+    @classmethod
+    def of(cls, name: str, fault: BaseException) -> ControllerError:
+        """Return what a controller raised as its failure, with the file and line of its code that raised it."""
+        what = f"{type(fault).__name__}: {fault}" if str(fault) else type(fault).__name__
+        return cls.at(name, _place_of(fault), what)
+
+    @classmethod
+    def at(cls, name: str, place: FilePlace, what: str) -> ControllerError:
+        """Return the failure of a controller at a place in its code."""
+        where = f", {Path(place.file).name}:{place.line}" if place.file else ""
+        return cls(f"controller '{name}'{where}: {what}", CONTROLLER_FAILED, place)
+
+
+def load_class(name: str, code: CodeName, trust: Trust, named_in: str) -> type[ControllerModel]:
+    """Import a class that the user trusts; nobody else may call this.
+
+    Args:
+        name: The controller's name, for messages.
+        code: What to import.
+        trust: What the user has named: such modules are looked for in the current folder and beside the scenario too.
+        named_in: Path of the file that names it.
+
+    Raises:
+        ControllerError: There is no such class, or importing it fails.
+    """
+    file = trust.file_of(code, named_in)
+    with _blamed(name):
+        if file is not None:
+            module = _file_module(name, file)
+        else:
+            named = trust.names(code, named_in)
+            folders = [Path.cwd(), *([] if trust.beside is None else [trust.beside])] if named else []
+            module = _module(name, code.source, folders)
+    found = getattr(module, code.attribute, None)
+    if found is None:
+        raise ControllerError(f"cannot import the controller '{name}': there is no '{code.attribute}' in it")
+    if not (isinstance(found, type) and issubclass(found, ControllerModel)):
+        raise ControllerError(f"'{name}' does not derive from ControllerModel")
+    return found
+
+
+def _module(name: str, source: str, folders: Sequence[Path]) -> Any:
+    try:
+        with _looked_for_in(folders):
+            return importlib.import_module(source)
+    except ModuleNotFoundError as missing:
+        if missing.name is not None and f"{source}.".startswith(f"{missing.name}."):
+            raise ControllerError(f"cannot import the controller '{name}': {missing}") from None
+        raise
+
+
+def _file_module(name: str, file: Path) -> Any:
+    """Return the module of a Python file, which is executed once."""
+    known = sys.modules.get(str(file))
+    if known is not None:
+        return known
+    if not file.is_file():
+        raise ControllerError(f"cannot import the controller '{name}': there is no file {file}")
+    spec = importlib.util.spec_from_file_location(str(file), file)
+    if spec is None or spec.loader is None:
+        raise ControllerError(f"cannot import the controller '{name}': {file} is no Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[str(file)] = module
+    try:
+        with _looked_for_in([file.parent]):
+            spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[str(file)]
+        raise
+    return module
+
+
+@contextmanager
+def _looked_for_in(folders: Sequence[Path]) -> Iterator[None]:
+    """Look for modules in some folders too, after all other places, and no longer than needed."""
+    before = list(sys.path)
+    importlib.invalidate_caches()
+    sys.path.extend(str(folder.resolve()) for folder in folders)
+    try:
+        yield
+    finally:
+        sys.path[:] = before
+
+
+@contextmanager
+def _blamed(name: str) -> Iterator[None]:
+    """Turn what code of the user's raises into a ControllerError; an interruption by the user passes."""
+    try:
+        yield
+    except (ControllerError, KeyboardInterrupt):
+        raise
+    except BaseException as fault:
+        raise ControllerError.of(name, fault) from None
+
+
+def _place_of(fault: BaseException) -> FilePlace:
+    """Return the innermost line of code that is the user's: not of this package, Python's or an installed one."""
+    if isinstance(fault, SyntaxError) and fault.filename:
+        return FilePlace(fault.filename, fault.lineno or 0, fault.offset or 0, 1, (fault.text or "").rstrip("\n"))
+    frames = [one for one in traceback.extract_tb(fault.__traceback__) if not one.filename.startswith(("<", _PACKAGE))]
+    installed = tuple(sysconfig.get_paths().values())
+    if not frames:
+        return FilePlace("")
+    last = next((one for one in reversed(frames) if not one.filename.startswith(installed)), frames[-1])
+    line = last.lineno or 0
+    text = linecache.getline(last.filename, line).rstrip("\n")
+    return FilePlace(last.filename, line, len(text) - len(text.lstrip()) + 1, len(text.strip()), text)
+
+
+class ForeignController(ControllerModel):
+    """A controller of the user's own: asked as any other, but what it raises is a ControllerError."""
+
+    def __init__(self, name: str, make: Callable[[], ControllerModel]) -> None:
+        """Make the controller.
+
+        Raises:
+            ControllerError: It cannot be made.
+        """
+        self.name = name
+        self._inner = self._ask(make)
+        super().__init__(self._inner.params)
+
+    def _ask(self, call: Callable[..., _Answer], *arguments: Any) -> _Answer:
+        with _blamed(self.name):
+            return call(*arguments)
+
+    def reset(self, seed: int) -> None:
+        """See ControllerModel."""
+        self._ask(self._inner.reset, seed)
+
+    def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
+        """See ControllerModel; a command that is none is a fault too."""
+        control: object = self._ask(self._inner.control, sensor_data, speed, vehicle)
+        if not isinstance(control, Control):
+            raise self._misbehaved(f"it returned {type(control).__name__}, which is no Control")
+        numbers = {name: getattr(control, name) for name in _NUMBERS}
+        for name, value in numbers.items():
+            if not isinstance(value, (int, float)) and not hasattr(value, "__float__"):
+                raise self._misbehaved(f"{name} is {value!r}, which is no number")
+            if not math.isfinite(float(value)):
+                raise self._misbehaved(f"{name} is {float(value)}")
+        return control
+
+    def _misbehaved(self, what: str) -> ControllerError:
+        code = type(self._inner).control.__code__
+        place = FilePlace(code.co_filename, code.co_firstlineno)
+        return ControllerError.at(self.name, place, what)
+
+    def display_info(self) -> dict[str, str]:
+        """See ControllerModel."""
+        return self._ask(self._inner.display_info)
+
+    def warning_messages(self) -> list[str]:
+        """See ControllerModel."""
+        return self._ask(self._inner.warning_messages)
+
+    def critical_messages(self) -> list[str]:
+        """See ControllerModel."""
+        return self._ask(self._inner.critical_messages)
+
+    def initiate_takeover(self) -> bool:
+        """See ControllerModel."""
+        return self._ask(self._inner.initiate_takeover)
+
+    def overlay_image(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """See ControllerModel."""
+        return self._ask(self._inner.overlay_image, image)
+
+
+_NUMBERS = ("throttle", "steer", "brake", "confidence_left", "confidence_right", "sensor_health")
+"""Fields of a command that must be finite numbers."""

@@ -1,0 +1,68 @@
+"""Ctrl-C and SIGTERM: one interruption of the whole program, which its worker processes leave to it."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from types import FrameType
+from typing import Any
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    raise KeyboardInterrupt
+
+
+def raise_when_ended() -> None:
+    """From here on SIGTERM is a KeyboardInterrupt as Ctrl-C is, and none is lost in code that Python shields."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    sys.unraisablehook = _raise_again
+
+
+def _raise_again(fault: Any) -> None:
+    """Interrupt the program anew where Python has swallowed an interruption, in a destructor or a callback."""
+    if fault.exc_type is not None and issubclass(fault.exc_type, KeyboardInterrupt):
+        threading.Timer(0.01, signal.raise_signal, [signal.SIGINT]).start()
+    else:
+        sys.__unraisablehook__(fault)
+
+
+def ignore_from_now_on() -> None:
+    """Pass over further interruptions: the program is ending."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+
+
+@contextlib.contextmanager
+def left_to_this_process() -> Iterator[None]:
+    """Start processes that pass over Ctrl-C, which a terminal sends to all: this process ends them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
+def put_off() -> Iterator[None]:
+    """Hold an interruption back until the end, for what takes no time and must be whole."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[int] = []
+    before = {
+        number: signal.signal(number, lambda one, _: came.append(one)) for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])

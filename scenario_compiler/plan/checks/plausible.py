@@ -1,0 +1,76 @@
+"""Numbers are of a size that can be meant: speeds that vehicles reach, budgets in which a driver would take over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary import conditions
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.traversal import walk
+from scenario_compiler.vocabulary.word import Number, Word, number_value
+
+IMPLAUSIBLE = Code(
+    "SC509",
+    "implausible-number",
+    "A number is of a size that is hardly meant: a speed above 100 m/s (360 km/h), or a time budget of more than a "
+    "minute. Mostly it is in another unit than the attribute's: speeds are in m/s, times in s. A speed above 1e6 m/s "
+    "is an error, as nothing can be computed from it.\n\n"
+    '    <ego speed="120">              120 km/h are 33.33 m/s\n'
+    '    <takeover budget="500">        500 ms are 0.5 s',
+    Severity.WARNING,
+)
+
+FASTEST = 100.0
+"""Greatest speed that is plausible on a road, m/s: 360 km/h."""
+
+USABLE = 1.0e6
+"""Greatest speed that a run can do with, m/s: in an hour of such, positions keep a millimetre."""
+
+LONGEST_BUDGET = 60.0
+"""Longest plausible time budget, s: that of a scheduled exit in studies (doi 10.1177/21695067231192422)."""
+
+
+def check_plausible(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report speeds and a time budget that can hardly be meant, at the present values of the parameters."""
+    del network
+    values = parameter_values(plan.parameters)
+    for name, number, place in _speeds(plan):
+        speed = abs(number_value(number, values))
+        if speed > FASTEST:
+            usable = speed <= USABLE
+            hint = f"{speed:g} km/h are {speed / 3.6:.4g} m/s" if usable else ""
+            message = f"{name} is {speed:g} m/s, which is {speed * 3.6:.4g} km/h"
+            sink.add(IMPLAUSIBLE, message, place, hint=hint, severity=None if usable else Severity.ERROR)
+    budget = number_value(plan.takeover.budget, values)
+    if plan.controller is not None and budget > LONGEST_BUDGET:
+        message = f"a time budget of {budget:g} s is longer than a driver is ever given"
+        sink.add(IMPLAUSIBLE, message, plan.takeover.place_of("budget"), hint=f"{budget:g} ms are {budget / 1000:g} s")
+
+
+def _speeds(plan: Plan) -> Iterator[tuple[str, Number, Place]]:
+    """Yield each speed that something is to have: what it is called, the number, its place.
+
+    What a condition compares with is not among them: `triggers` tells which comparisons never come true.
+    """
+    for entity in plan.entities:
+        place = place_of(plan, f"entities/{entity.id}")
+        yield f"the speed of '{entity.id}'", entity.speed, place
+        if entity.desired_speed != entity.speed:
+            yield f"the desired speed of '{entity.id}'", entity.desired_speed, place
+    for word in walk(plan.storyboard):
+        if type(word).__module__.startswith(conditions.__name__):
+            continue
+        for name, rule in grammar_of(type(word)).attributes.items():
+            if rule.spelling.quantity == "speed" and rule.kind == "number":
+                number = getattr(word, rule.field)
+                if number is not None:
+                    yield f"{name} of <{_tag(word)}>", number, word.place_of(name)
+
+
+def _tag(word: Word) -> str:
+    return word.tag() or type(word).__name__

@@ -1,0 +1,58 @@
+"""Why the engine broke a run off, in words: which entity, which quantity, what value, and when."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from scenario_compiler.diagnostics import Code
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.numbers import LARGEST
+from scenario_compiler.recording.names import FAULTS
+
+BROKE_OFF = Code(
+    "SC523",
+    "run-broke-off",
+    "The run could not go on, and ended before its time: a position, a heading or a speed became infinite, NaN, or so "
+    "large that nothing more can be computed from it; or a place that is known only while the scenario runs lies on no "
+    "lane. The message says of which entity, which quantity and what value. The rows before are kept.\n\n"
+    "    'lead' has the speed inf m/s at 3.05 s\n\n"
+    "Look at what acts on that entity at that time: a speed, an acceleration or a position that depends on a parameter "
+    "or on another entity.",
+)
+
+QUANTITIES = {
+    "x": ("x", "m"),
+    "y": ("y", "m"),
+    "h": ("heading", "rad"),
+    "v": ("speed", "m/s"),
+    "steer": ("steering angle", "rad"),
+}
+"""Columns that the engine keeps finite, in the order in which they are looked at: what each is called, and its unit."""
+
+OF_ENTITIES = (op.FAULT_NOT_FINITE, op.FAULT_OFF_ROAD_START, op.FAULT_NO_ROOM)
+"""Fault codes that are about an entity."""
+
+
+def break_off_text(
+    code: int, at: int, entities: Sequence[str], columns: Mapping[str, Sequence[float]], t: float
+) -> str:
+    """Return why the engine ended a run; empty for a run that it did not end.
+
+    Args:
+        code: The engine's fault code; 0 for none.
+        at: What the fault is about: for the codes OF_ENTITIES, the number of the entity.
+        entities: The entities' ids.
+        columns: The columns of QUANTITIES, with one value an entity, at the end.
+        t: Time of the end, s.
+    """
+    if code == 0:
+        return ""
+    what = FAULTS.get(code, f"fault {code} of the engine")
+    if code not in OF_ENTITIES or not 0 <= at < len(entities):
+        return f"{what}, at {t:.6g} s"
+    for name, (quantity, unit) in QUANTITIES.items():
+        value = columns[name][at] if name in columns else 0.0
+        if not math.isfinite(value) or abs(value) >= LARGEST:
+            return f"'{entities[at]}' has the {quantity} {value:g} {unit} at {t:.6g} s"
+    return f"'{entities[at]}' at {t:.6g} s: {what}"

@@ -1,0 +1,44 @@
+"""What the numbers of a run depend on beside its plan and seed: versions of libraries, and the processor."""
+
+from __future__ import annotations
+
+import platform
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+
+LIBRARIES = {
+    "scenario-compiler": "scenario-compiler",
+    "lxml": "lxml",
+    "numpy": "numpy",
+    "opencv": "opencv-python-headless",
+    "pyarrow": "pyarrow",
+    "pydantic": "pydantic",
+    "scipy": "scipy",
+}
+"""Name of a library in a recording, and of its distribution."""
+
+FEATURES = ("sse4_1", "sse4_2", "avx", "f16c", "fma", "avx2", "avx512", "asimd", "sve", "neon")
+"""Beginnings of the names of features by which NumPy and OpenCV choose among forms of one function."""
+
+
+@lru_cache(maxsize=1)
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of the libraries that a run's numbers pass through, by name."""
+    return {"python": platform.python_version()} | {name: version(one) for name, one in LIBRARIES.items()}
+
+
+@lru_cache(maxsize=1)
+def processor() -> str:
+    """Return the processor's architecture and, as far as the system tells them, the FEATURES that it has."""
+    return " ".join([platform.machine(), *_features(Path("/proc/cpuinfo"))])
+
+
+def _features(told: Path) -> list[str]:
+    """Return the features that Linux tells of the first processor; none on another system."""
+    try:
+        lines = told.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return []
+    flags = next((line.partition(":")[2].split() for line in lines if line.startswith(("flags", "Features"))), [])
+    return sorted({flag for flag in flags if flag.startswith(FEATURES)})

@@ -1,0 +1,27 @@
+"""Texts of files in pictures: what they say, letter by letter, whatever they are made of."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from scenario_compiler.legible import legible
+
+LETTERING: Any = {"text.parse_math": False}
+"""Settings of a drawing in which a text with dollar signs is no formula."""
+
+
+@contextmanager
+def lettered(figure: Figure) -> Iterator[Figure]:
+    """Yield a figure to be saved: characters that cannot be seen are escapes, and letters without a glyph are boxes."""
+    for text in figure.findobj(Text):
+        lines = text.get_text().split("\n")
+        text.set_text("\n".join(map(legible, lines)))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=r"Glyph .* missing from", category=UserWarning)
+        yield figure

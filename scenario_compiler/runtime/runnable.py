@@ -1,0 +1,20 @@
+"""Whether a plan that was read from a file can be run: it may say things that `compile` never writes together."""
+
+from __future__ import annotations
+
+from scenario_compiler.diagnostics import Diagnostics, FilePlace
+from scenario_compiler.engine.program import build_program
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.store import BAD_PLAN
+from scenario_compiler.roads import Network
+
+INCONSISTENT = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+"""What making a program of a plan that contradicts itself can end in."""
+
+
+def check_runnable(plan: Plan, network: Network, file: str, sink: Diagnostics) -> None:
+    """Report a plan of which no program can be made, at the file that it was read from."""
+    try:
+        build_program(plan, network)
+    except INCONSISTENT as fault:
+        sink.add(BAD_PLAN, f"the plan cannot be run: {fault}", FilePlace(file))

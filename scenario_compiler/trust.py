@@ -1,0 +1,159 @@
+"""Whether code that a file names may be imported: the one question that every command asks before it imports any.
+
+A file only names code (a controller's class), it never makes that code run. Code runs when the user has named it: on
+the command line, in a program, or in the list of the user's configuration file. That file lies in the user's own
+configuration folder (`resources.configuration_file`), never beside a scenario.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scenario_compiler.files import read_file
+from scenario_compiler.resources import configuration_file
+
+MOST_CONFIGURATION_BYTES = 1024 * 1024
+"""Largest configuration file that is read, bytes."""
+
+_NAME = r"[A-Za-z_]\w*"
+_MODULE = re.compile(rf"{_NAME}(?:\.{_NAME})*")
+_CLASS = re.compile(_NAME)
+
+
+class ConfigurationError(ValueError):
+    """The user's configuration file cannot be read; the message names the file and says why."""
+
+
+@dataclass(frozen=True)
+class CodeName:
+    """A class as a scenario or a command line names it: `package.module:Class` or `file.py:Class`.
+
+    Attributes:
+        source: The module's dotted name, or the path of a Python file.
+        attribute: Name of the class in it.
+    """
+
+    source: str
+    attribute: str
+
+    @property
+    def is_file(self) -> bool:
+        """Whether `source` is the path of a Python file."""
+        return self.source.endswith(".py")
+
+
+def code_name(text: str) -> CodeName | None:
+    """Return what a text names; None when it is spelt as neither `package.module:Class` nor `file.py:Class`."""
+    source, _, attribute = text.rpartition(":")
+    if not _CLASS.fullmatch(attribute) or not (source.endswith(".py") or _MODULE.fullmatch(source)):
+        return None
+    return CodeName(source, attribute)
+
+
+@dataclass(frozen=True)
+class Trust:
+    """What the user trusts, beside what the list in the user's configuration file says.
+
+    Attributes:
+        named: Names given on the command line or by a program. Each is a class (`package.module:Class`,
+            `file.py:Class`), a module or package with all that is in it (`package.module`), a Python file (`file.py`),
+            or a scenario's file, all of whose code is then trusted.
+        beside: The scenario's folder. Code that is `named` is looked for there too; code that only a file names is not.
+    """
+
+    named: tuple[str, ...] = ()
+    beside: Path | None = None
+
+    def allows(self, code: CodeName, named_in: str) -> bool:
+        """Return whether code may be imported.
+
+        Args:
+            code: The code as `named_in` names it.
+            named_in: Path of the file that names it, from whose folder the path of a Python file starts.
+
+        Raises:
+            ConfigurationError: The user's configuration file cannot be read.
+        """
+        if self.names(code, named_in) or any(_is_same_file(name, named_in) for name in self.named):
+            return True
+        file = self.file_of(code, named_in)
+        return any(_covers(name, code, file) for name in _configured() if _is_whole(name))
+
+    def names(self, code: CodeName, named_in: str) -> bool:
+        """Return whether the user has named this very code, its module, a package around it, or its Python file."""
+        file = self.file_of(code, named_in)
+        return any(_covers(name, code, file) for name in self.named)
+
+    def file_of(self, code: CodeName, named_in: str) -> Path | None:
+        """Return the absolute path of the Python file that a name gives; None for the name of a module.
+
+        A path that the user has named starts from the current folder, else from the scenario's; any other from the
+        folder of the file that names it.
+        """
+        if not code.is_file:
+            return None
+        folders = [Path(named_in).parent]
+        if any(name in (code.source, f"{code.source}:{code.attribute}") for name in self.named):
+            folders = [Path(), *([] if self.beside is None else [self.beside]), *folders]
+        paths = [_absolute(folder / code.source) for folder in folders]
+        return next((path for path in paths if path.is_file()), paths[0])
+
+
+def _covers(name: str, code: CodeName, file: Path | None) -> bool:
+    """Return whether a trusted name covers code: the class itself, its module or a package around it, its file."""
+    if file is None:
+        return name == f"{code.source}:{code.attribute}" or f"{code.source}.".startswith(f"{name}.")
+    trusted = code_name(name)
+    if trusted is not None and trusted.attribute != code.attribute:
+        return False
+    path = name if trusted is None else trusted.source
+    return path.endswith(".py") and (path == code.source or _absolute(Path(path)) == file)
+
+
+def _absolute(path: Path) -> Path:
+    """Return the path from the root, with its links followed."""
+    return path.resolve()
+
+
+def _is_same_file(name: str, other: str) -> bool:
+    try:
+        return not name.endswith(".py") and Path(name).samefile(other)
+    except (OSError, ValueError):
+        return False
+
+
+def _is_whole(name: str) -> bool:
+    """Return whether a name means the same in every folder: a module's, or the absolute path of a Python file."""
+    return ".py" not in name or Path(name).is_absolute()
+
+
+def _configured() -> tuple[str, ...]:
+    """Return the list `trust` of the user's configuration file; empty where there is no such file."""
+    path = configuration_file()
+    try:
+        text = read_file(path, MOST_CONFIGURATION_BYTES).decode()
+    except (FileNotFoundError, NotADirectoryError):
+        return ()
+    except OSError as fault:
+        raise ConfigurationError(f"{path}: cannot be read: {fault.strerror}") from None
+    except UnicodeDecodeError:
+        raise ConfigurationError(f"{path}: cannot be read: it is not text in UTF-8") from None
+    names = _parsed(text, path).get("trust", [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ConfigurationError(f"{path}: `trust` must be a list of names in quotation marks")
+    return tuple(str(Path(name).expanduser()) for name in names)
+
+
+def _parsed(text: str, path: Path) -> dict[str, Any]:
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as fault:
+        raise ConfigurationError(f"{path}: it is not TOML: {fault}") from None

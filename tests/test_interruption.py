@@ -1,0 +1,196 @@
+"""Ctrl-C in every command, at any moment: a real process, a real signal, one line, exit 130, nothing half written."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CONFLICT = """\
+<scenarios version="1">
+  <scenario name="fade" map="highway_loop" duration="2">
+    <parameter name="speed" type="speed" default="20" min="5" max="40"/>
+    <ego speed="$speed"><start><spawn_point name="straight"/></start></ego>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+AISA = """\
+<config>
+  <scenario type="lanesdefault" town="Town04"><waypoint name="start" x="1" y="2" z="0" yaw="0"/></scenario>
+</config>
+"""
+
+PROGRAM = """
+import os, signal, sys
+at, number = int(sys.argv[1]), getattr(signal, sys.argv[2])
+del sys.argv[1:3]
+count = 0
+
+def interrupt(event, arguments):
+    global count
+    if event in ("open", "import", "os.mkdir", "os.rename", "compile", "exec"):
+        count += 1
+        if count == at:
+            os.killpg(0, number)
+
+if __name__ == "__main__":
+    from scenario_compiler.__main__ import main
+    sys.addaudithook(interrupt)
+    try:
+        main()
+    finally:
+        print("EVENTS", count, file=sys.stderr)
+"""
+"""The program itself, which gets a signal at the n-th file that it opens, module that it imports, and so on.
+
+The signal goes to the whole group of processes, as a terminal sends it.
+"""
+
+COMMANDS = {
+    "validate": "validate mine.xml",
+    "validate in processes": "validate many --jobs 2",
+    "compile": "compile mine.xml -o plan.json",
+    "run": "run mine.xml --perception ideal -o out --trajectory t.csv",
+    "run with a camera": "run mine.xml -o out --duration 0.3",
+    "report": "report made",
+    "compare": "compare made made",
+    "sweep": "sweep mine.xml --perception ideal --vary speed=values(10,20,30) -o swept",
+    "sweep in processes": "sweep mine.xml --duration 0.3 --vary speed=values(10,20,30) --workers 2 -o swept",
+    "search": "sweep mine.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed --evaluations 5 "
+    "-o found",
+    "list": "list mine.xml",
+    "gallery": "list mine.xml --html gallery.html",
+    "new": "new fresh --from cut_in",
+    "preview": "preview mine.xml -o mine.png",
+    "convert": "convert aisa.xml -o converted.xml",
+    "export": "export mine.xml -o exported.xosc",
+    "map info": "map info highway_loop",
+    "map check": "map check highway_loop",
+    "map plot": "map plot highway_loop -o map.png",
+    "map export": "map export highway_loop --mesh -o map.obj",
+    "explain": "explain SC401",
+    "coverage": "coverage conflict",
+}
+
+WHOLE = {
+    "out": {"events.csv", "map.xodr", "outcome.json", "plan.json", "recording.parquet", "report.html"},
+}
+"""Folders that hold all of their files or none."""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of a run."""
+    from tests.command import call
+
+    folder = tmp_path_factory.mktemp("run")
+    (folder / "mine.xml").write_text(CONFLICT)
+    assert call("run", folder / "mine.xml", "--perception", "ideal", "-o", folder / "made") == 0
+    return folder / "made"
+
+
+@pytest.fixture
+def place(tmp_path: Path, made: Path) -> Path:
+    """A folder with what the commands read."""
+    (tmp_path / "mine.xml").write_text(CONFLICT)
+    (tmp_path / "aisa.xml").write_text(AISA)
+    (tmp_path / "many").mkdir()
+    for number in range(40):
+        (tmp_path / "many" / f"{number}.xml").write_text(CONFLICT)
+    (tmp_path / "made").mkdir()
+    for file in made.iterdir():
+        (tmp_path / "made" / file.name).write_bytes(file.read_bytes())
+    return tmp_path
+
+
+def interrupted(place: Path, command: str, at: int, number: str = "SIGINT") -> tuple[int, str]:
+    """Run a command that is interrupted at its n-th event; return its exit code and what stood on stderr."""
+    words = [sys.executable, "-c", PROGRAM, str(at), number, *command.split()]
+    done = subprocess.run(
+        words, cwd=place, capture_output=True, text=True, timeout=300, check=False, start_new_session=True
+    )
+    return done.returncode, done.stderr
+
+
+def events_of(place: Path, command: str) -> int:
+    """Return how many events a command has when it is not interrupted."""
+    code, told = interrupted(place, command, 10**9)
+    assert code in (0, 1), told
+    return int(told.splitlines()[-1].removeprefix("EVENTS "))
+
+
+def assert_clean(place: Path, before: set[Path], command: str, code: int, told: str) -> None:
+    """Check what an interrupted command has left."""
+    told = "\n".join(line for line in told.splitlines() if not line.startswith("EVENTS"))
+    assert "Traceback" not in told
+    assert "Exception ignored" not in told
+    left = {path.relative_to(place) for path in place.rglob("*")} - before
+    assert [path for path in left if ".tmp" in path.name] == []
+    assert code in (0, 130), told
+    if code == 130:
+        assert [line for line in told.splitlines() if "interrupted" in line] == told.splitlines()[-1:]
+        assert told.startswith("scenario-compiler: interrupted") or "in this process" in told or "processes" in told
+        for folder, files in WHOLE.items():
+            found = {path.name for path in (place / folder).glob("*")}
+            assert found in (set(), files), command
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("share", [0.5, *(pytest.param(one, marks=pytest.mark.slow) for one in (0.02, 0.2, 0.8, 0.99))])
+def test_ctrl_c_is_one_line(place: Path, name: str, share: float) -> None:
+    command = COMMANDS[name]
+    before = {path.relative_to(place) for path in place.rglob("*")}
+    at = EVENTS[name] if name in EVENTS else EVENTS.setdefault(name, count_events(place, command))
+    code, told = interrupted(place, command, max(1, int(share * at)))
+    assert_clean(place, before, command, code, told)
+    assert code == 130 or share > 0.9
+
+
+EVENTS: dict[str, int] = {}
+"""Number of events of each command, counted once."""
+
+
+def count_events(place: Path, command: str) -> int:
+    """Return a command's events, counted in a copy of the folder."""
+    import shutil
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "copy"
+        shutil.copytree(place, copy)
+        return events_of(copy, command)
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+def test_an_interrupted_sweep_is_resumed(place: Path, number: str) -> None:
+    command = COMMANDS["sweep in processes"]
+    at = count_events(place, command)
+    code, told = interrupted(place, command, at * 3 // 4, number)
+    assert code == 130, told
+    assert "interrupted; --resume does the rest" in told
+    assert "Traceback" not in told
+    code, told = interrupted(place, f"{command} --resume", 10**9)
+    assert code == 0, told
+    assert (place / "swept" / "results.parquet").is_file()
+
+
+def test_processes_end_with_the_program(place: Path) -> None:
+    code, _ = interrupted(place, COMMANDS["sweep in processes"], 900)
+    assert code in (0, 130)
+    listed = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
+    assert str(place) not in listed
+
+
+def test_sigterm_ends_any_command_as_ctrl_c_does(place: Path) -> None:
+    code, told = interrupted(place, COMMANDS["run"], 500, "SIGTERM")
+    assert (code, told.splitlines()[0]) == (130, "scenario-compiler: interrupted")
+    assert not (place / "out").exists()
+
+
+def test_a_signal_number_is_what_shells_add() -> None:
+    assert 128 + signal.SIGINT == 130

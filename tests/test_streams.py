@@ -1,0 +1,134 @@
+"""What stdout and stderr are makes no difference to what a command does: closed, broken, of another encoding."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.legible import legible, legible_json, legible_line
+
+GOOD = '<scenarios version="1"><template name="t"/></scenarios>'
+BAD = '<scenarios version="1">' + '<a b="c"/>\n' * 90 + "</scenarios>"
+PROGRAM = f"{sys.executable} -m scenario_compiler"
+
+
+def shell(command: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    """Run a command by a shell in a folder."""
+    return subprocess.run(
+        ["bash", "-c", command], cwd=folder, capture_output=True, timeout=120, check=False, env=os.environ | environment
+    )
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "good.xml").write_text(GOOD)
+    (tmp_path / "bad.xml").write_text(BAD)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("file", "code"), [("good.xml", 0), ("bad.xml", 1)])
+@pytest.mark.parametrize("streams", [">&-", "2>&-", ">&- 2>&-", "<&-", ">&- 2>&- <&-", "> /dev/null 2>&1"])
+def test_closed_streams_are_no_error(folder: Path, file: str, code: int, streams: str) -> None:
+    done = shell(f"{PROGRAM} validate {file} {streams}", folder)
+    assert done.returncode == code
+    assert b"Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(("file", "code"), [("good.xml", 0), ("bad.xml", 1)])
+@pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
+def test_a_reader_that_is_gone_is_no_error(folder: Path, file: str, code: int, form: str) -> None:
+    both = f"{PROGRAM} validate {file} --format {form} 2>&1 | true; echo ${{PIPESTATUS[0]}}"
+    done = shell(both, folder)
+    assert done.stdout.split() == [str(code).encode()]
+    assert done.stderr == b""
+
+
+@pytest.mark.parametrize("command", ["explain SC401", "coverage conflict", "list", "map info town_grid", "--help"])
+def test_no_command_minds_that_nobody_reads(folder: Path, command: str) -> None:
+    done = shell(f"{PROGRAM} {command} | true; echo ${{PIPESTATUS[0]}}", folder)
+    assert (done.stdout.split(), done.stderr) == ([b"0"], b"")
+
+
+def test_a_closed_stdout_is_no_file_of_the_run(folder: Path) -> None:
+    """A file that is opened while stdout is closed must not get its number."""
+    done = shell(f"{PROGRAM} compile good.xml -o plan.json >&-; {PROGRAM} new fresh --from cut_in >&-", folder)
+    assert done.stderr.count(b"Traceback") == 0
+    assert (folder / "fresh.xml").read_text().startswith("<?xml")
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
+def test_what_the_encoding_lacks_is_an_escape(folder: Path, encoding: str) -> None:
+    (folder / "straße–🚗.xml").write_text(BAD)
+    done = shell(f"{PROGRAM} validate *.xml", folder, PYTHONIOENCODING=encoding)
+    assert done.returncode == 1
+    assert b"Traceback" not in done.stderr
+
+
+HOSTILE = {
+    "escape": "\x1b[31mred\x1b[0m\x1b]0;title\x07",
+    "bidi": "a\u202eb\u2066c\u200f",
+    "lines": "a\n::error file=x::b\r\n##[error]c\u2028d\u2029e\x85f",
+    "start": "::error file=x::injected",
+    "vso": "##vso[task.setvariable variable=a]b",
+    "surrogate": "a\udcffb",
+    "nul and bell": "a\x07b\x08c\x7fd\x9b31m",
+}
+
+FORBIDDEN = [
+    chr(number) for number in (*range(9), *range(11, 32), *range(127, 160), 0x61C, 0x200E, 0x200F, 0x2028, 0x2029)
+]
+FORBIDDEN += [chr(number) for number in (*range(0x202A, 0x202F), *range(0x2066, 0x206A), 0xFEFF)]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_nothing_unseen_and_no_command_of_a_build_service_gets_through(name: str) -> None:
+    text = HOSTILE[name]
+    for shown in (legible(text), legible_line(text), legible_json(text.replace("\n", ""))):
+        assert not [one for one in FORBIDDEN if one in shown]
+        shown.encode("utf-8")
+    line = legible_line(text)
+    assert "\n" not in line
+    assert not line.lstrip().startswith("::")
+    assert "##[" not in line
+    assert "##vso[" not in line
+
+
+@pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
+@pytest.mark.parametrize("name", [one for one in HOSTILE if "nul" not in one])
+def test_file_names_reach_no_log_raw(tmp_path: Path, name: str, form: str) -> None:
+    folder = tmp_path / "library"
+    folder.mkdir()
+    hostile = HOSTILE[name].replace("/", "_").replace("\x00", "")
+    (folder / f"{hostile}.xml").write_text(BAD)
+    (folder / "template.xml").write_text(GOOD.replace('"t"', '"&#10;::error::x&#x202e;"'))
+    done = subprocess.run(
+        [sys.executable, "-m", "scenario_compiler", "validate", ".", "--format", form],
+        cwd=folder,
+        capture_output=True,
+        timeout=120,
+        check=False,
+    )
+    told = (done.stdout + done.stderr).decode("utf-8")
+    assert done.returncode == 1
+    assert not [one for one in FORBIDDEN if one in told]
+    for line in told.splitlines():
+        ours = form == "github" and line.startswith(("::error file=", "::warning file="))
+        assert ours or not line.lstrip().startswith("::")
+        assert "##[" not in line
+        assert "##vso[" not in line
+
+
+@pytest.mark.parametrize(
+    "command", ["validate {}", "run {}", "compile {} -o x.json", "list {}", "report {}", "map info {}"]
+)
+def test_a_name_on_the_command_line_is_printed_as_it_can_be_seen(tmp_path: Path, command: str) -> None:
+    words = [sys.executable, "-m", "scenario_compiler", *(w.format("\x1b[2J\u202e::error") for w in command.split())]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, timeout=120, check=False)
+    told = (done.stdout + done.stderr).decode()
+    assert done.returncode in (1, 2)
+    assert not [one for one in FORBIDDEN if one in told]
+    assert "Traceback" not in told

@@ -1,0 +1,417 @@
+"""Reading a file never runs code that it names; code runs when the user has named it, and its faults are findings."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.trust import CodeName, ConfigurationError, Trust, code_name
+from tests.command import call
+
+NAMED = """\
+<scenarios version="1">
+  <scenario name="named" map="highway_loop" duration="0.4">
+    <ego speed="10"><start><spawn_point name="straight"/></start>
+      <controller model="{model}">{properties}</controller></ego>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+MARK = """\
+import pathlib
+pathlib.Path(__file__).with_name("it_ran").touch()
+"""
+
+HOSTILE = MARK + "import sys\nsys.exit(0)\n"
+
+STEERING = (
+    MARK
+    + """
+import pathlib
+from scenario_compiler import Control, ControllerModel, ControllerParams
+
+class Mine(ControllerModel):
+    class Params(ControllerParams):
+        throttle: float = 0.2
+        weights: pathlib.Path = pathlib.Path("none")
+
+    def __init__(self, params):
+        super().__init__(params)
+        if params.weights.name != "none":
+            self.text = params.weights.read_text()
+
+    def control(self, sensor_data, speed, vehicle):
+        return Control(throttle=self.params.throttle, steer=0.0, brake=0.0)
+
+class Failing(Mine):
+    def control(self, sensor_data, speed, vehicle):
+        if sensor_data.t > 0.15:
+            raise RuntimeError("lost\\nthe lane")
+        return super().control(sensor_data, speed, vehicle)
+
+class NotANumber(Mine):
+    def control(self, sensor_data, speed, vehicle):
+        return Control(throttle=float("nan"), steer=0.0, brake=0.0)
+
+class Silent(Mine):
+    def control(self, sensor_data, speed, vehicle):
+        return None
+"""
+)
+
+
+def written(folder: Path, model: str, properties: str = "", code: str = STEERING) -> Path:
+    """Write a scenario that names code, and the code beside it; return the scenario."""
+    (folder / "stranger.py").write_text(code)
+    file = folder / "named.xml"
+    file.write_text(NAMED.format(model=model, properties=properties))
+    return file
+
+
+@pytest.fixture(autouse=True)
+def no_configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The user's configuration folder, empty."""
+    folder = tmp_path / "configuration"
+    for name in [name for name in sys.modules if name.startswith(("stranger", "elsewhere"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(folder))
+    return folder
+
+
+def configure(folder: Path, text: str) -> None:
+    """Write the user's configuration file."""
+    file = folder / "scenario-compiler" / "config.toml"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text)
+
+
+WATCHED = """
+import sys
+allowed = (sys.prefix, sys.base_prefix, {package!r})
+foreign = []
+
+class Watch:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in ("stranger", "no_such_module_anywhere"):
+            foreign.append(name)
+        return None
+
+sys.meta_path.insert(0, Watch())
+from scenario_compiler.cli import main
+try:
+    code = main(sys.argv[1:])
+except SystemExit as end:
+    code = end.code
+outside = [name for name, module in sys.modules.items()
+           if getattr(module, "__file__", None) and not module.__file__.startswith(allowed)]
+print("EXIT", code, "FOREIGN", foreign, outside, file=sys.stderr)
+"""
+
+
+def watched(arguments: Sequence[object], folder: Path) -> tuple[int, str]:
+    """Run a command with the folder's modules importable; return its exit code and what it printed.
+
+    Fails on any import of a module that neither belongs to Python, nor to an installed package, nor to this one.
+    """
+    package = str(Path(__file__).resolve().parent.parent)
+    probe = [sys.executable, "-c", WATCHED.format(package=package), *map(str, arguments)]
+    environment = os.environ | {"PYTHONPATH": str(folder)}
+    done = subprocess.run(probe, capture_output=True, text=True, timeout=120, env=environment, cwd=folder, check=False)
+    last = done.stderr.splitlines()[-1]
+    assert last.endswith("FOREIGN [] []"), done.stderr
+    return int(last.split()[1]), done.stdout + done.stderr
+
+
+OPENSCENARIO_EGO = """\
+<OpenSCENARIO><FileHeader revMajor="1" revMinor="1" date="2026-01-01T00:00:00" description="d" author="a"/>
+<ParameterDeclarations/><CatalogLocations/><RoadNetwork><LogicFile filepath="highway_loop.xodr"/></RoadNetwork>
+<Entities><ScenarioObject name="ego"><Vehicle name="v" vehicleCategory="car"><ParameterDeclarations/>
+<BoundingBox><Center x="1.3" y="0" z="0.7"/><Dimensions width="2" length="4.5" height="1.4"/></BoundingBox>
+<Performance maxSpeed="60" maxAcceleration="5" maxDeceleration="9"/>
+<Axles><FrontAxle maxSteering="0.5" wheelDiameter="0.6" trackWidth="1.7" positionX="2.7" positionZ="0.3"/>
+<RearAxle maxSteering="0" wheelDiameter="0.6" trackWidth="1.7" positionX="0" positionZ="0.3"/></Axles>
+<Properties/></Vehicle>
+<ObjectController><Controller name="scenario_compiler"><ParameterDeclarations/><Properties>
+<Property name="ego/controller/@model" value="stranger:Mine"/><Property name="controller" value="stranger:Mine"/>
+</Properties></Controller></ObjectController></ScenarioObject></Entities>
+<Storyboard><Init><Actions/></Init><StopTrigger/></Storyboard></OpenSCENARIO>
+"""
+
+
+@pytest.mark.parametrize("model", ["stranger:Mine", "stranger.py:Mine", "no_such_module_anywhere.x:Y"])
+@pytest.mark.parametrize(
+    ("command", "code"),
+    [
+        ("validate {file}", 0),
+        ("compile {file} -o {folder}/plan.json", 0),
+        ("export {file} -o {folder}/out.xosc", 0),
+        ("preview {file} -o {folder}/out.png", 0),
+        ("list {file}", 0),
+        ("list {file} --html {folder}/out.html", 0),
+        ("run {file}", 1),
+        ("run {file} -o {folder}/out", 1),
+        ("sweep {file} --vary gap=values(1,2) -o {folder}/swept", 1),
+    ],
+)
+def test_no_command_imports_what_a_file_names(tmp_path: Path, model: str, command: str, code: int) -> None:
+    file = written(tmp_path, model, code=HOSTILE)
+    text = file.read_text().replace("    <ego", '    <parameter name="gap" type="length" default="1"/>\n    <ego')
+    file.write_text(text)
+    left, told = watched(command.format(file=file, folder=tmp_path).split(), tmp_path)
+    assert left == code, told
+    assert not (tmp_path / "it_ran").exists()
+    if not command.startswith("list {file}"):
+        assert "SC507" in told
+        assert "not trusted: its properties were not checked" in told
+    if code == 1:
+        assert f"--trust {model}" in told
+
+
+def test_an_openscenario_file_names_code_in_vain(tmp_path: Path) -> None:
+    (tmp_path / "stranger.py").write_text(HOSTILE)
+    file = tmp_path / "named.xosc"
+    file.write_text(OPENSCENARIO_EGO)
+    for command in ("validate", "list"):
+        watched([command, file], tmp_path)
+    watched(["run", file, "--duration", "0.1"], tmp_path)
+    assert not (tmp_path / "it_ran").exists()
+
+
+def test_an_exported_conflict_names_code_in_vain(tmp_path: Path) -> None:
+    file = written(tmp_path, "stranger:Mine", code=HOSTILE)
+    assert watched(["export", file, "-o", tmp_path / "out.xosc"], tmp_path)[0] == 0
+    assert "stranger:Mine" in (tmp_path / "out.xosc").read_text()
+    left, told = watched(["validate", tmp_path / "out.xosc"], tmp_path)
+    assert (left, "SC507" in told) == (0, True)
+    assert watched(["run", tmp_path / "out.xosc"], tmp_path)[0] == 1
+    assert not (tmp_path / "it_ran").exists()
+
+
+def test_nothing_is_imported_from_the_current_folder(tmp_path: Path) -> None:
+    """`python -m` looks there first: a stranger's folder may hold modules of any name."""
+    file = written(tmp_path, "lane_detection")
+    for name in ("lxml", "pydantic", "numpy", "rich", "tomllib", "difflib", "argparse", "scenario_compiler_data"):
+        (tmp_path / f"{name}.py").write_text(HOSTILE)
+    command = [sys.executable, "-m", "scenario_compiler", "validate", str(file)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (0, "1 file checked, 0 errors\n"), done.stderr
+    assert not (tmp_path / "it_ran").exists()
+
+
+def test_a_module_that_the_command_line_names_is_found_in_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "elsewhere.py").write_text(STEERING)
+    monkeypatch.chdir(tmp_path / "here")
+    assert call("run", written(tmp_path, "lane_detection"), "--controller", "elsewhere:Mine") == 0
+    assert call("run", written(tmp_path, "elsewhere_else:Mine"), "--trust", tmp_path / "named.xml") == 1
+
+
+def test_a_plan_is_data_too(tmp_path: Path) -> None:
+    file = written(tmp_path, "stranger:Mine", code=HOSTILE)
+    plan = tmp_path / "plan.json"
+    assert watched(["compile", file, "-o", plan], tmp_path)[0] == 0
+    for command in (["run", plan], ["sweep", plan, "--vary", "x=values(1,2)", "-o", tmp_path / "s"]):
+        left, told = watched(command, tmp_path)
+        assert (left, "SC507" in told) == (1, True), told
+    assert watched(["export", plan, "-o", tmp_path / "out.xosc"], tmp_path)[0] == 0
+    content = json.loads(plan.read_text())
+    assert content["controller"]["model"] == "stranger:Mine"
+
+
+def test_wrong_properties_are_found_with_trust_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = written(tmp_path, "stranger:Mine", '<property name="throtle" value="0.5"/>')
+    assert call("validate", file) == 0
+    assert "SC504" not in capsys.readouterr().err
+    assert call("validate", file, "--trust", "stranger:Mine") == 1
+    assert "did you mean 'throttle'?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["stranger:Mine", "stranger", "{folder}/stranger.py:Mine", "{folder}/stranger.py"])
+def test_what_the_command_line_names_is_found_beside_the_scenario(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    model = "stranger.py:Mine" if ".py" in name else "stranger:Mine"
+    file = written(tmp_path, model)
+    monkeypatch.chdir("/")
+    assert call("run", file, "--trust", name.format(folder=tmp_path)) == 0
+    assert (tmp_path / "it_ran").exists()
+
+
+def test_a_controller_of_the_command_line_is_trusted_and_found_beside_the_scenario(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "elsewhere.py").write_text(STEERING)
+    file = written(tmp_path, "lane_detection")
+    monkeypatch.chdir("/")
+    assert call("run", file, "--controller", "elsewhere:Mine") == 0
+    assert call("run", file, "--controller", "elsewhere.py:Mine") == 0
+    assert call("run", file, "--controller", f"{tmp_path}/elsewhere.py:Mine", "--perception", "camera") == 0
+    assert call("run", file, "--controller", "nowhere.py:Mine") == 1
+
+
+def test_a_trusted_scenario_file_brings_no_module_from_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(tmp_path, "stranger_beside:Mine")
+    (tmp_path / "stranger_beside.py").write_text(STEERING)
+    assert call("run", file, "--trust", file) == 1
+    assert "SC503" in capsys.readouterr().err
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert call("run", file, "--trust", file) == 0
+
+
+def test_a_trusted_scenario_file_brings_the_python_file_that_it_names(tmp_path: Path) -> None:
+    assert call("run", written(tmp_path, "stranger.py:Mine"), "--trust", tmp_path / "named.xml") == 0
+
+
+def test_the_users_configuration_trusts_for_good(tmp_path: Path, no_configuration: Path) -> None:
+    file = written(tmp_path, "stranger.py:Mine")
+    configure(no_configuration, f'trust = ["{tmp_path}/stranger.py"]')
+    assert call("run", file) == 0
+    configure(no_configuration, 'trust = ["stranger.py", "stranger", "named.xml"]')
+    assert call("run", file) == 1
+    configure(no_configuration, f'trust = ["{file}"]')
+    assert call("run", file) == 1, "a list names code, not scenarios"
+
+
+def test_a_configuration_beside_the_scenario_counts_for_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = written(tmp_path, "stranger.py:Mine", code=HOSTILE)
+    (tmp_path / "config.toml").write_text('trust = ["stranger.py"]')
+    configure(tmp_path, f'trust = ["{tmp_path}/stranger.py"]')
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CONFIG_HOME", ".")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert call("run", file) == 1
+    assert not (tmp_path / "it_ran").exists()
+
+
+@pytest.mark.parametrize("text", ["trust = [", "trust = 3", "trust = [1]", "\udcff"])
+def test_a_configuration_that_cannot_be_read_is_said(
+    tmp_path: Path, no_configuration: Path, capsys: pytest.CaptureFixture[str], text: str
+) -> None:
+    configure(no_configuration, "")
+    (no_configuration / "scenario-compiler" / "config.toml").write_bytes(text.encode(errors="surrogateescape"))
+    for command in ("validate", "run"):
+        assert call(command, written(tmp_path, "stranger:Mine")) == 2
+        assert "config.toml: " in capsys.readouterr().err
+
+
+def test_a_sweep_runs_trusted_code_in_its_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = written(tmp_path, "stranger.py:Mine")
+    file.write_text(
+        file.read_text().replace("    <ego", '    <parameter name="v" type="speed" default="5"/>\n    <ego')
+    )
+    monkeypatch.chdir("/")
+    command = ("sweep", file, "--vary", "v=values(5,6)", "--no-report")
+    assert call(*command, "-o", tmp_path / "refused") == 1
+    assert call(*command, "-o", tmp_path / "done", "--trust", tmp_path / "stranger.py") == 0
+
+
+@pytest.mark.parametrize(
+    ("code", "line", "said"),
+    [
+        ("import sys\n\nsys.exit(0)\n", 3, "SystemExit: 0"),
+        ("def f():\n    raise ValueError('no')\nf()\n", 2, "ValueError: no"),
+        ("x = = 1\n", 1, "SyntaxError"),
+        ("import no_such_package_of_mine\n", 1, "No module named 'no_such_package_of_mine'"),
+        ("raise BaseException\n", 1, "BaseException"),
+    ],
+)
+@pytest.mark.parametrize("command", ["validate", "run"])
+def test_code_that_fails_when_imported_is_a_finding_at_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], code: str, line: int, said: str, command: str
+) -> None:
+    file = written(tmp_path, "stranger.py:Mine", code=code)
+    assert call(command, file, "--trust", file, "--format", "json") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    assert (found["code"], found["file"], found["line"]) == ("SC521", str(tmp_path / "stranger.py"), line)
+    assert said in found["message"]
+    assert "stranger.py:Mine" in found["message"]
+    assert [(one["file"], one["line"]) for one in found["related"]] == [(str(file), 4)]
+
+
+def test_a_path_in_a_property_starts_from_the_scenarios_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(tmp_path, "stranger.py:Mine", '<property name="weights" value="models/net.onnx"/>')
+    monkeypatch.chdir("/")
+    assert call("run", file, "--trust", file, "--format", "json") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    line = STEERING.split("read_text")[0].count("\n") + 1
+    assert found["code"] == "SC521"
+    assert found["message"].startswith(f"controller 'stranger.py:Mine', stranger.py:{line}: FileNotFoundError")
+    assert str(tmp_path / "models" / "net.onnx") in found["message"]
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "net.onnx").write_text("weights")
+    assert call("run", file, "--trust", file) == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("Failing", "RuntimeError: lost"),
+        ("NotANumber", "throttle is nan"),
+        ("Silent", "it returned NoneType, which is no Control"),
+    ],
+)
+def test_a_controller_that_fails_in_a_run_ends_it_and_keeps_the_recording(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, said: str
+) -> None:
+    file = written(tmp_path, f"stranger.py:{name}")
+    assert call("run", file, "--trust", file, "-o", tmp_path / "out", "--format", "json") == 1
+    out, err = capsys.readouterr()
+    (found,) = json.loads(out)
+    assert (found["code"], found["file"]) == ("SC521", str(file))
+    assert found["message"].startswith(f"controller 'stranger.py:{name}', stranger.py:")
+    assert said in found["message"]
+    assert "broke off" in err
+    outcome = json.loads((tmp_path / "out" / "outcome.json").read_text())
+    assert (outcome["result"], outcome["stop_reason"]) == ("error", "controller_failed")
+    if name == "Failing":
+        assert outcome["duration"] == pytest.approx(0.15)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("a:B", CodeName("a", "B")),
+        ("a.b_c:D9", CodeName("a.b_c", "D9")),
+        ("x/y.py:C", CodeName("x/y.py", "C")),
+        ("C:\\lab\\y.py:C", CodeName("C:\\lab\\y.py", "C")),
+        ("lane_detection", None),
+        ("a:b:c", None),
+        (":B", None),
+        ("a:", None),
+        ("a b:C", None),
+        ("../a:C", None),
+    ],
+)
+def test_spelling_of_code(text: str, named: CodeName | None) -> None:
+    assert code_name(text) == named
+
+
+def test_a_package_covers_what_is_in_it_and_nothing_that_begins_alike() -> None:
+    lab, labour = CodeName("lab.steering", "Mine"), CodeName("labour", "Mine")
+    trust = Trust(("lab",))
+    assert trust.allows(lab, "x.xml")
+    assert not trust.allows(labour, "x.xml")
+    assert not Trust(("lab.steering:Other",)).allows(lab, "x.xml")
+    assert not Trust(("",)).allows(lab, "x.xml")
+
+
+def test_a_configuration_is_read_only_where_code_is_named(tmp_path: Path, no_configuration: Path) -> None:
+    configure(no_configuration, "not toml")
+    assert call("validate", written(tmp_path, "lane_detection")) == 0
+    with pytest.raises(ConfigurationError):
+        Trust().allows(CodeName("a", "B"), "x.xml")
