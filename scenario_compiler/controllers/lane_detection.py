@@ -114,10 +114,11 @@ class LaneDetectionController(ControllerModel):
         """Detect the lane in a new image and draw the remembered path towards it."""
         self._seen_at = sensor_data.t
         ahead = vehicle.center + sensor_data.camera.x
+        left = sensor_data.camera.y
         lanes = self._detect(sensor_data, _way_of(sensor_data, ahead), self._travelled(vehicle))
         middle = self._middle(lanes)
         if middle is not None:
-            seen = [(x + ahead, middle(float(x))) for x in range(-2, PATH_LENGTH + 1)]
+            seen = [(x + ahead, middle(float(x)) + left) for x in range(-2, PATH_LENGTH + 1)]
             trust = max(lanes.left.p_geom, lanes.right.p_geom)
             path = _blend(_to_vehicle(self._path, vehicle), seen, ahead + NEAREST, trust, self._bend)
             self._path = _to_world(path, vehicle)
@@ -218,7 +219,7 @@ def _way_of(sensor_data: SensorData, ahead: float) -> list[Point]:
     junction = sensor_data.junction
     if junction is None or junction > ahead + LOOKED_AT[1]:
         return []
-    return [(x - ahead, y) for x, y in sensor_data.route]
+    return [(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route]
 
 
 def _on_way(boundary: Boundary, way: Sequence[Point]) -> Boundary:

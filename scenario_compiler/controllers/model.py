@@ -27,7 +27,7 @@ class ControllerParams(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class CameraMounting:
-    """The camera that the images come from: pixels, rad and m, as in the plan."""
+    """The camera that the images come from: pixels, rad and m, as in the plan (see `perception.camera.Camera`)."""
 
     width: int
     height: int
@@ -35,12 +35,25 @@ class CameraMounting:
     x: float
     z: float
     pitch: float
+    y: float = 0.0
+    yaw: float = 0.0
+    roll: float = 0.0
 
     def camera(self) -> Camera:
         """Return it as perception's camera."""
         from scenario_compiler.perception.camera import Camera
 
-        return Camera(self.width, self.height, self.fov, self.x, self.z, self.pitch)
+        return Camera(
+            width=self.width,
+            height=self.height,
+            fov=self.fov,
+            x=self.x,
+            y=self.y,
+            z=self.z,
+            yaw=self.yaw,
+            pitch=self.pitch,
+            roll=self.roll,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,14 +2,14 @@
 
 Frames used here:
     world    OpenDRIVE's axes: x east, y north, z up, metres.
-    vehicle  x ahead, y left, z up; origin at the reference point (middle of the rear axle, on the ground).
-    Heading, pitch and
-             roll turn about z, y and x in this order, right-handed (ISO 8855): a positive pitch lowers the
+    vehicle  x ahead, y left, z up; origin at the reference point (middle of the rear axle, on the ground). Heading,
+             pitch and roll turn about z, y and x in this order, right-handed (ISO 8855): a positive pitch lowers the
              nose.
-    ground   x ahead, y left, on the plane that the wheels stand on; origin on that plane below the camera.
-    camera   x right, y down, z ahead along the optical axis, metres.
-    image    u right, v down, pixels, with the principal point at (width / 2, height / 2), as CARLA's
-    intrinsics have it.
+    ground   x ahead, y left along the vehicle, on the plane that its wheels stand on; origin on that plane below the
+             camera.
+    camera   x right, y down, z ahead along the optical axis, metres. A point's z is its depth.
+    image    u right, v down, pixels; whole numbers are the middles of pixels, and the principal point is at
+             (width / 2, height / 2), as CARLA's intrinsics have it.
 """
 
 from __future__ import annotations
@@ -29,21 +29,32 @@ Floats = NDArray[np.float64]
 class Camera:
     """A pinhole camera and where it is mounted; by default the AISA toolkit's at half its resolution.
 
+    The mounting is turned by yaw, then pitch, then roll. CARLA's rotations have the same order and the same signs but
+    for yaw, which is clockwise there, as y is to the right.
+
     Attributes:
         width: Columns of the image, pixels.
         height: Rows of the image, pixels.
         fov: Horizontal field of view, rad.
         x: Distance ahead of the centre of the vehicle's bounding box (CARLA's actor origin), m.
+        y: Distance to the left of that centre, m.
         z: Height above the ground, m.
-        pitch: Upward turn of the optical axis, rad; negative looks down, as CARLA's camera pitch does.
+        yaw: Turn of the optical axis to the left, rad; pi looks back.
+        pitch: Upward turn of the optical axis, rad; negative looks down.
+        roll: Turn about the optical axis, rad; positive lowers the camera's right side.
+        windscreen: Whether it looks through a windscreen, on which rain leaves drops.
     """
 
     width: int = 512
     height: int = 256
     fov: float = math.radians(45.0)
     x: float = 0.5
+    y: float = 0.0
     z: float = 1.3
+    yaw: float = 0.0
     pitch: float = math.radians(-5.0)
+    roll: float = 0.0
+    windscreen: bool = True
 
     @property
     def focal(self) -> float:
@@ -52,8 +63,19 @@ class Camera:
 
     @property
     def horizon(self) -> float:
-        """Image row at which the ground plane vanishes, pixels."""
-        return self.height / 2.0 + self.focal * math.tan(self.pitch)
+        """Image row at which the ground plane vanishes in the middle column, pixels."""
+        return self.height / 2.0 + self.focal * math.tan(self.pitch) / math.cos(self.roll)
+
+    @property
+    def rotation(self) -> Floats:
+        """(3, 3) matrix that takes directions from the vehicle's axes to the camera's."""
+        cy, sy = math.cos(self.yaw), math.sin(self.yaw)
+        cp, sp = math.cos(self.pitch), math.sin(self.pitch)
+        cr, sr = math.cos(self.roll), math.sin(self.roll)
+        ahead = np.array([cy * cp, sy * cp, sp])
+        left = np.array([-sy, cy, 0.0])
+        up = np.array([-cy * sp, -sy * sp, cp])
+        return np.array([-(left * cr + up * sr), left * sr - up * cr, ahead])
 
     def view(self, pose: Pose, box_offset: float = 0.0) -> View:
         """Return the camera placed in the world.
@@ -63,9 +85,8 @@ class Camera:
             box_offset: Distance from the reference point ahead to the centre of the bounding box, m.
         """
         axes = vehicle_axes(pose)
-        foot = np.array([pose.x, pose.y, pose.z]) + axes[:, 0] * (box_offset + self.x)
-        rotation = _vehicle_to_camera(self.pitch) @ axes.T
-        return View(self, pose, foot, foot + axes[:, 2] * self.z, rotation)
+        foot = np.array([pose.x, pose.y, pose.z]) + axes[:, 0] * (box_offset + self.x) + axes[:, 1] * self.y
+        return View(self, pose, foot, foot + axes[:, 2] * self.z, self.rotation @ axes.T)
 
     def project_ground(self, x: ArrayLike, y: ArrayLike, pitch: float = 0.0) -> tuple[Floats, Floats]:
         """Return the pixels (u, v) of points on the ground; NaN for points that are not ahead of the lens.
@@ -77,26 +98,14 @@ class Camera:
                 away.
         """
         ahead, left = np.asarray(x, np.float64), np.asarray(y, np.float64)
-        up, cos, sin = -self.z, math.cos(self.pitch + pitch), math.sin(self.pitch + pitch)
-        depth = ahead * cos + up * sin
-        down = ahead * sin - up * cos
-        depth = np.where(depth > 1e-3, depth, np.nan)
-        u = self.width / 2.0 - left / depth * self.focal
-        v = self.height / 2.0 + down / depth * self.focal
+        cos, sin = math.cos(pitch), math.sin(pitch)
+        right, down, depth = self.rotation @ np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
+        height = -self.z
+        far = depth[0] * ahead + depth[1] * left + depth[2] * height
+        far = np.where(far > 1e-3, far, np.nan)
+        u = self.width / 2.0 + (right[0] * ahead + right[1] * left + right[2] * height) / far * self.focal
+        v = self.height / 2.0 + (down[0] * ahead + down[1] * left + down[2] * height) / far * self.focal
         return u, v
-
-    def ground_coordinates(self, first_row: int, reach: float = 400.0) -> tuple[Floats, Floats]:
-        """Return the ground points (x, y), each (height - first_row, width), that the pixels below `first_row` see.
-
-        Rays at or above the horizon are laid down at `reach` metres ahead.
-        """
-        v, u = np.mgrid[first_row : self.height, 0 : self.width].astype(np.float64)
-        right, down = (u - self.width / 2.0) / self.focal, (v - self.height / 2.0) / self.focal
-        cos, sin = math.cos(self.pitch), math.sin(self.pitch)
-        ahead = cos + down * sin
-        fall = down * cos - sin
-        scale = np.minimum(self.z / np.maximum(fall, 1e-9), reach / np.maximum(ahead, 1e-3))
-        return ahead * scale, -right * scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,8 +162,3 @@ def vehicle_axes(pose: Pose) -> Floats:
             [-sp, cp * sr, cp * cr],
         ]
     )
-
-
-def _vehicle_to_camera(pitch: float) -> Floats:
-    cos, sin = math.cos(pitch), math.sin(pitch)
-    return np.array([[0.0, -1.0, 0.0], [sin, 0.0, -cos], [cos, 0.0, sin]])

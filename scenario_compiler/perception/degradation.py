@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 Image = NDArray[np.uint8]
 
 
-SENSOR_NOISE, RAIN, DIRT = 0, 1, 2
-"""Streams of random numbers within one frame; dirt is the same in all."""
+SENSOR_NOISE, RAIN, DIRT, DROPS = 0, 1, 2, 3
+"""Streams of random numbers within one frame; dirt and drops on the windscreen are the same in all."""
 
 DIRT_SIZE = 0.03
 """Size of the blotches of dirt, as a share of the image's width."""

@@ -1,4 +1,4 @@
-"""The ground below the horizon: surfaces and paint drawn as quads, then one world-fixed texture over all of them.
+"""The ground: surfaces and paint drawn as polygons, then one world-fixed texture over all of them.
 
 The texture is laid on the plane that the vehicle's wheels stand on, so it is fixed to the world on flat and
 on evenly graded roads, and slides a little, far ahead, where the grade changes.
@@ -8,37 +8,76 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.camera import Camera, View
-from scenario_compiler.perception.scene import SUBPIXEL, Projected, RoadScene, project
-from scenario_compiler.perception.textures import TEXEL, TILE, ground_tile
-from scenario_compiler.perception.weather_look import Look
+from scenario_compiler.perception.buffers import Buffers
+from scenario_compiler.perception.camera import View, vehicle_axes
+from scenario_compiler.perception.labels import Tag
+from scenario_compiler.perception.lens import Lens
+from scenario_compiler.perception.lighting import Air, Light
+from scenario_compiler.perception.polygons import SUBPIXEL, Floats, Polygon, facing, nearness_planes
+from scenario_compiler.perception.scene import Scene, Seen
+from scenario_compiler.perception.textures import GRAIN, GRASS, PATCH, TEXEL, TILE, WEAR, ground_tile
 from scenario_compiler.roads.mesh import Material, Paint
 
 Image = NDArray[np.uint8]
+Ids = NDArray[np.uint16]
+Table = NDArray[np.float32]
+Spot = tuple[Polygon, float]
+"""A polygon of the image, and the share of the light that a shadow leaves in it, or the light that a lamp adds."""
 
-SURFACE_DISTANCE, MARK_DISTANCE = 220.0, 130.0
-"""How far surfaces and marks are drawn, m; a mark 0.12 m wide covers half a pixel at 150 m."""
+LAYER_LIFT = 0.25
+"""Height by which a surface is taken to lie above one of the next layer below, m, so that of two surfaces at one place
+the right one is drawn last although their heights differ by some centimetres."""
 
-STOREY = 3.0
-"""Height apart, m, from which a road counts as crossing over or under this one (clearances are 4 m and more)."""
+SKY, BARE, FIRST = 0, 1, 2
+"""Numbers in the picture of surfaces: nothing drawn, the plane that the vehicle stands on, the first surface drawn."""
 
-SKY, DECK = 255, 254
-"""Codes in the drawing of surfaces beside `Material`: nothing drawn, the underside of a road."""
+DECK = len(Material)
+"""Material of the underside of a road."""
 
-_ALBEDO = {
-    Material.VERGE: (58, 98, 82),
-    Material.ASPHALT: (79, 80, 80),
-    Material.SHOULDER: (72, 73, 75),
-    Material.CONCRETE: (126, 131, 134),
-    Material.GRASS: (60, 106, 86),
-    Material.CYCLE: (76, 82, 122),
+FINE = 700
+"""Width beyond which the ground's texture is looked up for every second pixel only: the texels are larger there."""
+
+HARD = 3
+"""Channel of an image of the ground that is 255 where it is hard and 0 on a meadow, until it is lit."""
+
+SOFTEST = 64
+"""Widest border of the light of a lamp on the ground, pixels."""
+
+LEAST_WATER = 0.05
+"""Water on the road from which it mirrors."""
+
+LEAST_MIRRORED = 0.02
+"""Share of light from which it is seen that the ground mirrors it."""
+
+HIDDEN_MARGIN, HIDDEN_SHARE = 0.3, 1.03
+"""What counts as in front of a thing: nearer by 0.3 m and 3 %."""
+
+PAINT_SEEN = 0.15
+"""Share of the paint that must be left for it to count as a line in the labels."""
+
+_MATERIALS: dict[int, tuple[tuple[int, int, int], bool, Tag]] = {
+    Material.VERGE: ((58, 98, 82), True, Tag.TERRAIN),
+    Material.ASPHALT: ((79, 80, 80), False, Tag.ROAD),
+    Material.SHOULDER: ((72, 73, 75), False, Tag.ROAD),
+    Material.CONCRETE: ((126, 131, 134), False, Tag.SIDEWALK),
+    Material.GRASS: ((60, 106, 86), True, Tag.TERRAIN),
+    Material.CYCLE: ((76, 82, 122), False, Tag.ROAD),
+    DECK: ((50, 52, 54), False, Tag.BRIDGE),
 }
-_PAINT = {
+"""Colour of each material (blue, green, red), whether it is a meadow, its tag."""
+
+_ALBEDO = np.array([_MATERIALS[k][0] for k in range(DECK + 1)], np.float32)
+_SOFT = np.array([_MATERIALS[k][1] for k in range(DECK + 1)])
+MATERIAL_TAGS = np.array([_MATERIALS[k][2] for k in range(DECK + 1)], np.uint8)
+
+_PAINTS = {
     Paint.WHITE: (227, 227, 227),
     Paint.YELLOW: (50, 172, 209),
     Paint.BLUE: (185, 110, 50),
@@ -48,141 +87,398 @@ _PAINT = {
     Paint.VIOLET: (150, 60, 130),
     Paint.BLACK: (40, 40, 40),
 }
-_SOFT = np.array([Material.VERGE, Material.GRASS], np.uint8)
+_PAINT = np.array([_PAINTS[paint] for paint in Paint], np.float32)
+
+_HARD_WHEN_WET, _SOFT_WHEN_WET = 0.45, 0.15
+"""How much darker water makes hard ground and meadows."""
+
+
+_PUDDLES = (0.8 + 0.4 * np.clip(np.abs(2.0 * np.arange(256) - 230.0), 0, 255) / 255.0).astype(np.float32)
+"""How much more hard ground mirrors in the hollows of its patches, by the texture."""
+
+_MEADOW_MIRRORS = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """The ground that a camera sees. K surfaces.
+
+    Attributes:
+        view: The camera in the world.
+        top: First row of the image in which anything but sky may be seen.
+        surfaces: The surfaces, each before those that cover it.
+        material: (K + FIRST,) uint8 material by id, a `Material` or DECK; that of SKY means nothing. On hilly maps
+            (2 K + FIRST,): after the surfaces come the slopes below them, which are verge.
+        marks: The paint, each mark before those that cover it.
+        lens: What the camera sees of the plane that the vehicle stands on.
+    """
+
+    view: View
+    top: int
+    surfaces: Seen
+    material: NDArray[np.uint8]
+    marks: Seen
+    lens: Lens
+
+    @cached_property
+    def ids(self) -> Ids:
+        """(height, width) uint16, what is seen in each pixel: SKY, BARE, or `FIRST` and the number of a surface.
+
+        Numbers that go on after the surfaces are those of the slopes below them.
+        """
+        ids = np.zeros((self.view.camera.height, self.view.camera.width), np.uint16)
+        ids[self.lens.top :] = self.lens.sees_ground
+        for k, shape in enumerate(self.surfaces.shapes, FIRST):
+            cv2.fillConvexPoly(ids, shape, k, cv2.LINE_8, SUBPIXEL)
+        _fill_below_hills(ids[self.top : self.lens.sky_rows], self.material)
+        return ids
+
+
+@dataclass(frozen=True, eq=False)
+class Spots:
+    """What shades the ground in some places and lights it in others."""
+
+    shadows: Sequence[Spot] = ()
+    beams: Sequence[Spot] = ()
 
 
 class Ground:
     """Draws the ground of one scene for one camera."""
 
-    def __init__(self, scene: RoadScene, camera: Camera) -> None:
+    def __init__(self, scene: Scene, lens: Lens, buffers: Buffers) -> None:
         """Prepare what depends on neither pose nor weather."""
-        self.scene = scene
-        self.camera = camera
-        self.relief = scene.relief
-        horizon = min(max(math.ceil(camera.horizon) + 1, 0), camera.height)
-        self.top = 0 if self.relief else min(horizon, camera.height - 1)
-        self.sky_rows = horizon - self.top
-        x, y = camera.ground_coordinates(self.top)
-        self.x, self.y = x.astype(np.float32), y.astype(np.float32)
-        row_distance = self.x[:, :1]
-        footprint = row_distance**2 / (camera.z * camera.focal)
-        self.grain_gain = (0.384 * np.clip(1.1 - footprint / 0.12, 0, 1)).astype(np.float32)
-        self.patch_gain = np.clip(1.1 - footprint / 1.5, 0, 1).astype(np.float32)
-        self.wear_gain = np.clip(1.2 - footprint / 0.35, 0, 1).astype(np.float32)
-        self.row_distance = row_distance
-        albedo = np.zeros((256, 1, 3), np.uint8)
-        for material, colour in _ALBEDO.items():
-            albedo[material, 0] = colour
-        albedo[DECK, 0] = (50, 52, 54)
-        self.albedo = albedo
-        self.hard = np.full(256, 255, np.uint8)
-        self.hard[_SOFT] = 0
-        self.paint = np.array([_PAINT[paint] for paint in Paint], np.float32)
+        self.scene, self.lens, self.buffers = scene, lens, buffers
+        self.camera = lens.camera
+        self.step = 2 if self.camera.width > FINE else 1
+        coarse = (slice(None, None, self.step), slice(None, None, self.step))
+        self.x, self.y = (np.ascontiguousarray(table[coarse]) for table in (lens.x, lens.y))
+        self.distance = np.ascontiguousarray(lens.distance[coarse])
+        footprint = lens.footprint[coarse]
+        self.grain = (0.384 * np.clip(1.1 - footprint / 0.12, 0, 1)).astype(np.float32)
+        self.patch = np.clip(1.1 - footprint / 1.5, 0, 1).astype(np.float32)
+        self.wear = np.clip(1.2 - footprint / 0.35, 0, 1).astype(np.float32)
 
-    def draw(self, view: View, look: Look) -> tuple[Image, Image, Image]:
-        """Return the ground before lighting, (rows, width, 3), from row `top` on.
+    def trace(self, view: View, surfaces: Seen, marks: Seen) -> Traced:
+        """Put surfaces and marks into the order in which they are drawn, and drop the marks that a hill hides."""
+        layer, relief = self.scene.layer[surfaces.index], self.scene.relief
+        if relief:
+            surfaces, from_below = _from_far(view, surfaces, layer)
+            bridge = self.scene.bridge[surfaces.index]
+        else:
+            surfaces = surfaces.only(np.argsort(layer, kind="stable"))
+            from_below = bridge = np.zeros(len(layer), np.bool_)
+        count = len(layer)
+        material = np.full(FIRST + (2 * count if relief else count), Material.VERGE, np.uint8)
+        below = np.where(bridge, np.uint8(DECK), np.uint8(Material.VERGE))
+        material[FIRST : FIRST + count] = np.where(from_below, below, self.scene.material[surfaces.index])
+        top = self.lens.top
+        if relief:
+            highest = min((int(shape[:, 1].min()) for shape in surfaces.shapes), default=top << SUBPIXEL)
+            top = min(max((highest >> SUBPIXEL) - 1, 0), top)
+        marks = marks.only(np.argsort(-marks.middle[2], kind="stable"))
+        traced = Traced(view, top, surfaces, material, marks, self.lens)
+        if not relief:
+            return traced
+        seen = ~hidden(traced.ids, surfaces, marks.points, view)
+        return replace(traced, marks=marks.only(np.flatnonzero(seen)))
+
+    def paint(self, traced: Traced) -> tuple[Image, Image | None]:
+        """Draw the paint.
 
         Returns:
-            The image; the codes of what is seen, (rows, width), `Material`, SKY or DECK; the texture's
-            patches, (rows, width).
+            (height, width, 4) uint8 coverage, and coverage times quality, whose ratio is quality up to the rim; the
+            other channels are 0, because OpenCV smooths the edges in images of one, three or four channels only;
+            (height, width) uint8 a `Paint`, None where all is white.
         """
-        codes = np.full(self.x.shape, Material.VERGE, np.uint8)
-        codes[: self.sky_rows] = SKY
-        paint = np.zeros((*self.x.shape, 2), np.uint8)
-        colours = np.zeros(self.x.shape, np.uint8)
-        self._draw_quads(view, codes, paint, colours)
-        if self.relief:
-            self._ground_below_hills(codes)
-        if colours.any():
-            colours = np.asarray(cv2.dilate(colours, np.ones((3, 3), np.uint8)), np.uint8)
-        grain, wear, patch, grass = (np.asarray(c, np.uint8) for c in cv2.split(self._texture(view)))
-        image = self._shade(codes, grain, patch, grass, look)
-        self._apply_paint(image, paint, colours, grain, wear, look)
-        return image, codes, patch
-
-    def _draw_quads(self, view: View, codes: Image, paint: Image, colours: Image) -> None:
-        scene = self.scene
-        ground = project(view, scene.surface_grid, SURFACE_DISTANCE, self.top)
-        lines = project(view, scene.mark_grid, MARK_DISTANCE, self.top)
-        if not self.relief:
-            self._fill(ground, np.arange(len(ground.index)), codes)
-            self._mark(lines, np.arange(len(lines.index)), paint, colours)
-            return
-        bridge = ground.from_below & (ground.height > STOREY)
-        for k in np.nonzero(bridge & (scene.material[ground.index] != Material.VERGE))[0].tolist():
-            cv2.fillConvexPoly(codes, ground.polygons[k], DECK, cv2.LINE_8, SUBPIXEL)
-        for below in (True, False):
-            level = ~ground.from_below & ((ground.height < -STOREY) == below)
-            self._fill(ground, np.nonzero(level)[0], codes, (paint, colours) if paint.any() else ())
-            level = ~lines.from_below & ((lines.height < -STOREY) == below)
-            self._mark(lines, np.nonzero(level)[0], paint, colours)
-
-    def _ground_below_hills(self, codes: Image) -> None:
-        """Turn sky below a piece of ground that rises over the horizon into ground; below a bridge it stays."""
-        strip = codes[: self.sky_rows]
-        solid = strip < DECK
-        if solid.any():
-            strip[np.logical_or.accumulate(solid, axis=0) & (strip == SKY)] = Material.VERGE
-
-    def _fill(self, ground: Projected, chosen: NDArray[np.int64], codes: Image, covered: Sequence[Image] = ()) -> None:
-        """Draw surfaces, the lower layers first; they cover paint that lies below them, on a road underneath."""
-        index = ground.index[chosen]
-        order = np.argsort(self.scene.layer[index], kind="stable")
-        for k, material in zip(chosen[order].tolist(), self.scene.material[index[order]].tolist(), strict=True):
-            cv2.fillConvexPoly(codes, ground.polygons[k], material, cv2.LINE_8, SUBPIXEL)
-            for image in covered:
-                cv2.fillConvexPoly(image, ground.polygons[k], (0, 0), cv2.LINE_8, SUBPIXEL)
-
-    def _mark(self, lines: Projected, chosen: NDArray[np.int64], paint: Image, colours: Image) -> None:
-        """Draw into `paint` coverage and coverage times quality, whose ratio is quality up to the rim."""
-        marks = self.scene.marks
-        index = lines.index[chosen]
-        coverage = 255.0 * np.minimum(lines.thickness[chosen], 1.0)
-        left = coverage * np.clip(marks.quality[index], 0.0, 1.0)
-        tones = marks.colour[index]
-        for k, full, part, tone in zip(chosen.tolist(), coverage.tolist(), left.tolist(), tones.tolist(), strict=True):
+        table, marks = self.scene.marks, traced.marks
+        coverage = 255.0 * np.minimum(marks.thickness, 1.0)
+        left = coverage * np.clip(table.quality[marks.index], 0.0, 1.0)
+        tones = table.colour[marks.index]
+        paint = self.buffers.get("paint", (self.camera.height, self.camera.width, 4), np.uint8)
+        paint.fill(0)
+        colours = np.zeros(paint.shape[:2], np.uint8) if tones.any() else None
+        for shape, full, part, tone in zip(marks.shapes, coverage.tolist(), left.tolist(), tones.tolist(), strict=True):
             if part < 2.0:
                 continue
-            polygon = lines.polygons[k]
-            cv2.fillConvexPoly(paint, polygon, (full, part), cv2.LINE_AA, SUBPIXEL)
-            if tone:
-                cv2.fillConvexPoly(colours, polygon, tone, cv2.LINE_8, SUBPIXEL)
+            cv2.fillConvexPoly(paint, shape, (full, part), cv2.LINE_AA, SUBPIXEL)
+            if colours is not None:
+                cv2.fillConvexPoly(colours, shape, tone, cv2.LINE_8, SUBPIXEL)
+        return paint, None if colours is None else np.asarray(cv2.dilate(colours, np.ones((3, 3), np.uint8)), np.uint8)
+
+    def shade(self, traced: Traced, weather: GroundWeather, spots: Spots, into: Image) -> Table | None:
+        """Draw the ground in its light, before what the air adds.
+
+        Args:
+            traced: The ground.
+            weather: The weather.
+            spots: Shadows, and light from lamps.
+            into: (height, width, 4) the image; where there is sky, anything may be drawn.
+
+        Returns:
+            The share of light that the ground mirrors, for rows from `lens.top` on as far as it can be seen, in steps
+            of `step` pixels; None where it is dry.
+        """
+        first = self.lens.top
+        palette = weather.palette(traced)
+        into.view(np.uint32)[first:] = palette[BARE].view(np.uint32)
+        for shape, colour in zip(traced.surfaces.shapes, palette[FIRST:].tolist(), strict=False):
+            cv2.fillConvexPoly(into, shape, colour, cv2.LINE_8, SUBPIXEL)
+        if traced.top < first:
+            hills = np.take(weather.hills(traced), traced.ids[traced.top : first])
+            into[traced.top : first] = hills.view(np.uint8).reshape(*hills.shape, 4)
+        below = into[first:]
+        texture = self._texture(traced.view)
+        hard = self.buffers.get("hard", self.x.shape, np.uint8)
+        np.copyto(hard, below[:: self.step, :: self.step, HARD])
+        gain, mirror = weather.gain(texture, hard)
+        shadow, beam = self._shadow(spots.shadows), self._beam(spots.beams)
+        if shadow is not None:
+            cv2.multiply(gain, shadow, gain, scale=1.0 / 255.0)
+        if beam is not None:
+            cv2.add(gain, beam, gain)
+        if self.step > 1:
+            gain = np.asarray(cv2.resize(gain, below.shape[1::-1], self.buffers.get("gain", below.shape[:2], np.uint8)))
+        four = self.buffers.get("four", into.shape, np.uint8)[first:]
+        cv2.multiply(below, cv2.merge((gain, gain, gain, gain), four), below, scale=1.0 / 128.0)
+        self._apply_paint(below, traced, texture, (shadow, beam), weather)
+        return mirror
+
+    def _shadow(self, spots: Sequence[Spot]) -> Image | None:
+        """Return the share of the light that shadows leave, of 255, by the texture's pixels; None without any."""
+        if not spots:
+            return None
+        shift = SUBPIXEL + self.step - 1
+        first = np.array((0, self.lens.top << SUBPIXEL), np.int32)
+        left = self.buffers.get("shadow", self.x.shape, np.uint8)
+        left.fill(255)
+        for polygon, share in spots:
+            cv2.fillConvexPoly(left, polygon - first, 255.0 * share, cv2.LINE_AA, shift)
+        return left
+
+    def _beam(self, spots: Sequence[Spot]) -> Image | None:
+        """Return the light that lamps add, 128 for that of a clear noon, by the texture's pixels; None without any."""
+        if not spots:
+            return None
+        light = self.buffers.get("beam", self.x.shape, np.uint8)
+        light.fill(0)
+        for polygon, strength in spots:
+            _add_beam(light, polygon - np.array((0, self.lens.top << SUBPIXEL), np.int32), strength, self.step)
+        return light
 
     def _texture(self, view: View) -> Image:
         heading = view.pose.heading
-        cos, sin = math.cos(heading) / TEXEL, math.sin(heading) / TEXEL
-        foot = view.foot - self.scene.origin
-        x0, y0 = float(foot[0] / TEXEL % TILE), float(foot[1] / TEXEL % TILE)
-        column = cv2.addWeighted(self.x, cos, self.y, -sin, x0)
-        row = cv2.addWeighted(self.x, sin, self.y, cos, y0)
-        tile = ground_tile()
-        return np.asarray(cv2.remap(tile, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP), np.uint8)
+        cos, sin = math.cos(heading) / (TEXEL * TILE), math.sin(heading) / (TEXEL * TILE)
+        foot = (view.foot - self.scene.origin) / (TEXEL * TILE)
+        shape = self.x.shape
+        column, row, whole = (self.buffers.get(name, shape, np.float32) for name in ("column", "row", "whole"))
+        cv2.addWeighted(self.x, cos, self.y, -sin, float(foot[0] % 1.0), column)
+        cv2.addWeighted(self.x, sin, self.y, cos, float(foot[1] % 1.0), row)
+        for table in (column, row):
+            np.subtract(table, np.floor(table, out=whole), out=table)
+            np.multiply(table, np.float32(TILE), out=table)
+        texels = self.buffers.get("texels", (*shape, 4), np.uint8)
+        cv2.remap(ground_tile(), column, row, cv2.INTER_LINEAR, texels, borderMode=cv2.BORDER_WRAP)
+        return texels
 
-    def _shade(self, codes: Image, grain: Image, patch: Image, grass: Image, look: Look) -> Image:
-        """Return albedo times texture; wet ground is darker."""
-        hard, soft = 1.0 - 0.45 * look.wet, 1.0 - 0.15 * look.wet
-        road = (grain.astype(np.float32) - 128.0) * (self.grain_gain * hard)
-        road += (patch.astype(np.float32) - 128.0) * (self.patch_gain * (0.384 * hard))
-        road += 128.0 * hard
-        meadow = (grass.astype(np.float32) - 128.0) * (self.patch_gain * (0.576 * soft))
-        meadow += 128.0 * soft
-        cv2.copyTo(road, cv2.LUT(codes, self.hard), meadow)
-        gain = cv2.convertScaleAbs(meadow)
-        base = cv2.LUT(cv2.merge((codes, codes, codes)), self.albedo)
-        return np.asarray(cv2.multiply(base, cv2.merge((gain, gain, gain)), scale=1.0 / 128.0), np.uint8)
+    def _apply_paint(
+        self,
+        image: Image,
+        traced: Traced,
+        texture: Image,
+        lit_by: tuple[Image | None, Image | None],
+        weather: GroundWeather,
+    ) -> None:
+        """Blend paint over the ground where there is any: it wears away in patches, as the wear texture says.
 
-    def _apply_paint(self, image: Image, paint: Image, colours: Image, grain: Image, wear: Image, look: Look) -> None:
-        """Blend paint over the ground where there is any: it wears away in patches, as the wear texture says."""
-        rows, columns = np.nonzero(paint[:, :, 0])
-        if not len(rows):
+        Args:
+            image: The ground from row `lens.top` on; it is changed.
+            traced: What is seen.
+            texture: The ground's texture.
+            lit_by: What shadows leave of the light and what lamps add to it (see `_shadow` and `_beam`).
+            weather: The weather.
+        """
+        first, width = self.lens.top, self.camera.width
+        covered, tones = self.paint(traced)
+        paint = covered.view(np.uint32)[first:].ravel()
+        place = np.flatnonzero(np.not_equal(paint, 0, out=self.buffers.get("painted", paint.shape, np.bool_)))
+        if not len(place):
             return
-        coverage = paint[rows, columns, 0].astype(np.float32)
-        quality = paint[rows, columns, 1] / coverage
-        near = self.wear_gain[rows, 0]
-        eroded = np.clip((quality * 1.12 - wear[rows, columns] / np.float32(255.0)) * 7.0 + 0.4, 0, 1)
+        coarse = place
+        if self.step > 1:
+            row, column = np.divmod(place, width)
+            coarse = row // self.step * texture.shape[1] + column // self.step
+        coverage, part = paint[place].view(np.uint8).reshape(-1, 4).T[:2, None].astype(np.float32)
+        texels = texture.view(np.uint32).ravel()[coarse].view(np.uint8).reshape(-1, 4)
+        quality = part / coverage
+        near = self.wear.ravel()[coarse]
+        eroded = np.clip((quality * 1.12 - texels[:, WEAR] * np.float32(1.0 / 255.0)) * 7.0 + 0.4, 0, 1)
         left = (eroded * near + quality * (1.0 - near)) * (0.45 + 0.55 * quality)
-        alpha = (coverage / np.float32(255.0) * left * np.float32(look.contrast))[:, None]
-        rough = 1.0 + (grain[rows, columns].astype(np.float32) - 128.0) * (0.0042 * self.grain_gain[rows, 0])
-        target = self.paint[colours[rows, columns]] * rough[:, None]
-        below = image[rows, columns].astype(np.float32)
-        image[rows, columns] = np.clip(below + alpha * (target - below), 0, 255).astype(np.uint8)
+        alpha = cv2.convertScaleAbs(coverage * left, alpha=weather.contrast)
+        rough = 1.0 + (texels[:, GRAIN] - np.float32(128.0)) * (np.float32(0.0042) * self.grain.ravel()[coarse])
+        shadow, beam = (None if one is None else one.ravel()[coarse] for one in lit_by)
+        light = weather.light.ravel()[coarse]
+        if shadow is not None:
+            light *= shadow * np.float32(1.0 / 255.0)
+        if beam is not None:
+            light += beam * np.float32(1.0 / 128.0)
+        lit = cv2.convertScaleAbs((rough * light)[None], alpha=128.0)
+        pixels = image.view(np.uint32).ravel()
+        below = pixels[place].view(np.uint8).reshape(1, -1, 4)
+        colours = np.zeros(len(place), np.uint8) if tones is None else tones[first:].ravel()[place]
+        target = np.take(weather.paint, colours).view(np.uint8).reshape(1, -1, 4)
+        full = cv2.multiply(target, cv2.merge((lit,) * 4), scale=1.0 / 128.0)
+        mixed = cv2.multiply(full, cv2.merge((alpha,) * 4), scale=1.0 / 255.0)
+        rest = cv2.bitwise_not(alpha)
+        mixed = cv2.add(mixed, cv2.multiply(below, cv2.merge((rest,) * 4), scale=1.0 / 255.0))
+        pixels[place] = mixed.view(np.uint32).ravel()
+
+
+class GroundWeather:
+    """What one weather makes of the ground of one camera."""
+
+    def __init__(self, ground: Ground, light: Light) -> None:
+        """Fold the light and the air's veil into the tables of the texture."""
+        look = light.look
+        self._luminance, self._air, self._buffers = look.luminance, Air(look), ground.buffers
+        self.contrast = look.contrast
+        seen = self._air.seen(ground.distance)
+        self.light = light.at(ground.x, ground.y) * seen
+        patch = np.float32(0.384) * ground.patch
+        self._road = (
+            ground.grain * self.light,
+            patch * self.light,
+            (128.0 - 128.0 * (ground.grain + patch)) * self.light,
+        )
+        meadow = np.float32(0.576) * ground.patch
+        self._meadow = meadow * self.light, (128.0 - 128.0 * meadow) * self.light
+        wet = np.where(_SOFT, 1.0 - _SOFT_WHEN_WET * look.wet, 1.0 - _HARD_WHEN_WET * look.wet)
+        self._colours = _ALBEDO * wet[:, None] * look.tint
+        self._palette = _packed(self._colours).view(np.uint8).reshape(-1, 4)
+        self._palette[:, HARD] = np.where(_SOFT, 0, 255)
+        self.paint = _packed(_PAINT * look.tint)
+        veil = self._air.colour * (1.0 - self._air.seen(ground.lens.distance))[..., None]
+        self.veil = np.zeros((*veil.shape[:2], 4), np.uint8)
+        self.veil[..., :3] = np.rint(veil)
+        self._mirror: Table | None = None
+        if look.wet > LEAST_WATER:
+            depression = np.degrees(np.arctan2(np.float32(ground.camera.z), ground.distance))
+            mirror = 0.75 * np.exp(-depression / 2.6) * np.float32(look.wet) * seen
+            rows = np.flatnonzero((mirror > LEAST_MIRRORED).any(axis=1))
+            self._mirror = mirror[: rows[-1] + 1] if len(rows) else None
+
+    def palette(self, traced: Traced) -> NDArray[np.uint8]:
+        """Return for each id its colour in full light and 255 where it is hard ground, (K + FIRST, 4)."""
+        return self._palette[traced.material]
+
+    def hills(self, traced: Traced) -> NDArray[np.uint32]:
+        """Return the colour of each id where it rises over the plane that the vehicle stands on, light and veil done.
+
+        Such ground is far away: its texture cannot be seen, and all of a surface is seen through the same air.
+        """
+        middle = traced.surfaces.middle
+        away = np.sqrt((middle * middle).sum(axis=0)).astype(np.float32)
+        distance = np.concatenate([np.full(FIRST, 150.0, np.float32), away, away])
+        seen = self._air.seen(distance)[:, None]
+        lit = self._colours[traced.material] * self._luminance
+        return _packed(lit * seen + self._air.colour * (1.0 - seen))
+
+    def gain(self, texture: Image, hard: Image) -> tuple[Image, Table | None]:
+        """Return the brightness of the ground, 128 for that of its colour, and the share of light that it mirrors."""
+        shape, get = hard.shape, self._buffers.get
+        road, meadow, part = (get(name, shape, np.float32) for name in ("road", "meadow", "whole"))
+        channel = get("channel", shape, np.uint8)
+        a, b, rest = self._road
+        cv2.multiply(cv2.extractChannel(texture, GRAIN, channel), a, road, dtype=cv2.CV_32F)
+        patch = cv2.extractChannel(texture, PATCH, get("patch", shape, np.uint8))
+        road += np.asarray(cv2.multiply(patch, b, part, dtype=cv2.CV_32F), np.float32)
+        road += rest
+        c, base = self._meadow
+        cv2.multiply(cv2.extractChannel(texture, GRASS, channel), c, meadow, dtype=cv2.CV_32F)
+        meadow += base
+        cv2.copyTo(road, hard, meadow)
+        mirror = None
+        if self._mirror is not None:
+            rows = len(self._mirror)
+            mirror, rest = road[:rows], part[:rows]
+            mirror.fill(_MEADOW_MIRRORS)
+            cv2.copyTo(cv2.LUT(patch[:rows], _PUDDLES), hard[:rows], mirror)
+            mirror *= self._mirror
+            meadow[:rows] *= np.subtract(np.float32(1.0), mirror, out=rest)
+        return np.asarray(cv2.convertScaleAbs(meadow, channel), np.uint8), mirror
+
+
+def bare_plane(view: View) -> Floats:
+    """Return the coefficients (3,) of 1 / depth of the plane that the vehicle stands on."""
+    up = view.rotation @ vehicle_axes(view.pose)[:, 2]
+    return np.asarray(-up / max(view.camera.z, 1e-3))
+
+
+def hidden(ids: Ids, surfaces: Seen, points: Floats, view: View) -> NDArray[np.bool_]:
+    """Return which things are hidden by the ground: of half of their corners or more, a surface lies in front.
+
+    Args:
+        ids: The picture of surfaces.
+        surfaces: The surfaces in it.
+        points: (3, N, K) corners of K things, camera axes.
+        view: The camera in the world.
+    """
+    camera = view.camera
+    planes = nearness_planes(surfaces.points)
+    depth = np.maximum(points[2], 1e-3)
+    x, y = points[0] / depth, points[1] / depth
+    u = np.rint(np.clip(x * camera.focal + camera.width / 2.0, -1, camera.width)).astype(np.int64)
+    v = np.rint(np.clip(y * camera.focal + camera.height / 2.0, -1, camera.height)).astype(np.int64)
+    inside = (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height) & (points[2] > 0.0)
+    there = np.where(inside, ids[np.where(inside, v, 0), np.where(inside, u, 0)], SKY).astype(np.int64)
+    inside &= (there >= FIRST) & (there < FIRST + len(surfaces.index))
+    a, b, c = planes[:, np.where(inside, there - FIRST, 0)] if planes.size else np.zeros((3, *there.shape))
+    in_front = inside & ((a * x + b * y + c) * (depth - HIDDEN_MARGIN) > HIDDEN_SHARE)
+    return np.asarray(2 * in_front.sum(axis=0) >= len(depth))
+
+
+def _from_far(view: View, surfaces: Seen, layer: NDArray[np.uint8]) -> tuple[Seen, NDArray[np.bool_]]:
+    """Return the surfaces in the order in which they cover each other, and which of them show their underside.
+
+    A level surface below the eye is covered by higher ones alone, one above it by lower ones: a line of sight that
+    falls meets the higher one first. So the height apart from the eye decides.
+    """
+    height = view.rotation[:, 2] @ surfaces.middle
+    order = np.argsort(LAYER_LIFT * layer - np.abs(height), kind="stable")
+    surfaces = surfaces.only(order)
+    return surfaces, facing(surfaces.points)
+
+
+def _fill_below_hills(strip: Ids, material: NDArray[np.uint8]) -> None:
+    """Turn sky below a piece of ground that rises over the horizon into the slope below it; below a bridge it stays."""
+    if not len(strip):
+        return
+    solid = (strip >= FIRST) & (material[strip] != DECK)
+    if not solid.any():
+        return
+    rows = np.arange(len(strip))[:, None]
+    last = np.maximum.accumulate(np.where(solid, rows, -1), axis=0)
+    sky = np.nonzero((last >= 0) & (strip == SKY))
+    strip[sky] = strip[last[sky], sky[1]] + (len(material) - FIRST) // 2
+
+
+def _add_beam(light: Image, polygon: Polygon, strength: float, step: int) -> None:
+    """Add the light of a lamp in a polygon, with soft borders; `light` is in steps of pixels, the polygon is not."""
+    shift = SUBPIXEL + step - 1
+    low, high = polygon.min(axis=0) >> shift, polygon.max(axis=0) >> shift
+    soft = np.minimum((high - low) // 3 + 1, SOFTEST)
+    x0, y0 = np.maximum(low - soft - 1, 0).tolist()
+    x1, y1 = np.minimum(high + soft + 2, light.shape[1::-1]).tolist()
+    if x1 - x0 < 2 or y1 - y0 < 2:
+        return
+    part = light[y0:y1, x0:x1]
+    mask = np.zeros(part.shape, np.uint8)
+    corner = np.array((x0, y0), np.int32) << shift
+    cv2.fillConvexPoly(mask, polygon - corner, 128.0 * strength, cv2.LINE_AA, shift)
+    cv2.add(part, np.asarray(cv2.blur(mask, soft.tolist()), np.uint8), part)
+
+
+def _packed(colours: NDArray[np.floating]) -> NDArray[np.uint32]:
+    """Return colours (N, 3), blue, green, red, as four bytes each."""
+    whole = np.zeros((len(colours), 4), np.uint8)
+    whole[:, :3] = np.clip(np.rint(colours), 0, 255)
+    return whole.view(np.uint32)[:, 0]

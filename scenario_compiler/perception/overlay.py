@@ -79,11 +79,11 @@ def compose(
     """
     sensor = sensor if sensor is not None else Camera()
     picture, inset = view_image.copy(), camera_image.copy()
-    ahead = sensor.x - driver.x
-    for image, camera, shift in ((picture, driver, ahead), (inset, sensor, 0.0)):
+    apart = sensor.x - driver.x, sensor.y - driver.y
+    for image, camera, shift in ((picture, driver, apart), (inset, sensor, (0.0, 0.0))):
         if path is not None:
-            points = np.asarray(path, np.float64).reshape(-1, 2)
-            _polyline(image, camera, points[:, 0] + shift, points[:, 1], PURPLE)
+            points = np.asarray(path, np.float64).reshape(-1, 2) + shift
+            _polyline(image, camera, points[:, 0], points[:, 1], PURPLE)
         if lane is not None:
             _draw_boundaries(image, camera, lane, shift)
     _set_in(picture, inset)
@@ -94,7 +94,7 @@ def compose(
 def draw_lanes(image: Image, lane: LaneResult, camera: Camera) -> Image:
     """Return the camera's image with the detected boundaries drawn in; the image is left as it is."""
     drawn = image.copy()
-    _draw_boundaries(drawn, camera, lane, 0.0)
+    _draw_boundaries(drawn, camera, lane, (0.0, 0.0))
     return drawn
 
 
@@ -106,14 +106,14 @@ def encode_png(image: Image) -> bytes:
     return data.tobytes()
 
 
-def _draw_boundaries(image: Image, camera: Camera, lane: LaneResult, shift: float) -> None:
+def _draw_boundaries(image: Image, camera: Camera, lane: LaneResult, shift: tuple[float, float]) -> None:
     for boundary, p in ((lane.left, lane.p_left), (lane.right, lane.p_right)):
         _boundary(image, camera, boundary, p, shift)
 
 
-def _boundary(image: Image, camera: Camera, boundary: Boundary, p: float, shift: float) -> None:
+def _boundary(image: Image, camera: Camera, boundary: Boundary, p: float, shift: tuple[float, float]) -> None:
     x = np.arange(5.0, max(boundary.x_range[1], 12.0) + 0.1, 0.5)
-    _polyline(image, camera, x + shift, boundary.y(x), GREEN if p >= 0.3 else FAINT)
+    _polyline(image, camera, x + shift[0], boundary.y(x) + shift[1], GREEN if p >= 0.3 else FAINT)
 
 
 def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: Colour) -> None:

@@ -1,85 +1,207 @@
 """A first-person image of the road, drawn on the CPU with OpenCV alone, in eight-bit steps and a fixed order.
 
 Equal arguments give equal bytes on one platform and version of OpenCV, with any number of threads; between
-versions single grey levels differ. A frame of 512 x 256 pixels takes 4 to 12 ms of one core, in a town as on a lone
-road, and 4 ms more with sensor noise.
+versions single grey levels differ.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from types import MappingProxyType
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.atmosphere import Atmosphere
+from scenario_compiler.perception.buffers import Buffers
 from scenario_compiler.perception.camera import Camera, View
-from scenario_compiler.perception.degradation import RAIN, generator
-from scenario_compiler.perception.ground import SKY, Ground
-from scenario_compiler.perception.scene import RoadScene
-from scenario_compiler.perception.sky import Sky
-from scenario_compiler.perception.solids import Box, draw_boxes, draw_shadows, far_to_near
+from scenario_compiler.perception.glare import Glare
+from scenario_compiler.perception.ground import (
+    BARE,
+    FIRST,
+    MATERIAL_TAGS,
+    PAINT_SEEN,
+    SKY,
+    Ground,
+    GroundWeather,
+    Traced,
+    bare_plane,
+)
+from scenario_compiler.perception.labels import FARTHEST_DEPTH, Tag
+from scenario_compiler.perception.lens import Lens
+from scenario_compiler.perception.lighting import Air, Light
+from scenario_compiler.perception.polygons import SUBPIXEL, nearness_planes
+from scenario_compiler.perception.rain import add_rain
+from scenario_compiler.perception.reflection import Reflection
+from scenario_compiler.perception.scene import Scene
+from scenario_compiler.perception.sky import TREE, Sky, panorama_of
+from scenario_compiler.perception.solids import (
+    Box,
+    Faces,
+    Placed,
+    draw_faces,
+    faces_of,
+    place,
+    spots_of,
+)
 from scenario_compiler.perception.weather_look import Look
 
 Image = NDArray[np.uint8]
 
+HALF = 127
+"""Coverage over which more than half of a pixel is covered."""
+
 
 class Renderer:
-    """Draws one scene for one camera. It keeps only what can be recomputed: nothing of a frame reaches the next."""
+    """Draws one scene for one camera. It keeps only what can be recomputed: nothing of a frame reaches the next.
 
-    def __init__(self, scene: RoadScene, camera: Camera) -> None:
+    Its working memory is used again for each picture: one renderer draws in one thread at a time.
+    """
+
+    def __init__(self, scene: Scene, camera: Camera) -> None:
         """Prepare what depends on neither pose nor weather."""
-        self.camera = camera
-        self.ground = Ground(scene, camera)
-        self._weather: tuple[Look, Sky, Atmosphere] | None = None
-        x, y = self.ground.x, self.ground.y
-        reach = np.exp(-((y / (2.2 + 0.16 * x)) ** 2)) * np.exp(-((x / 34.0) ** 2))
-        self._beam = (reach * np.clip((x - 1.5) / 5.0, 0, 1)).astype(np.float32)
+        self.scene, self.camera = scene, camera
+        self.lens = Lens(camera)
+        self.buffers = Buffers()
+        self.ground = Ground(scene, self.lens, self.buffers)
+        self.sky = Sky(self.lens, self.buffers)
+        self.glare = Glare(self.lens, self.buffers)
+        self.reflection = Reflection(self.lens, self.buffers)
+        self._weather: _Weather | None = None
 
-    def render(self, view: View, boxes: Sequence[Box], look: Look, seed: int, frame_index: int) -> Image:
-        """Return the image (height, width, 3), BGR.
+    def draw(
+        self, view: View, boxes: Sequence[Box], look: Look, signals: Mapping[str, str] = MappingProxyType({})
+    ) -> Drawing:
+        """Find out what is seen where; image and labels are made of it when they are asked for.
 
         Args:
             view: The camera in the world; its camera must be this renderer's.
             boxes: Everybody else, in any order.
             look: The weather.
-            seed: Seed of the run; with `frame_index` it places the streaks of rain.
+            signals: States of traffic lights by their id, as scenarios write them; others are dark.
+        """
+        surfaces, marks, uprights = self.scene.seen(view)
+        traced = self.ground.trace(view, surfaces, marks)
+        placed = place(view, boxes)
+        faces = faces_of(placed, traced, uprights, self.scene, look, signals)
+        return Drawing(self, self._weather_of(look), traced, placed, faces)
+
+    def _weather_of(self, look: Look) -> _Weather:
+        if self._weather is None or self._weather.look != look:
+            self._weather = _Weather(self.ground, look)
+        return self._weather
+
+
+class _Weather:
+    """What a renderer prepares for one weather."""
+
+    def __init__(self, ground: Ground, look: Look) -> None:
+        self.look = look
+        self.light, self.air = Light(ground.camera, look), Air(look)
+        self.ground = GroundWeather(ground, self.light)
+        self.panorama = panorama_of(look)
+
+
+class Drawing:
+    """What one camera sees at one instant: the picture, and for each pixel its depth, kind and thing.
+
+    All are made of the same polygons in the same order, each when it is first asked for. A pixel that lies partly on
+    one thing and partly on another is labelled as the nearer one, and has a colour between both.
+    """
+
+    def __init__(self, renderer: Renderer, weather: _Weather, traced: Traced, placed: Placed, faces: Faces) -> None:
+        """Keep what was found."""
+        self._renderer, self._weather = renderer, weather
+        self._traced, self._placed, self._faces = traced, placed, faces
+
+    def image(self, seed: int, frame_index: int) -> Image:
+        """Return the image (height, width, 3), BGR.
+
+        Args:
+            seed: Seed of the run; with `frame_index` it places rain.
             frame_index: Number of the frame.
         """
-        sky, atmosphere = self._weather_of(look)
-        boxes = far_to_near(view, boxes)
-        top = self.ground.top
-        ground, codes, patch = self.ground.draw(view, look)
-        draw_shadows(ground, top, view, boxes, look)
-        image = np.empty((self.camera.height, self.camera.width, 3), np.uint8)
-        image[: sky.rows] = sky.facing(view.pose.heading)[: sky.rows]
-        self._light(ground, look)
-        if self.ground.sky_rows:
-            cv2.copyTo(ground, np.where(codes == SKY, np.uint8(0), np.uint8(255)), image[top:])
-        else:
-            image[top:] = ground
-        image = atmosphere.glow(image, view.pose.heading)
-        silhouettes = draw_boxes(image, view, boxes, look)
-        atmosphere.reflect(image, codes, self.ground.hard, patch)
-        image = atmosphere.veil(image, silhouettes)
-        return atmosphere.rain(image, generator(seed, frame_index, RAIN))
+        part, weather, look, traced = self._renderer, self._weather, self._weather.look, self._traced
+        view, camera = traced.view, part.camera
+        image = part.buffers.get("image", (camera.height, camera.width, 4), np.uint8)
+        mirror = part.ground.shade(traced, weather.ground, spots_of(self._placed, view, weather.light), image)
+        near = image[part.lens.top :]
+        if mirror is not None:
+            part.reflection.add(near, mirror, weather.panorama, view, self._faces, weather.light)
+        cv2.add(near, weather.ground.veil, near)
+        self._draw_sky(image)
+        part.glare.add(image, view.pose.heading, look)
+        draw_faces(image, view, self._faces, weather.light, weather.air)
+        add_rain(image, camera, look, seed, frame_index, part.buffers)
+        return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGRA2BGR), np.uint8)
 
-    def _light(self, ground: Image, look: Look) -> None:
-        """Light the ground in place: by the sun, and by the vehicle's own headlights when the sun is low."""
-        if look.sun_altitude < 8.0:
-            share = 0.8 * min(max((8.0 - look.sun_altitude) / 12.0, 0.0), 1.0) * (1.0 - look.luminance)
-            gain = look.luminance + self._beam * np.float32(share)
-            blue, green, red = (float(t) for t in look.tint)
-            lit = cv2.merge((gain * blue, gain * green, gain * red))
-            cv2.multiply(ground, lit, ground, dtype=cv2.CV_8U)
+    def _draw_sky(self, image: Image) -> None:
+        """Draw the sky where no ground is seen."""
+        part, traced = self._renderer, self._traced
+        heading, rows = traced.view.pose.heading, part.sky.rows
+        if rows <= traced.top:
+            part.sky.draw(self._weather.panorama, heading, image[:rows])
             return
-        table = np.clip(np.arange(256, dtype=np.float32)[:, None] * (look.luminance * look.tint), 0, 255)
-        cv2.LUT(ground, table.astype(np.uint8).reshape(256, 1, 3), ground)
+        sky = part.buffers.get("four", image.shape, np.uint8)[:rows]
+        part.sky.draw(self._weather.panorama, heading, sky)
+        cv2.copyTo(sky, (traced.ids[:rows] == SKY).view(np.uint8), image[:rows])
 
-    def _weather_of(self, look: Look) -> tuple[Sky, Atmosphere]:
-        if self._weather is None or self._weather[0] != look:
-            sky = Sky(self.camera, look)
-            distance = np.ascontiguousarray(self.ground.row_distance[self.ground.sky_rows :, 0])
-            self._weather = (look, sky, Atmosphere(self.camera, look, distance, sky.haze))
-        return self._weather[1], self._weather[2]
+    @cached_property
+    def depth(self) -> NDArray[np.float32]:
+        """(height, width) distance of each pixel along the optical axis, m, `FARTHEST_DEPTH` at most."""
+        camera, traced = self._renderer.camera, self._traced
+        slopes = traced.surfaces.points[:, :, : len(traced.material) - FIRST - len(traced.surfaces.index)]
+        points = np.concatenate([traced.surfaces.points, slopes, self._faces.points], axis=2)
+        planes = np.zeros((points.shape[2] + FIRST, 4), np.float32)
+        planes[BARE, :3] = bare_plane(traced.view)
+        planes[FIRST:, :3] = nearness_planes(points).T
+        bounds = np.full((len(planes), 2), 1.0 / FARTHEST_DEPTH, np.float32)
+        bounds[BARE, 1] = np.inf
+        corners = np.maximum(points[2], 1e-2)
+        bounds[FIRST:, 0], bounds[FIRST:, 1] = 1.0 / corners.max(axis=0), 1.0 / corners.min(axis=0)
+        ids = self._ids.astype(np.intp)
+        plane, bound = np.take(planes, ids, axis=0), np.take(bounds, ids, axis=0)
+        x = ((np.arange(camera.width) - camera.width / 2.0) / camera.focal).astype(np.float32)
+        y = ((np.arange(camera.height) - camera.height / 2.0) / camera.focal).astype(np.float32)[:, None]
+        nearness = plane[..., 0] * x + plane[..., 1] * y + plane[..., 2]
+        nearness = np.minimum(np.maximum(nearness, bound[..., 0]), bound[..., 1])
+        far = nearness <= np.float32(1.0 / FARTHEST_DEPTH)
+        return np.where(far, np.float32(FARTHEST_DEPTH), np.float32(1.0) / np.where(far, np.float32(1.0), nearness))
+
+    @cached_property
+    def semantic(self) -> NDArray[np.uint8]:
+        """(height, width) uint8, what kind of thing each pixel shows, a `Tag`."""
+        part, traced, ids = self._renderer, self._traced, self._ids
+        first = len(traced.material)
+        tags = np.concatenate([MATERIAL_TAGS[traced.material], self._faces.tags])
+        tags[SKY] = Tag.SKY
+        semantic = np.take(tags, ids.astype(np.intp))
+        paint, _ = part.ground.paint(traced)
+        full, left = paint[..., 0], paint[..., 1]
+        painted = np.flatnonzero((full > HALF).ravel())
+        painted = painted[left.ravel()[painted] > PAINT_SEEN * full.ravel()[painted]]
+        ground = painted[ids.ravel()[painted] < first]
+        semantic.ravel()[ground[ids.ravel()[ground] >= BARE]] = Tag.ROAD_LINE
+        rows = part.sky.rows
+        sky = part.buffers.get("four", (part.camera.height, part.camera.width, 4), np.uint8)[:rows]
+        part.sky.draw(self._weather.panorama, traced.view.pose.heading, sky)
+        semantic[:rows][(sky[..., TREE] > HALF) & (ids[:rows] == SKY)] = Tag.VEGETATION
+        return np.asarray(semantic, np.uint8)
+
+    @cached_property
+    def instance(self) -> NDArray[np.int32]:
+        """(height, width) int32, which thing each pixel shows.
+
+        The number that a box was given, a negative one for a thing of the map (see `roadside`), 0 for ground and sky.
+        """
+        numbers = np.concatenate([np.zeros(len(self._traced.material), np.int32), self._faces.instances])
+        return np.asarray(np.take(numbers, self._ids.astype(np.intp)), np.int32)
+
+    @cached_property
+    def _ids(self) -> NDArray[np.uint16]:
+        """(height, width) which polygon each pixel shows: those of the ground as `Traced.ids` has them, then faces."""
+        ids = self._traced.ids.copy()
+        for k, shape in enumerate(self._faces.shapes, len(self._traced.material)):
+            cv2.fillConvexPoly(ids, shape, k, cv2.LINE_8, SUBPIXEL)
+        return ids

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import Camera, View
 from scenario_compiler.perception.degradation import Degradation, Sensor
-from scenario_compiler.perception.render import Renderer
-from scenario_compiler.perception.scene import RoadScene
+from scenario_compiler.perception.render import Drawing, Renderer
+from scenario_compiler.perception.roadside import roadside_of
+from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.perception.solids import Box
 from scenario_compiler.perception.weather_look import WeatherNumbers, look_of
 from scenario_compiler.roads.mesh import road_marks, road_surface
@@ -21,9 +23,12 @@ if TYPE_CHECKING:
     from scenario_compiler.roads.network import Network
 
 
-def scene_of(network: Network, secondary: Sequence[SecondaryLine] = ()) -> RoadScene:
+def scene_of(network: Network, secondary: Sequence[SecondaryLine] = ()) -> Scene:
     """Return the scene of a network with lines beside its marks, to be shared by the cameras of one run."""
-    return RoadScene(road_surface(network), road_marks(network, secondary=secondary))
+    beside = roadside_of(network)
+    return Scene(
+        road_surface(network), joined_marks(road_marks(network, secondary=secondary), beside.marks), beside.uprights
+    )
 
 
 class RoadCamera:
@@ -34,7 +39,7 @@ class RoadCamera:
 
     def __init__(
         self,
-        network: Network | RoadScene,
+        network: Network | Scene,
         camera: Camera | None = None,
         seed: int = 1,
         box_offset: float = 1.4,
@@ -42,13 +47,13 @@ class RoadCamera:
         """Prepare the scene and the drawing.
 
         Args:
-            network: The roads; a `RoadScene` where several cameras share one (see `scene_of`).
+            network: The roads; a `Scene` where several cameras share one (see `scene_of`).
             camera: The camera and its mounting, the default camera when None.
             seed: Seed of the run, for noise and rain.
             box_offset: Distance from the vehicle's reference point ahead to the centre of its bounding box,
                 m.
         """
-        self.scene = network if isinstance(network, RoadScene) else scene_of(network)
+        self.scene = network if isinstance(network, Scene) else scene_of(network)
         self.camera = camera if camera is not None else Camera()
         self.seed = seed
         self.box_offset = box_offset
@@ -59,8 +64,31 @@ class RoadCamera:
         """Return where the camera is when the vehicle's reference point has this pose."""
         return self.camera.view(pose, self.box_offset)
 
+    def draw(
+        self,
+        pose: Pose,
+        objects: Sequence[Box],
+        weather: WeatherNumbers,
+        signals: Mapping[str, str] = MappingProxyType({}),
+    ) -> Drawing:
+        """Return what the camera sees: the image as the optics deliver it, depth, kinds and things.
+
+        Args:
+            pose: Pose of the vehicle's reference point.
+            objects: Everybody else.
+            weather: CARLA's weather numbers.
+            signals: States of traffic lights by their id, as scenarios write them; others are dark.
+        """
+        return self._renderer.draw(self.view(pose), objects, look_of(weather), signals)
+
     def frame(
-        self, pose: Pose, objects: Sequence[Box], weather: WeatherNumbers, state: Degradation | float, frame_index: int
+        self,
+        pose: Pose,
+        objects: Sequence[Box],
+        weather: WeatherNumbers,
+        state: Degradation | float,
+        frame_index: int,
+        signals: Mapping[str, str] = MappingProxyType({}),
     ) -> NDArray[np.uint8]:
         """Return the image (height, width, 3) uint8, BGR.
 
@@ -70,8 +98,9 @@ class RoadCamera:
             weather: CARLA's weather numbers.
             state: What is wrong with the camera; a number is the standard deviation of its noise, grey levels.
             frame_index: Number of the frame.
+            signals: States of traffic lights (see `draw`).
         """
-        image = self._renderer.render(self.view(pose), objects, look_of(weather), self.seed, frame_index)
+        image = self.draw(pose, objects, weather, signals).image(self.seed, frame_index)
         wrong = state if isinstance(state, Degradation) else Degradation(sigma=state)
         return self._sensor.deliver(image, wrong, frame_index)
 

@@ -1,101 +1,283 @@
-"""The static scene as quads in square cells: quick to draw from, so that a town costs what a village does."""
+"""Everything that stands still on a map, as quads in square cells, so that a town costs what a village does.
+
+Three kinds of quads make a scene: surfaces (lanes, the verge beside them), marks (paint on them) and uprights (faces of
+poles, signs, walls, buildings, trees).
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import View
+from scenario_compiler.perception.polygons import Floats, Index, Polygon, facing, flatten, thickness
 from scenario_compiler.roads.mesh import Marks, Surface
 
 CELL = 32.0
 """Side of a cell, m: about a fifth of the distance drawn, so that few quads outside the view are touched."""
 
-NEAR = 0.3
-"""Distance of the near plane, m."""
+SURFACE_DISTANCE, MARK_DISTANCE, UPRIGHT_DISTANCE = 220.0, 130.0, 220.0
+"""How far surfaces, marks and uprights are drawn, m; a mark 0.12 m wide covers half a pixel at 150 m."""
 
-SUBPIXEL = 4
-"""Fractional bits of polygon corners handed to OpenCV."""
+SMALLEST = 0.4
+"""Least size of an upright that is drawn, pixels."""
 
-Polygon = NDArray[np.int32]
+STOREY, BELOW_CELL = 3.0, 4.0
+"""Height over another road from which a road is a bridge there (clearances are 4 m and more), and the side of the
+cells in which roads are compared, m."""
+
+RELIEF = 0.3
+"""Difference of height from which a scene counts as hilly, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Uprights:
+    """Faces that stand up. N faces.
+
+    Attributes:
+        quads: (N, 4, 3) float32, m from the origin; seen from the front, corners run counter-clockwise.
+        colour: (N, 3) float64 blue, green, red before lighting, shade included.
+        tag: (N,) uint8, a `labels.Tag`.
+        instance: (N,) int32 number of the thing that the face belongs to.
+        two_sided: (N,) bool, the face is seen from behind too.
+        lamp: (N,) uint8, 0 where the face is no lamp of a traffic light, else 1 for red, 2 for yellow, 3 for green.
+        place: (N, 2) float32 where the face stands, m from the origin: its middle, or that of the board it is part of.
+        signals: Instances of the traffic lights by their id in the road file.
+        origin: (3,) float64, world, m.
+    """
+
+    quads: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 4, 3), np.float32))
+    colour: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    tag: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, np.uint8))
+    instance: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
+    two_sided: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_))
+    lamp: NDArray[np.uint8] = field(default_factory=lambda: np.empty(0, np.uint8))
+    place: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2), np.float32))
+    signals: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
 
 
 class QuadGrid:
     """Quads sorted into square cells by their centres."""
 
-    def __init__(self, quads: NDArray[np.float32], origin: NDArray[np.float64] | None = None) -> None:
+    def __init__(self, quads: NDArray[np.float32], origin: Floats | None = None) -> None:
         """Sort quads of shape (N, 4, 3), m from an origin (3,) in the world, the world's own when None."""
-        self.quads = quads
         self.origin = np.zeros(3) if origin is None else origin
-        self.centres = quads[:, :, :2].mean(axis=1)
-        self.reach = float(np.abs(quads[:, :, :2] - self.centres[:, None]).max()) if len(quads) else 0.0
+        self.corners = np.ascontiguousarray(quads.transpose(2, 1, 0))
+        self.centres = self.corners[:2].mean(axis=1)
+        away = self.corners[:2] - self.centres[:, None]
+        self.reach = np.sqrt((away * away).sum(axis=0)).max(axis=0, initial=0.0)
         cells = np.floor(self.centres / CELL).astype(np.int64)
-        self.order = np.lexsort((cells[:, 1], cells[:, 0]))
-        cells = cells[self.order]
-        first = np.nonzero(np.any(np.diff(cells, axis=0, prepend=cells[:1] - 1) != 0, axis=1))[0]
-        ends = np.append(first, len(cells))[1:]
-        self.cells = {(int(cells[a, 0]), int(cells[a, 1])): self.order[a:b] for a, b in zip(first, ends, strict=True)}
+        self.low = cells.min(axis=1) if len(quads) else np.zeros(2, np.int64)
+        self.span = int(np.ptp(cells[1])) + 3 if len(quads) else 1
+        keys = self._key(cells[0], cells[1])
+        self.order = np.argsort(keys, kind="stable")
+        self.keys = keys[self.order]
 
-    def ahead(self, view: View, distance: float) -> NDArray[np.int64]:
+    def near(self, view: View, distance: float) -> Index:
         """Return, in ascending order, the quads that may be seen within `distance` metres of the camera."""
-        x, y = float(view.position[0] - self.origin[0]), float(view.position[1] - self.origin[1])
-        low_i, high_i = math.floor((x - distance) / CELL), math.floor((x + distance) / CELL)
-        low_j, high_j = math.floor((y - distance) / CELL), math.floor((y + distance) / CELL)
-        cells = self.cells
-        found = [
-            cells[i, j]
-            for i in range(low_i, high_i + 1)
-            for j in range(low_j, high_j + 1)
-            if (i, j) in cells and _may_see(view, (i + 0.5) * CELL - x, (j + 0.5) * CELL - y, self.reach)
-        ]
+        eye = view.position[:2] - self.origin[:2]
+        margin = float(self.reach.max(initial=0.0)) + CELL
+        inwards = field_of_view(view)
+        first, last = np.floor((eye[0] + np.array([-distance, distance])) / CELL).astype(np.int64)
+        columns = np.arange(first, last + 1)
+        from_eye = np.stack([columns * CELL, (columns + 1) * CELL]) - eye[0]
+        low, high = np.full(len(columns), -distance), np.full(len(columns), distance)
+        for x, y in inwards:
+            rest = -margin - np.maximum(from_eye[0] * x, from_eye[1] * x)
+            if y > 1e-9:
+                low = np.maximum(low, rest / y)
+            elif y < -1e-9:
+                high = np.minimum(high, rest / y)
+            else:
+                high = np.where(rest > 0.0, -np.inf, high)
+        seen = low <= high
+        bounds = np.floor((np.stack([low, high])[:, seen] + eye[1]) / CELL).astype(np.int64)
+        bounds = np.clip(bounds, self.low[1] - 1, self.low[1] + self.span - 2)
+        begin = np.searchsorted(self.keys, self._key(columns[seen], bounds[0]))
+        end = np.searchsorted(self.keys, self._key(columns[seen], bounds[1]), side="right")
+        found = [self.order[a:b] for a, b in zip(begin.tolist(), end.tolist(), strict=True) if b > a]
         if not found:
             return np.empty(0, np.int64)
-        near = np.concatenate(found)
-        offset = self.centres[near] - (x, y)
-        depth, side = _along(view, offset[:, 0], offset[:, 1])
-        spread = math.tan(view.camera.fov / 2.0) * 1.1
-        keep = (depth > -self.reach) & (depth < distance) & (np.abs(side) < depth * spread + 2.0 * self.reach + 2.0)
-        return np.sort(near[keep])
+        index = np.concatenate(found)
+        dx, dy = self.centres[:, index] - eye[:, None].astype(np.float32)
+        reach = self.reach[index]
+        kept = dx * dx + dy * dy < np.square(reach + np.float32(distance))
+        for x, y in inwards:
+            kept &= np.float32(x) * dx + np.float32(y) * dy > -reach
+        return np.sort(index[kept])
+
+    def _key(self, i: Index, j: Index) -> Index:
+        return np.asarray((i - self.low[0]) * self.span + (j - self.low[1]) + 1)
+
+
+def field_of_view(view: View) -> list[tuple[float, float]]:
+    """Return the normals (x, y), pointing inwards, of the upright planes through the eye that bound the view.
+
+    There is none for a camera that looks so far up or down that it may see ground in every direction.
+    """
+    camera = view.camera
+    half = camera.width / 2.0 / camera.focal, camera.height / 2.0 / camera.focal
+    right, down, ahead = view.rotation.tolist()
+    size = math.hypot(ahead[0], ahead[1])
+    if size < 0.2:
+        return []
+    corners = []
+    for x, y in ((-half[0], -half[1]), (-half[0], half[1]), (half[0], -half[1]), (half[0], half[1])):
+        east, north = (x * right[k] + y * down[k] + ahead[k] for k in (0, 1))
+        along = (east * ahead[0] + north * ahead[1]) / size
+        if along <= 0.02:
+            return []
+        beside = (north * ahead[0] - east * ahead[1]) / size / along
+        corners.append((beside, east / math.hypot(east, north), north / math.hypot(east, north)))
+    _, right_x, right_y = min(corners)
+    _, left_x, left_y = max(corners)
+    return [(left_y, -left_x), (-right_y, right_x)]
 
 
 @dataclass(frozen=True, eq=False)
-class Projected:
-    """Quads in the image.
+class Seen:
+    """Quads of one kind in the image. K quads.
 
     Attributes:
-        index: (K,) which quads, nearest last.
-        polygons: For each of them its corners, (corners, 2), in units of 2**-SUBPIXEL pixels.
-        thickness: (K,) area by longest side, pixels: how thin a mark looks.
-        from_below: (K,) bool, the quad's underside is seen.
-        height: (K,) mean height over the ground that the vehicle stands on, m.
+        index: (K,) which of their kind.
+        shapes: For each of them its corners in the image, (corners, 2), in units of 2**-SUBPIXEL pixels.
+        points: (3, 4, K) corners in camera axes.
+        pixels: (2, 4, K) corners in pixels; they mean nothing where `whole` is False.
+        whole: (K,) bool, the quad lies before the near plane.
     """
 
-    index: NDArray[np.int64]
-    polygons: list[Polygon]
-    thickness: NDArray[np.float64]
-    from_below: NDArray[np.bool_]
-    height: NDArray[np.float64]
+    index: Index
+    shapes: list[Polygon]
+    points: Floats
+    pixels: Floats
+    whole: NDArray[np.bool_]
+
+    def only(self, chosen: Index) -> Seen:
+        """Return some of the quads, in the order of `chosen`."""
+        return Seen(
+            self.index[chosen],
+            [self.shapes[k] for k in chosen.tolist()],
+            self.points[:, :, chosen],
+            self.pixels[:, :, chosen],
+            self.whole[chosen],
+        )
+
+    @property
+    def middle(self) -> Floats:
+        """(3, K) middles, camera axes."""
+        return np.asarray(self.points.mean(axis=1))
+
+    @property
+    def thickness(self) -> Floats:
+        """(K,) area by longest side, pixels: how thin a mark looks; infinite next to the camera."""
+        return np.where(self.whole, thickness(self.pixels), np.inf)
 
 
-class RoadScene:
-    """Everything that stands still: the road's surface and its paint."""
+class Scene:
+    """Everything that stands still, prepared once for a map.
 
-    def __init__(self, surface: Surface, marks: Marks) -> None:
-        """Index the quads. Neighbouring lanes of one material are joined: the picture is the same and comes sooner."""
+    Attributes:
+        surface: The roads' surface as it was given.
+        material: (S,) material of each surface, a `Material`.
+        layer: (S,) what lies on what where surfaces overlap: larger lies on top.
+        bridge: (S,) bool, the surface lies over another one.
+        relief: Whether surfaces differ in height.
+        marks: The paint.
+        uprights: What stands beside the roads.
+        origin: (3,) point of the world that quads count from, m.
+        grid: All quads by place: surfaces, marks, uprights.
+    """
+
+    def __init__(self, surface: Surface, marks: Marks, uprights: Uprights | None = None) -> None:
+        """Index the quads. Neighbouring lanes of one material are joined: the picture is the same and comes sooner.
+
+        Args:
+            surface: The roads' surface.
+            marks: The paint; its origin is that of the surface.
+            uprights: What stands beside the roads; its origin is that of the surface.
+        """
+        self.surface = surface
         quads, kept = _joined(surface)
         self.material = surface.material[kept]
         self.layer = surface.layer[kept]
-        self.relief = bool(len(quads)) and float(np.ptp(quads[:, :, 2])) > 0.3
+        self.relief = bool(len(quads)) and float(np.ptp(quads[:, :, 2])) > RELIEF
+        self.bridge = _over_others(quads) if self.relief else np.zeros(len(quads), np.bool_)
         self.marks = marks
+        self.uprights = uprights if uprights is not None else Uprights(origin=surface.origin)
         self.origin = surface.origin
-        self.surface_grid = QuadGrid(quads, surface.origin)
-        self.mark_grid = QuadGrid(marks.quads, marks.origin)
+        self.grid = QuadGrid(np.concatenate([quads, marks.quads, self.uprights.quads]), surface.origin)
+        self._starts = np.cumsum([0, len(quads), len(marks.quads), len(self.uprights.quads)])
+        reach = (SURFACE_DISTANCE, MARK_DISTANCE, UPRIGHT_DISTANCE)
+        self._distance = np.repeat(np.array(reach), np.diff(self._starts))
+
+    def seen(self, view: View) -> tuple[Seen, Seen, Seen]:
+        """Return the surfaces, the marks and the uprights before the camera, each in ascending order."""
+        index = self.grid.near(view, max(SURFACE_DISTANCE, MARK_DISTANCE, UPRIGHT_DISTANCE))
+        x, y, z = points = self._in_camera(view, index)
+        camera = view.camera
+        right, down = camera.width / 2.0 / camera.focal * z, camera.height / 2.0 / camera.focal * z
+        out = (x - right).min(axis=0) > 0.0
+        out |= (x + right).max(axis=0) < 0.0
+        out |= (y - down).min(axis=0) > 0.0
+        out |= (y + down).max(axis=0) < 0.0
+        out |= z.min(axis=0) > self._distance[index]
+        kept = np.flatnonzero(~out)
+        index, points = index[kept], points[:, :, kept]
+        flat = flatten(points, camera)
+        index, points = index[flat.index], points[:, :, flat.index]
+        ends = np.searchsorted(index, self._starts).tolist()
+        surfaces, marks, uprights = (
+            Seen(
+                index[a:b] - self._starts[kind],
+                flat.shapes[a:b],
+                points[:, :, a:b],
+                flat.pixels[:, :, a:b],
+                flat.whole[a:b],
+            )
+            for kind, (a, b) in enumerate(pairwise(ends))
+        )
+        return surfaces, marks, self._shown(uprights)
+
+    def _in_camera(self, view: View, index: Index) -> Floats:
+        """Return the corners of quads in camera axes, (3, 4, K)."""
+        shift = self.origin - view.position
+        corners = self.grid.corners[:, :, index].reshape(3, -1) + shift[:, None]
+        return (view.rotation @ corners).reshape(3, 4, -1)
+
+    def _shown(self, uprights: Seen) -> Seen:
+        """Return the uprights that show their face and are large enough to be seen."""
+        if not len(uprights.index):
+            return uprights
+        shown = self.uprights.two_sided[uprights.index] | facing(uprights.points)
+        size = np.ptp(uprights.pixels, axis=1).max(axis=0)
+        return uprights.only(np.flatnonzero(shown & (~uprights.whole | (size > SMALLEST))))
 
 
-def _joined(surface: Surface) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+def _over_others(quads: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Return which quads (N, 4, 3) lie over others, by at least a storey."""
+    points = np.concatenate([quads, quads.mean(axis=1, keepdims=True)], axis=1)
+    cells = np.floor(points[..., :2] / BELOW_CELL).astype(np.int64)
+    cells -= cells.min(axis=(0, 1))
+    keys, place = np.unique(cells[..., 0] * (int(cells[..., 1].max()) + 1) + cells[..., 1], return_inverse=True)
+    lowest = np.full(len(keys), np.inf)
+    np.minimum.at(lowest, place.ravel(), points[..., 2].ravel())
+    return np.asarray((points[..., 2] - lowest[place.reshape(points.shape[:2])] > STOREY).any(axis=1))
+
+
+def joined_marks(first: Marks, second: Marks) -> Marks:
+    """Return the marks of both, which have one origin."""
+    columns = ("quads", "colour", "quality", "width", "road", "lane", "s")
+    joined = {column: np.concatenate([getattr(one, column) for one in (first, second)]) for column in columns}
+    return Marks(**joined, origin=first.origin)
+
+
+def _joined(surface: Surface) -> tuple[NDArray[np.float32], Index]:
     """Return quads that span all neighbouring quads of one material, and the first of each.
 
     Neighbours to the right come later, as `road_surface` gives them; others (twisted slivers) are left as they are.
@@ -118,87 +300,3 @@ def _joined(surface: Surface) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
     quads = surface.quads[kept]
     quads[:, 2:] = surface.quads[np.array(ends, np.int64)][:, 2:]
     return quads, kept
-
-
-def project(view: View, grid: QuadGrid, distance: float, first_row: int) -> Projected:
-    """Return the quads before the lens, clipped at the near plane, sorted from far to near.
-
-    Args:
-        view: The camera in the world.
-        grid: The quads.
-        distance: How far they are looked for, m.
-        first_row: Image row that the polygons' rows are counted from.
-    """
-    index = grid.ahead(view, distance)
-    shift = np.array((0, first_row << SUBPIXEL), np.int32)
-    world = grid.quads[index] + grid.origin
-    points = view.to_camera(world)
-    keep = points[..., 2].max(axis=1) > NEAR
-    index, points, world = index[keep], points[keep], world[keep]
-    nearest_last = np.argsort(-points[..., 2].mean(axis=1), kind="stable")
-    index, points, world = index[nearest_last], points[nearest_last], world[nearest_last]
-    whole = points[..., 2].min(axis=1) > NEAR
-    flat = view.to_image(np.where(whole[:, None, None], points, 1.0))
-    polygons = list(_fixed(flat) - shift)
-    for k in np.nonzero(~whole)[0].tolist():
-        polygons[k] = _fixed(view.to_image(_clip_near(points[k]))) - shift
-    normal = np.cross(points[:, 1] - points[:, 0], points[:, 3] - points[:, 0])
-    return Projected(
-        index,
-        polygons,
-        np.where(whole, _thickness(flat), np.inf),
-        np.einsum("ij,ij->i", normal, points[:, 0]) < 0.0,
-        (world.mean(axis=1) - view.foot) @ (view.position - view.foot) / view.camera.z,
-    )
-
-
-def _thickness(pixels: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return area by longest side of quadrilaterals (N, 4, 2)."""
-    across, along = pixels[:, 2] - pixels[:, 0], pixels[:, 3] - pixels[:, 1]
-    area = 0.5 * np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0])
-    sides = np.linalg.norm(pixels - np.roll(pixels, -1, axis=1), axis=2)
-    return np.asarray(area / np.maximum(sides.max(axis=1), 1e-6))
-
-
-def project_polygon(view: View, corners: NDArray[np.float64]) -> Polygon | None:
-    """Return one planar polygon (N, 3) of the world in the image, None when it lies behind the lens."""
-    points = view.to_camera(corners)
-    if points[:, 2].max() <= NEAR:
-        return None
-    if points[:, 2].min() <= NEAR:
-        points = _clip_near(points)
-    return _fixed(view.to_image(points))
-
-
-def _fixed(pixels: NDArray[np.float64]) -> Polygon:
-    limit = float(2**19)
-    return np.clip(np.round(pixels * (1 << SUBPIXEL)), -limit, limit).astype(np.int32)
-
-
-def _clip_near(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Cut a polygon (N, 3), camera axes, at the near plane (Sutherland and Hodgman 1974)."""
-    kept: list[NDArray[np.float64]] = []
-    for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):
-        if a[2] > NEAR:
-            kept.append(a)
-        if (a[2] > NEAR) != (b[2] > NEAR):
-            kept.append(a + (b - a) * ((NEAR - a[2]) / (b[2] - a[2])))
-    clipped = np.array(kept)
-    clipped[:, 2] = np.maximum(clipped[:, 2], NEAR)
-    return clipped
-
-
-def _along(
-    view: View, dx: NDArray[np.float64], dy: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    cos, sin = math.cos(view.pose.heading), math.sin(view.pose.heading)
-    return dx * cos + dy * sin, dy * cos - dx * sin
-
-
-def _may_see(view: View, dx: float, dy: float, reach: float) -> bool:
-    """Whether a cell with its centre at (dx, dy) from the camera touches the field of view."""
-    cos, sin = math.cos(view.pose.heading), math.sin(view.pose.heading)
-    margin = CELL * 0.71 + reach
-    depth, side = dx * cos + dy * sin, abs(dy * cos - dx * sin)
-    half = view.camera.fov / 2.0
-    return depth > -margin and side * math.cos(half) - depth * math.sin(half) < margin

@@ -22,12 +22,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.engine.ego.camera_health import blur_health, dirt_health, noise_health, tones_health
+from scenario_compiler.perception.buffers import Buffers
 from scenario_compiler.perception.confidence import noise_of
 
 Image = NDArray[np.uint8]
@@ -47,6 +49,9 @@ SMOOTHED = 4.0
 
 LEAST_SMOOTHING = 0.6
 """Least radius that is smoothed by: a narrower Gaussian is hardly one between pixels."""
+
+FINER = 16
+"""Smoothed images are kept in whole numbers of this many to a grey level, so that percentiles can be counted."""
 
 SPARSE = 4
 """Every which row or column is looked at: enough for percentiles."""
@@ -98,6 +103,7 @@ class SensorMonitor:
 
     def __init__(self) -> None:
         """Begin with nothing seen."""
+        self._buffers = Buffers()
         self._last: Image | None = None
         self._blocks: Floats | None = None
         self._change: Floats | None = None
@@ -113,12 +119,13 @@ class SensorMonitor:
         """
         noise = noise_of(image)
         if travelled >= MOVING:
-            self._frozen = self._last is not None and np.array_equal(image, self._last)
-        elif self._last is not None and not np.array_equal(image, self._last):
+            self._frozen = self._last is not None and _equal(image, self._last)
+        elif self._last is not None and not _equal(image, self._last):
             self._frozen = False
         dirt = self._still_share(image, noise, travelled)
         self._last = image
-        return SensorHealth(noise, tones_of(image), blur_of(image, noise), dirt, self._frozen)
+        tones, blur = tones_of(image, self._buffers), blur_of(image, noise, self._buffers)
+        return SensorHealth(noise, tones, blur, dirt, self._frozen)
 
     def _still_share(self, image: Image, noise: float, travelled: float) -> float:
         near = image[image.shape[0] * 5 // 8 :, :, 1]
@@ -141,45 +148,87 @@ class SensorMonitor:
         return still / self._change.size
 
 
-def tones_of(image: Image) -> float:
+def _equal(image: Image, other: Image) -> bool:
+    """Tell whether two images are equal: images of a moving camera differ in the first rows already."""
+    return image.shape == other.shape and all(np.array_equal(a, b) for a, b in zip(image, other, strict=True))
+
+
+def tones_of(image: Image, buffers: Buffers) -> float:
     """Return the brightest tones of a BGR image, grey levels."""
-    return float(np.percentile(cv2.blur(image, (5, 5))[::SPARSE, ::SPARSE].max(axis=2), 99))
+    smooth = cv2.blur(image, (5, 5), buffers.get("smooth", image.shape, np.uint8))[::SPARSE, ::SPARSE]
+    return percentile_of(np.maximum(np.maximum(smooth[..., 0], smooth[..., 1]), smooth[..., 2]), 99.0)
 
 
-def blur_of(image: Image, noise: float) -> float:
+def blur_of(image: Image, noise: float, buffers: Buffers) -> float:
     """Return the radius of the blur of a BGR image, in 1/512 of its width.
 
     Args:
         image: (height, width, 3) uint8.
         noise: Standard deviation of its noise in a channel, grey levels.
+        buffers: Working memory.
     """
     scale = float(image.shape[1] / 512.0)
     step = max(round(STEP * scale), 2)
     left = noise / math.sqrt(3.0)
-    grey = cv2.transform(image.astype(np.float32), np.full((1, 3), 1.0 / 3.0, np.float32))
-    radius, here, beside = math.sqrt(left / SMOOTHED), 1.0, 0.0
+    radius, here, beside, unit = math.sqrt(left / SMOOTHED), 1.0, 0.0, 1.0 / 3.0
     if radius >= LEAST_SMOOTHING:
-        grey = cv2.GaussianBlur(grey, (0, 0), radius)
+        fine = buffers.get("fine", image.shape[:2], np.float32)
+        cv2.GaussianBlur(np.multiply(_total(image), np.float32(FINER), out=fine), (0, 0), radius, fine)
+        whole = buffers.get("whole", image.shape[:2], np.uint16)
+        np.copyto(whole, np.rint(fine, out=fine), casting="unsafe")
+        rows, columns, unit = whole[::SPARSE], _every(whole), unit / FINER
         here = 1.0 / (2.0 * math.sqrt(math.pi) * radius)
         beside = here * math.exp(-0.25 / (radius * radius))
     else:
-        radius = 0.0
+        rows, columns, radius = _total(image[::SPARSE]), _total(_every(image)), 0.0
     # `here` and `beside` are the smoothing's correlation along a row of a pixel with itself and with the next.
     by_noise = (left * RAREST * math.sqrt(2.0) * here, left * RAREST * math.sqrt(2.0 * here * (here - beside)))
-    rows, columns = grey[::SPARSE], grey[:, ::SPARSE]
-    across = _radius(np.abs(rows[:, step:] - rows[:, :-step]), np.abs(rows[:, 1:] - rows[:, :-1]), by_noise)
-    down = _radius(np.abs(columns[step:] - columns[:-step]), np.abs(columns[1:] - columns[:-1]), by_noise)
-    squared = (max(found * found - radius * radius, 0.0) for found in (across, down))
-    return math.prod(squared) ** 0.25 / scale
+    across = cv2.absdiff(rows[:, step:], rows[:, :-step]), cv2.absdiff(rows[:, 1:], rows[:, :-1])
+    down = cv2.absdiff(columns[step:], columns[:-step]), cv2.absdiff(columns[1:], columns[:-1])
+    found = (_radius(steps, slopes, unit, by_noise) for steps, slopes in (across, down))
+    return math.prod(max(one * one - radius * radius, 0.0) for one in found) ** 0.25 / scale
 
 
-def _radius(steps: Floats, slopes: Floats, by_noise: tuple[float, float]) -> float:
-    """Return the radius of the blur of the largest steps; half a grey level is the least slope that can be seen."""
-    step, slope = (_beyond_noise(found, noise) for found, noise in zip((steps, slopes), by_noise, strict=True))
+def _every(image: Any) -> Any:
+    """Return the columns of an image that are looked at."""
+    size = (-(-image.shape[1] // SPARSE), image.shape[0])
+    return cv2.resize(image, size, interpolation=cv2.INTER_NEAREST)
+
+
+def _total(image: Any) -> Any:
+    """Return the sum of the three channels, uint16."""
+    blue, green, red = cv2.split(image)
+    return cv2.add(cv2.add(blue, green, dtype=cv2.CV_16U), red, dtype=cv2.CV_16U)
+
+
+def percentile_of(values: Any, share: float) -> float:
+    """Return a percentile of whole numbers from 0 to 65534, linear between neighbours as `numpy.percentile` is.
+
+    They are counted and not sorted: (rows, columns) uint8 or uint16.
+    """
+    bins = int(values.max()) + 1
+    counts = np.cumsum(cv2.calcHist([values], [0], None, [bins], [0, bins]))
+    rank = share / 100.0 * (int(counts[-1]) - 1)
+    low, high = np.searchsorted(counts, (math.floor(rank), math.ceil(rank)), side="right").tolist()
+    return float(low + (high - low) * (rank - math.floor(rank)))
+
+
+def _radius(steps: Any, slopes: Any, unit: float, by_noise: tuple[float, float]) -> float:
+    """Return the radius of the blur of the largest steps; half a grey level is the least slope that can be seen.
+
+    Args:
+        steps: Differences over `STEP` pixels, whole numbers.
+        slopes: Differences of neighbours.
+        unit: Grey levels that 1 stands for.
+        by_noise: The largest steps and slopes that noise makes, grey levels.
+    """
+    step, slope = (
+        _beyond_noise(unit * percentile_of(found, SHARPEST), noise)
+        for found, noise in zip((steps, slopes), by_noise, strict=True)
+    )
     return step / max(slope, 0.5) / SLOPE_OF_STEP
 
 
-def _beyond_noise(differences: Floats, noise: float) -> float:
-    """Return the percentile that counts of differences, less what noise alone gives."""
-    largest = float(np.percentile(differences, SHARPEST))
+def _beyond_noise(largest: float, noise: float) -> float:
+    """Return the largest differences less what noise alone gives."""
     return math.sqrt(max(largest * largest - noise * noise, 0.0))

@@ -1,66 +1,142 @@
-"""The sky above the horizon: a panorama for each weather, of which a frame shows the part that it faces."""
+"""The sky: a panorama for each weather, with a far line of trees, and what of it a camera sees in each pixel."""
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.buffers import Buffers
+from scenario_compiler.perception.lens import Lens
+from scenario_compiler.perception.lighting import INFINITY, Air, haze_colour, zenith_colour
 from scenario_compiler.perception.textures import cloud_tile
 from scenario_compiler.perception.weather_look import Look
 
-Colour = NDArray[np.float32]
+Image = NDArray[np.uint8]
+Table = NDArray[np.float32]
+
+COLUMNS, ROWS = 4096, 256
+"""Size of a panorama. Columns are even in azimuth, clockwise from north of the world's x axis; rows are even in the
+square root of the elevation, so that the horizon, where the detail is, has most of them."""
+
+CLEAR_ABOVE = 20.0
+"""Elevation over which the sky has the colour of the zenith, degrees."""
+
+CLOUD_TEXEL = 360.0 / 2048.0
+"""Size of a texel of the field of clouds, degrees."""
+
+FINE = 700
+"""Width beyond which the sky is looked up for every second pixel only."""
+
+TREE = 3
+"""Channel of a panorama that is 255 where trees stand."""
+
+
+class SkyView:
+    """Which part of a panorama each pixel sees, of the sky or of the ground that mirrors it."""
+
+    def __init__(self, ahead: Table, left: Table, up: Table) -> None:
+        """Prepare for directions in the vehicle's axes, (rows, columns) each."""
+        turn = np.arctan2(-left, ahead)
+        around = turn * np.float32(COLUMNS / (2.0 * math.pi))
+        elevation = np.degrees(np.arctan2(up, np.hypot(ahead, left)))
+        self.row = row_of(elevation).astype(np.float32)
+        first = math.floor(float(around.min()))
+        self.first, self.span = first, min(math.ceil(float(around.max())) - first + 2, COLUMNS)
+        self.column = (around - np.float32(first)).astype(np.float32)
+
+    def draw(self, panorama: Image, heading: float, rows: int | None = None, into: Image | None = None) -> Image:
+        """Return what is seen, (rows, columns, 4).
+
+        Args:
+            panorama: The sky (see `panorama_of`).
+            heading: Heading of the vehicle, rad.
+            rows: How many rows from the highest on are wanted; all when None.
+            into: An image of this size to be drawn into.
+        """
+        begin = (round(-heading * COLUMNS / (2.0 * math.pi)) + self.first) % COLUMNS
+        part = panorama[:, begin : begin + self.span]
+        column, row = self.column[:rows], self.row[:rows]
+        seen = cv2.remap(part, column, row, cv2.INTER_LINEAR, into, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(seen, np.uint8)
+
+
+def row_of(elevation: Table) -> Table:
+    """Return the row of a panorama for elevations, degrees."""
+    share = np.sqrt(np.clip(elevation, 0.0, 90.0) / np.float32(90.0))
+    return np.asarray((1.0 - share) * np.float32(ROWS - 1))
+
+
+@lru_cache(maxsize=4)
+def panorama_of(look: Look) -> Image:
+    """Return the panorama of a weather, (ROWS, 2 COLUMNS, 4): blue, green, red, trees; its halves are equal."""
+    rows = np.arange(ROWS, dtype=np.float32)[:, None]
+    elevation = 90.0 * np.square(1.0 - rows / np.float32(ROWS - 1))
+    zenith, haze = zenith_colour(look), haze_colour(look)
+    down = np.clip(1.0 - elevation / CLEAR_ABOVE, 0.0, 1.0) ** 1.5
+    sky = np.repeat((zenith + (haze - zenith) * down[..., None]), COLUMNS, axis=1).astype(np.float32)
+    cover = np.clip(_clouds(elevation) * 0.35 + (look.cloud - 0.45) * 1.3, 0, 1) * (0.75 * (1 - 0.4 * down))
+    bright = np.array([235, 235, 238], np.float32) * look.luminance * (1 - 0.3 * look.cloud) * look.tint
+    sky += (bright - sky) * cover[..., None]
+    trees = _trees(elevation)
+    leaves = np.array([70, 88, 72], np.float32) * look.luminance * look.tint
+    sky += (0.55 * leaves + 0.45 * haze - sky) * trees[..., None]
+    air = Air(look)
+    share = air.seen(np.full((1, 1, 1), INFINITY, np.float32))
+    image = np.empty((ROWS, COLUMNS, 4), np.uint8)
+    image[..., :TREE] = np.clip(sky * share + air.colour * (1.0 - share), 0, 255)
+    image[..., TREE] = 255.0 * trees
+    return np.hstack([image, image])
+
+
+def _clouds(elevation: Table) -> Table:
+    """Return the field of clouds by elevation (ROWS, 1), degrees, (ROWS, COLUMNS)."""
+    tile = cloud_tile()
+    column = np.arange(COLUMNS, dtype=np.float32)[None] * np.float32(tile.shape[1] / COLUMNS)
+    row = 40.0 + elevation / np.float32(CLOUD_TEXEL)
+    shape = (ROWS, COLUMNS)
+    column, row = (np.ascontiguousarray(np.broadcast_to(one, shape)) for one in (column, row))
+    return np.asarray(cv2.remap(tile, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT), np.float32)
+
+
+def _trees(elevation: Table) -> Table:
+    """Return how much of each place of the panorama trees cover, (ROWS, COLUMNS), 0-1."""
+    turn = np.arange(COLUMNS, dtype=np.float32) * np.float32(2.0 * math.pi / COLUMNS)
+    crown = 1.1 + 0.25 * np.sin(9 * turn) + 0.2 * np.sin(23 * turn + 1) + 0.1 * np.sin(61 * turn)
+    top = np.degrees(0.011 * crown)[None]
+    soft = np.maximum(np.abs(np.gradient(elevation, axis=0)), 1e-3)
+    return np.asarray(np.clip((top - elevation) / soft + 0.5, 0.0, 1.0), np.float32)
 
 
 class Sky:
-    """The sky of one weather for one camera; colours are BGR."""
+    """Draws the sky of one camera.
 
-    def __init__(self, camera: Camera, look: Look) -> None:
-        """Paint the panorama: gradient, clouds, a far line of trees."""
-        self.camera = camera
-        self.rows = min(max(math.ceil(camera.horizon) + 1, 0), camera.height)
-        self.round = round(camera.width * 2.0 * math.pi / camera.fov)
-        self.zenith, self.haze = _colours(look)
-        self.panorama = self._paint(look)
+    Attributes:
+        rows: Number of rows from the highest on that show any.
+    """
 
-    def facing(self, heading: float) -> NDArray[np.uint8]:
-        """Return the rows (rows, width, 3) above the horizon, seen in the direction `heading`, rad."""
-        column = int((-heading / (2.0 * math.pi)) % 1.0 * self.round)
-        return self.panorama[:, column : column + self.camera.width]
+    def __init__(self, lens: Lens, buffers: Buffers) -> None:
+        """Prepare what does not depend on the weather."""
+        self._buffers = buffers
+        camera = lens.camera
+        self.rows = lens.sky_rows
+        self.step = 2 if camera.width > FINE else 1
+        self._view: SkyView | None = None
+        if self.rows:
+            high = slice(0, self.rows, self.step)
+            ahead, left, up = (one[high, :: self.step] for one in lens.directions())
+            self._view = SkyView(ahead, left, up)
+        self._width = camera.width
 
-    def _paint(self, look: Look) -> NDArray[np.uint8]:
-        rows = max(self.rows, 1)
-        down = (np.linspace(0.0, 1.0, rows, dtype=np.float32) ** 1.5)[:, None]
-        sky = self.zenith + (self.haze - self.zenith) * down[..., None]
-        high = max(8, int(2048 * rows / self.round))
-        clouds = cv2.resize(cloud_tile()[40 : 40 + high], (self.round, rows))
-        cover = np.clip(clouds * 0.35 + (look.cloud - 0.45) * 1.3, 0, 1) * (0.75 * (1 - 0.4 * down))
-        bright = np.array([235, 235, 238], np.float32) * look.luminance * (1 - 0.3 * look.cloud) * look.tint
-        sky = sky + (bright - sky) * cover[..., None]
-        self._plant_trees(sky, look)
-        image = np.clip(sky, 0, 255).astype(np.uint8)
-        return np.hstack([image, image[:, : self.camera.width + 1]])
-
-    def _plant_trees(self, sky: NDArray[np.float32], look: Look) -> None:
-        column = np.arange(0, self.round + 8, 8)
-        turn = column / self.round * 2 * math.pi
-        crown = 1.1 + 0.25 * np.sin(9 * turn) + 0.2 * np.sin(23 * turn + 1) + 0.1 * np.sin(61 * turn)
-        top = np.stack([column, self.rows - 0.011 * self.camera.focal * crown], axis=1)
-        line = np.concatenate([top, [[self.round, self.rows + 1], [0, self.rows + 1]]]).astype(np.int32)
-        leaves = np.array([70, 88, 72], np.float32) * look.luminance * look.tint
-        cv2.fillPoly(sky, [line], [float(c) for c in 0.55 * leaves + 0.45 * self.haze])
-
-
-def _colours(look: Look) -> tuple[Colour, Colour]:
-    """Return the colours of the zenith and of the haze at the horizon."""
-    clear, grey = np.array([205, 150, 95], np.float32), np.array([165, 160, 155], np.float32)
-    zenith = (clear + (grey - clear) * look.cloud) * look.luminance * look.tint
-    pale, overcast = np.array([235, 220, 205], np.float32), np.array([190, 188, 185], np.float32)
-    glow, dust = np.array([120, 175, 250], np.float32), np.array([90, 140, 180], np.float32)
-    haze = pale + (overcast - pale) * look.cloud
-    haze = haze + (glow - haze) * look.warmth
-    haze = (haze + (dust - haze) * look.dust) * max(look.luminance, 0.04)
-    return zenith.astype(np.float32), haze.astype(np.float32)
+    def draw(self, panorama: Image, heading: float, into: Image) -> None:
+        """Draw the sky into the image's highest `rows`, (rows, width, 4)."""
+        if self._view is None:
+            return
+        if self.step == 1:
+            self._view.draw(panorama, heading, into=into)
+            return
+        coarse = self._buffers.get("sky", (*self._view.row.shape, 4), np.uint8)
+        cv2.resize(self._view.draw(panorama, heading, into=coarse), (self._width, self.rows), into)

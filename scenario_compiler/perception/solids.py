@@ -1,29 +1,48 @@
-"""Everybody else on the road, as a few boxes each, with a soft shadow."""
+"""Everything that stands up: others on the road, and poles, signs, walls, buildings and trees beside it.
+
+Faces of all of them are drawn from far to near, those of one model in its own order.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import Literal, NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import View
-from scenario_compiler.perception.scene import SUBPIXEL, Polygon, project_polygon
+from scenario_compiler.perception.ground import Spot, Spots, Traced, hidden
+from scenario_compiler.perception.lighting import Air, Light
+from scenario_compiler.perception.models import SHINES, TAG, TRAITS, Colour, Kind, Lamp, model_of, traits_of
+from scenario_compiler.perception.polygons import SUBPIXEL, Floats, Index, Polygon, flatten
+from scenario_compiler.perception.roadside import GREEN_LAMP, RED_LAMP, YELLOW_LAMP, lit_lamps
+from scenario_compiler.perception.scene import Scene, Seen, Uprights
 from scenario_compiler.perception.weather_look import Look
 
 Image = NDArray[np.uint8]
-Colour = tuple[int, int, int]
-Corners = NDArray[np.float64]
 
 REACH = 200.0
 """Boxes farther away than this are not drawn, m."""
 
+COARSE = 32.0
+"""Height under which a box is drawn without details, pixels."""
 
-Kind = Literal["vehicle", "van", "cycle", "pedestrian", "cone", "barrier", "sign", "object"]
-"""What a box is drawn as: a car, anything with a box for a body, a rider on two wheels, a person, and things."""
+SIGNAL_COLOURS = {RED_LAMP: (70, 70, 255), YELLOW_LAMP: (50, 200, 255), GREEN_LAMP: (140, 245, 70)}
+"""Colours of the lamps of traffic lights when they are lit."""
+
+LIT = frozenset({"car", "van", "truck", "bus", "motorbike"})
+"""Kinds whose headlights light the road."""
+
+BEAM = (8.0, 16.0, 28.0)
+"""Lengths of the cones that the light of headlights on the road is made of, m."""
+
+DARK, RAINY = 0.35, 0.3
+"""Luminance below which, and rain above which, drivers have their lamps on."""
 
 
 class Box(NamedTuple):
@@ -32,13 +51,17 @@ class Box(NamedTuple):
     Attributes:
         x: Centre of its footprint, m, world.
         y: Centre of its footprint, m, world.
-        z: Height of its underside, m, world.
+        z: Height of its underside there, m, world.
         heading: Where its front points, rad.
         length: Along the heading, m.
         width: Across it, m.
         height: Upwards, m.
         colour: (blue, green, red), 0-255.
         kind: What it is drawn as.
+        pitch: Pitch, rad, positive with the nose down.
+        roll: Roll, rad, positive with the left side up.
+        lamps: Which lamps are on.
+        instance: Its number in the picture of instances, over 0.
     """
 
     x: float
@@ -49,194 +72,241 @@ class Box(NamedTuple):
     width: float
     height: float
     colour: Colour = (150, 80, 60)
-    kind: Kind = "vehicle"
+    kind: Kind = "car"
+    pitch: float = 0.0
+    roll: float = 0.0
+    lamps: Lamp = Lamp.AUTOMATIC
+    instance: int = 1
 
 
-class Face(NamedTuple):
-    """A visible face of a box: four corners (4, 3) in the world, its colour before lighting, its shade."""
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """Boxes before a camera, from far to near. N boxes.
 
-    corners: Corners
-    colour: Colour
-    shade: float
-
-
-def draw_shadows(image: Image, top: int, view: View, boxes: Sequence[Box], look: Look) -> None:
-    """Darken the ground under each box; `image` starts at row `top` of the frame."""
-    strength = 0.6 * (1.0 - 0.7 * look.cloud) / 255.0
-    shift = np.array((0, -top << SUBPIXEL), np.int32)
-    height, width = image.shape[:2]
-    for box in boxes:
-        polygon = project_polygon(view, _rectangle(box, 0.0, 1.12))
-        if polygon is None:
-            continue
-        polygon = polygon + shift
-        x0, y0 = np.maximum((polygon.min(axis=0) >> SUBPIXEL) - 8, 0).tolist()
-        x1, y1 = np.minimum((polygon.max(axis=0) >> SUBPIXEL) + 9, (width, height)).tolist()
-        if x1 - x0 < 2 or y1 - y0 < 2:
-            continue
-        mask = np.zeros((y1 - y0, x1 - x0), np.uint8)
-        corner = np.array((x0, y0), np.int32) << SUBPIXEL
-        cv2.fillConvexPoly(mask, polygon - corner, 255, cv2.LINE_AA, SUBPIXEL)
-        dark = 1.0 - cv2.blur(mask, (5, 3)).astype(np.float32) * strength
-        image[y0:y1, x0:x1] = (image[y0:y1, x0:x1] * dark[..., None]).astype(np.uint8)
-
-
-def draw_boxes(image: Image, view: View, boxes: Sequence[Box], look: Look) -> list[tuple[Polygon, float]]:
-    """Draw the boxes, given from far to near, and return their outlines with their distances, m, for the haze."""
-    silhouettes = []
-    light = look.luminance * look.tint
-    lamps = look.luminance < 0.35 or look.rain > 0.3
-    for box in boxes:
-        corners: list[Polygon] = []
-        distance = math.dist((box.x, box.y), (float(view.position[0]), float(view.position[1])))
-        beam = 0.5 * max(0.0, 1.0 - look.luminance) * math.exp(-((distance / 40.0) ** 2))
-        for face in _faces(box, lamps):
-            away = np.cross(face.corners[1] - face.corners[0], face.corners[3] - face.corners[0])
-            if away @ (face.corners[0] - view.position) >= 0.0:
-                continue
-            polygon = project_polygon(view, face.corners)
-            if polygon is None:
-                continue
-            gain = np.float32(face.shade) * (light + beam) if face.shade < 2.0 else np.float32(1.0)
-            tone = np.clip(np.asarray(face.colour, np.float32) * gain, 0, 255)
-            cv2.fillConvexPoly(image, polygon, tuple(float(c) for c in tone), cv2.LINE_AA, SUBPIXEL)
-            corners.append(polygon)
-        if corners:
-            silhouettes.append((np.asarray(cv2.convexHull(np.concatenate(corners)), np.int32), distance))
-    return silhouettes
-
-
-def far_to_near(view: View, boxes: Sequence[Box]) -> list[Box]:
-    """Return the boxes within `REACH` of the camera, the farthest first, equals in the order given."""
-    x, y = float(view.position[0]), float(view.position[1])
-    near = [(math.dist((box.x, box.y), (x, y)), box) for box in boxes]
-    return [box for distance, box in sorted(near, key=lambda pair: -pair[0]) if distance < REACH]
-
-
-LIT = 2.0
-"""Shade of a face that shines by itself."""
-
-
-WHITE, RED, ORANGE, YELLOW = (225, 225, 225), (40, 40, 200), (30, 95, 235), (20, 190, 245)
-DARK, SKIN, CLOTH = (28, 28, 28), (130, 160, 205), (70, 60, 50)
-ALL = (-0.5, 0.5)
-
-
-def _faces(box: Box, lamps: bool) -> Iterator[Face]:
-    if box.kind == "object":
-        yield from _block(box, ALL, ALL, (0.0, 1.0), box.colour)
-    elif box.kind == "pedestrian":
-        yield from _block(box, (-0.3, 0.3), (-0.35, 0.35), (0.0, 0.48), CLOTH)
-        yield from _block(box, (-0.35, 0.35), ALL, (0.48, 0.85), box.colour)
-        yield from _block(box, (-0.25, 0.25), (-0.22, 0.22), (0.86, 1.0), SKIN)
-    elif box.kind == "cycle":
-        yield from _cycle(box)
-    elif box.kind == "cone":
-        yield from _cone(box)
-    elif box.kind == "barrier":
-        yield from _barrier(box)
-    elif box.kind == "sign":
-        yield from _sign(box)
-    elif box.kind == "van":
-        yield from _van(box, lamps)
-    else:
-        yield from _car(box, lamps)
-
-
-def _car(box: Box, lamps: bool) -> Iterator[Face]:
-    belt = 0.55
-    for axle in (-0.31, 0.31):
-        yield from _block(box, (axle - 0.075, axle + 0.075), (-0.49, 0.49), (0.0, 0.42), DARK)
-    yield from _block(box, ALL, ALL, (0.15, belt), box.colour)
-    yield from _lights(box, belt, lamps)
-    roof = list(_block(box, (-0.38, 0.24), (-0.47, 0.47), (belt, 1.0), (70, 60, 52)))
-    yield from roof[:4]
-    yield Face(roof[4].corners, box.colour, roof[4].shade)
-
-
-def _van(box: Box, lamps: bool) -> Iterator[Face]:
-    """Van, truck or bus: one box on wheels with a band of windows in front and at the sides."""
-    for axle in (-0.31, 0.36):
-        yield from _block(box, (axle - 0.06, axle + 0.06), (-0.49, 0.49), (0.0, 0.26), DARK)
-    yield from _block(box, ALL, ALL, (0.1, 0.5), box.colour)
-    yield from _lights(box, 0.34, lamps)
-    band = list(_block(box, ALL, ALL, (0.5, 0.78), (70, 60, 52)))
-    yield Face(band[0].corners, box.colour, band[0].shade)
-    yield from band[1:4]
-    yield from _block(box, ALL, ALL, (0.78, 1.0), box.colour)
-
-
-def _cycle(box: Box) -> Iterator[Face]:
-    """Two wheels, a frame and the rider on it."""
-    for middle in (-0.33, 0.33):
-        yield from _block(box, (middle - 0.17, middle + 0.17), (-0.06, 0.06), (0.0, 0.36), DARK)
-    yield from _block(box, (-0.3, 0.3), (-0.08, 0.08), (0.22, 0.42), box.colour)
-    yield from _block(box, (0.2, 0.28), ALL, (0.54, 0.58), DARK)
-    yield from _block(box, (-0.16, 0.08), (-0.22, 0.22), (0.28, 0.55), CLOTH)
-    yield from _block(box, (-0.16, 0.06), (-0.32, 0.32), (0.55, 0.86), box.colour)
-    yield from _block(box, (-0.08, 0.08), (-0.16, 0.16), (0.86, 1.0), SKIN)
-
-
-def _cone(box: Box) -> Iterator[Face]:
-    """Foot, and a cone of four steps with a white collar."""
-    yield from _block(box, ALL, ALL, (0.0, 0.06), DARK)
-    for half, low, high, colour in (
-        (0.36, 0.06, 0.32, ORANGE), (0.28, 0.32, 0.55, WHITE), (0.2, 0.55, 0.78, ORANGE), (0.12, 0.78, 1.0, ORANGE),
-    ):  # fmt: skip
-        yield from _block(box, (-half, half), (-half, half), (low, high), colour)
-
-
-def _barrier(box: Box) -> Iterator[Face]:
-    """Two feet and a board striped in red and white."""
-    for middle in (-0.4, 0.4):
-        yield from _block(box, (middle - 0.05, middle + 0.05), ALL, (0.0, 0.5), DARK)
-    for k in range(6):
-        stripe = (-0.5 + k / 6, -0.5 + (k + 1) / 6)
-        yield from _block(box, stripe, (-0.2, 0.2), (0.5, 1.0), RED if k % 2 == 0 else WHITE)
-
-
-def _sign(box: Box) -> Iterator[Face]:
-    """A stand with a board across the heading: red rim, yellow field."""
-    yield from _block(box, (-0.06, 0.06), (-0.06, 0.06), (0.0, 0.45), DARK)
-    yield from _block(box, (-0.03, 0.03), ALL, (0.45, 1.0), RED)
-    for side in (-0.035, 0.03):
-        yield from _block(box, (side, side + 0.005), (-0.38, 0.38), (0.52, 0.93), YELLOW)
-
-
-def _lights(box: Box, belt: float, lamps: bool) -> Iterator[Face]:
-    """Rear and front lamps, a little proud of the body."""
-    for side in (-1.0, 1.0):
-        low, high = sorted((side * 0.30, side * 0.46))
-        span, z = (low, high), (belt * 0.70, belt * 0.92)
-        rear, *_ = _block(box, (-0.505, -0.5), span, z, (40, 40, 255) if lamps else (30, 30, 190))
-        _, front, *_ = _block(box, (0.5, 0.505), span, z, (235, 235, 235))
-        yield Face(rear.corners, rear.colour, LIT if lamps else 1.0)
-        yield Face(front.corners, front.colour, LIT if lamps else 1.0)
-
-
-def _block(
-    box: Box, along: tuple[float, float], across: tuple[float, float], up: tuple[float, float], colour: Colour
-) -> Iterator[Face]:
-    """Yield the back, front, right, left and top of a part of the box given in shares of its size.
-
-    Corners run so that the cross product of the first and last edge points out of the block.
+    Attributes:
+        boxes: The boxes.
+        distance: (N,) distance of each one's middle from the eye, m.
+        level_distance: (N,) the same on a map: what stands up hides by it.
+        rotations: (N, 3, 3) rotations from each one's axes to the camera's.
+        origins: (N, 3) middle of each one's footprint in camera axes, m.
+        eyes: (N, 3) the eye in each one's axes, m.
     """
-    (a0, a1), (c0, c1), (z0, z1) = along, across, up
-    low, high = _part(box, a0, a1, c0, c1, z0), _part(box, a0, a1, c0, c1, z1)
-    for (i, j), shade in (((3, 0), 0.72), ((1, 2), 0.78), ((0, 1), 0.88), ((2, 3), 0.88)):
-        yield Face(np.array([low[i], low[j], high[j], high[i]]), colour, shade)
-    yield Face(high, colour, 1.1)
+
+    boxes: list[Box]
+    distance: Floats
+    level_distance: Floats
+    rotations: Floats
+    origins: Floats
+    eyes: Floats
 
 
-def _part(box: Box, a0: float, a1: float, c0: float, c1: float, z: float) -> Corners:
-    """Return rear right, front right, front left, rear left of a level slice."""
-    along = np.array([a0, a1, a1, a0]) * box.length
-    across = np.array([c0, c0, c1, c1]) * box.width
-    cos, sin = math.cos(box.heading), math.sin(box.heading)
-    x, y = box.x + cos * along - sin * across, box.y + sin * along + cos * across
-    return np.stack([x, y, np.full(4, box.z + z * box.height)], axis=1)
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """Faces in the order in which they are drawn. F faces.
+
+    Attributes:
+        shapes: Their corners in the image.
+        points: (3, 4, F) corners in camera axes.
+        colours: (F, 3) colours before lighting, shade included.
+        shines: (F,) bool, the face is a lamp that is on.
+        tags: (F,) uint8, a `Tag`.
+        instances: (F,) int32.
+    """
+
+    shapes: list[Polygon]
+    points: Floats
+    colours: Floats
+    shines: NDArray[np.bool_]
+    tags: NDArray[np.uint8]
+    instances: NDArray[np.int32]
 
 
-def _rectangle(box: Box, z: float, scale: float) -> Corners:
-    half = scale / 2.0
-    return _part(box, -half, half, -half, half, z)
+NO_FACES = Faces(
+    [],
+    np.empty((3, 4, 0)),
+    np.empty((0, 3)),
+    np.empty(0, np.bool_),
+    np.empty(0, np.uint8),
+    np.empty(0, np.int32),
+)
+
+
+NOTHING = Placed([], np.empty(0), np.empty(0), np.empty((0, 3, 3)), np.empty((0, 3)), np.empty((0, 3)))
+
+
+def place(view: View, boxes: Sequence[Box]) -> Placed:
+    """Return the boxes within `REACH` before the camera, the farthest first, equals in the order given."""
+    if not boxes:
+        return NOTHING
+    half = math.hypot(view.camera.width, view.camera.height) / 2.0 / view.camera.focal
+    numbers = np.array([box[:7] + box[9:11] for box in boxes], np.float64).reshape(-1, 9).T
+    way = numbers[:3] - view.position[:, None]
+    away = way.copy()
+    away[2] += 0.5 * numbers[6]
+    distance = np.sqrt((away * away).sum(axis=0))
+    size = 0.5 * numbers[4:7].sum(axis=0)
+    depth = view.rotation[2] @ away
+    beside = np.sqrt(np.maximum(distance * distance - depth * depth, 0.0))
+    seen = (distance - size < REACH) & (depth > -size)
+    seen &= beside < np.maximum(depth, 0.0) * half + size * math.hypot(1.0, half)
+    level = np.sqrt((way[:2] * way[:2]).sum(axis=0))
+    kept = np.flatnonzero(seen)
+    kept = kept[np.argsort(-level[kept], kind="stable")]
+    axes = _axes(*numbers[[3, 7, 8]][:, kept])
+    from_eye = way[:, kept].T
+    return Placed(
+        [boxes[k] for k in kept.tolist()],
+        distance[kept],
+        level[kept],
+        view.rotation @ axes,
+        from_eye @ view.rotation.T,
+        -(from_eye[:, None] @ axes)[:, 0],
+    )
+
+
+def _axes(heading: Floats, pitch: Floats, roll: Floats) -> Floats:
+    """Return the (N, 3, 3) matrices of `camera.vehicle_axes` for N things at once."""
+    ch, sh, cp, sp, cr, sr = (wave(angle) for angle in (heading, pitch, roll) for wave in (np.cos, np.sin))
+    axes = np.empty((len(heading), 3, 3))
+    axes[:, 0, 0], axes[:, 0, 1], axes[:, 0, 2] = ch * cp, ch * sp * sr - sh * cr, ch * sp * cr + sh * sr
+    axes[:, 1, 0], axes[:, 1, 1], axes[:, 1, 2] = sh * cp, sh * sp * sr + ch * cr, sh * sp * cr - ch * sr
+    axes[:, 2, 0], axes[:, 2, 1], axes[:, 2, 2] = -sp, cp * sr, cp * cr
+    return axes
+
+
+def faces_of(
+    placed: Placed, traced: Traced, uprights: Seen, scene: Scene, look: Look, signals: Mapping[str, str]
+) -> Faces:
+    """Return the faces of boxes and of uprights that the camera sees, from far to near.
+
+    Args:
+        placed: The boxes.
+        traced: The ground, which hides what lies behind it.
+        uprights: The uprights that are seen.
+        scene: The scene that they are of.
+        look: The weather, which decides on lamps.
+        signals: States of traffic lights by their id, as scenarios write them.
+    """
+    if not placed.boxes and not len(uprights.index):
+        return NO_FACES
+    view, table = traced.view, scene.uprights
+    points, traits, counts = [np.empty((3, 4, 0))], [np.empty((0, TRAITS))], []
+    drivers = Lamp.LOW_BEAM if look.luminance < DARK or look.rain > RAINY else Lamp.NONE
+    near = (view.camera.focal / COARSE / np.maximum(placed.distance, 1e-3)).tolist()
+    for box, size, rotation, origin, eye in zip(
+        placed.boxes, near, placed.rotations, placed.origins, placed.eyes, strict=True
+    ):
+        coarse = size * box.height < 1.0
+        model = model_of(box.kind, box.length, box.width, box.height, coarse)
+        lamps = box.lamps | drivers if box.lamps & Lamp.AUTOMATIC else box.lamps
+        order = model.rear_first if eye[0] >= 0.0 else model.front_first
+        shown = order[(eye @ model.normals > model.offsets)[order]]
+        corners = rotation @ model.points[:, :, shown].reshape(3, -1) + origin[:, None]
+        points.append(corners.reshape(3, 4, -1))
+        traits.append(traits_of(box.kind, box.length, box.width, box.height, box.colour, lamps, coarse)[shown])
+        counts.append(len(shown))
+    every = np.concatenate(points, axis=2)
+    flat = flatten(every, view.camera)
+    here, there = flat.index, uprights.index
+    corners = np.concatenate([every[:, :, here], uprights.points], axis=2)
+    beside = table.place[there] + (scene.origin[:2] - view.position[:2])
+    far = np.concatenate([np.repeat(placed.level_distance, counts)[here], np.sqrt((beside * beside).sum(axis=1))])
+    order = np.argsort(-far, kind="stable")
+    if scene.relief and len(order):
+        order = order[~hidden(traced.ids, traced.surfaces, corners[:, :, order], view)]
+    shapes = [*flat.shapes, *uprights.shapes]
+    of_boxes = np.concatenate(traits)[here]
+    of_uprights, lit = _signal_lamps(table, there, signals)
+    numbers = np.repeat(np.array([box.instance for box in placed.boxes], np.int32), counts)[here]
+    return Faces(
+        [shapes[k] for k in order.tolist()],
+        corners[:, :, order],
+        np.concatenate([of_boxes[:, :3], of_uprights])[order],
+        np.concatenate([of_boxes[:, SHINES] > 0.0, lit])[order],
+        np.concatenate([of_boxes[:, TAG].astype(np.uint8), table.tag[there]])[order],
+        np.concatenate([numbers, table.instance[there]])[order],
+    )
+
+
+def _signal_lamps(table: Uprights, index: Index, signals: Mapping[str, str]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return the colours of uprights and which of them are lamps that shine, in these states of the traffic lights."""
+    colours, shines = table.colour[index], np.zeros(len(index), np.bool_)
+    for name, state in signals.items():
+        for number in table.signals.get(name, ()):
+            for lamp in lit_lamps(state):
+                lit = (table.instance[index] == number) & (table.lamp[index] == lamp)
+                colours[lit], shines[lit] = SIGNAL_COLOURS[lamp], True
+    return colours, shines
+
+
+def draw_faces(image: Image, view: View, faces: Faces, light: Light, air: Air) -> None:
+    """Draw faces into an image (height, width, 4)."""
+    if not faces.shapes:
+        return
+    camera_to_vehicle = view.camera.rotation.T
+    middle = faces.points.mean(axis=1)
+    distance = np.sqrt((middle * middle).sum(axis=0)).astype(np.float32)
+    ahead, left, _ = (camera_to_vehicle @ middle).astype(np.float32)
+    bright = light.at(ahead, left)[:, None] * light.look.tint
+    lit = np.where(faces.shines[:, None], faces.colours, faces.colours * bright)
+    seen = air.seen(distance)[:, None]
+    tones = np.clip(np.minimum(lit, 255.0) * seen + air.colour * (1.0 - seen), 0, 255)
+    dark = 1.0 - light.look.luminance / DARK
+    blooming = faces.shines.tolist() if dark > 0.0 else [False] * len(faces.shapes)
+    for shape, tone, blooms in zip(faces.shapes, tones.tolist(), blooming, strict=True):
+        cv2.fillConvexPoly(image, shape, tone, cv2.LINE_AA, SUBPIXEL)
+        if blooms:
+            _bloom(image, shape, tone, dark)
+
+
+def spots_of(placed: Placed, view: View, light: Light) -> Spots:
+    """Return the soft shadows of boxes on the ground below them, and in the dark the light of their headlights."""
+    if not placed.boxes:
+        return Spots()
+    foot = np.array([[-0.56, 0.56, 0.56, -0.56], [-0.56, -0.56, 0.56, 0.56]])
+    sizes = np.array([(box.length, box.width) for box in placed.boxes])
+    corners = placed.rotations[:, :, :2] @ (foot * sizes[:, :, None]) + placed.origins[:, :, None]
+    flat = flatten(corners.transpose(1, 2, 0), view.camera)
+    left = 1.0 - 0.6 * (1.0 - 0.7 * light.look.cloud)
+    return Spots([(shape, left) for shape in flat.shapes], _beams(placed, view, light))
+
+
+def _beams(placed: Placed, view: View, light: Light) -> list[Spot]:
+    """Return the light of headlights on the road: three cones one over the other, so that it fades with distance."""
+    if light.lamps <= 0.0:
+        return []
+    corners = []
+    for box, rotation, origin in zip(placed.boxes, placed.rotations, placed.origins, strict=True):
+        if box.kind in LIT and box.lamps & (Lamp.AUTOMATIC | Lamp.LOW_BEAM | Lamp.HIGH_BEAM):
+            begin = 0.5 * box.length + 0.8
+            for reach in BEAM:
+                near, far = 0.6 * box.width, 0.6 * box.width + 0.14 * reach
+                cone = np.array([[begin, begin, begin + reach, begin + reach], [near, -near, -far, far], [0.0] * 4])
+                corners.append(rotation @ cone + origin[:, None])
+    if not corners:
+        return []
+    return [(shape, 0.3 * light.lamps) for shape in flatten(np.stack(corners, axis=2), view.camera).shapes]
+
+
+def _bloom(image: Image, shape: Polygon, tone: Sequence[float], strength: float) -> None:
+    """Add the glow about a lamp that dazzles in the dark."""
+    height, width = image.shape[:2]
+    low, high = shape.min(axis=0) >> SUBPIXEL, shape.max(axis=0) >> SUBPIXEL
+    radius = int(width / 128.0 + 0.9 * float((high - low).max()))
+    u, v = ((low + high) // 2).tolist()
+    x0, x1, y0, y1 = max(u - radius, 0), min(u + radius + 1, width), max(v - radius, 0), min(v + radius + 1, height)
+    if x1 <= x0 or y1 <= y0 or radius > width // 4:
+        return
+    glow = _glow(radius)[y0 - v + radius : y1 - v + radius, x0 - u + radius : x1 - u + radius, None]
+    part = image[y0:y1, x0:x1]
+    part[...] = cv2.add(
+        part, (glow * (np.array((*tone, 0.0), np.float32) * np.float32(0.5 * strength))).astype(np.uint8)
+    )
+
+
+@lru_cache(maxsize=64)
+def _glow(radius: int) -> NDArray[np.float32]:
+    """Return how bright a glow is about its middle, (2 radius + 1, 2 radius + 1): 1 there, 0 at the radius."""
+    x = np.arange(-radius, radius + 1, dtype=np.float32) / np.float32(max(radius, 1))
+    away = np.sqrt(x * x + x[:, None] * x[:, None])
+    return np.asarray(np.square(np.clip(1.0 - away, 0.0, 1.0)), np.float32)

@@ -53,6 +53,7 @@ class Corner(NamedTuple):
     second: float
     z: float
     height: float
+    id: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +66,43 @@ class Outline:
 
 
 @dataclass(frozen=True, slots=True)
+class Marking:
+    """Paint along an object's outline: a line by the corners that it goes through, or along a side of its box.
+
+    Attributes:
+        side: "left", "right", "front" or "rear"; empty where corners are given.
+        corners: Ids of corners of the outlines.
+        colour: A colour of the standard.
+        width: Of the line, m.
+        line, space: Lengths of the painted and the bare pieces, m; no space means a solid line.
+        start, stop: What is left out at both ends, m.
+    """
+
+    side: str
+    corners: tuple[str, ...]
+    colour: str
+    width: float
+    line: float
+    space: float
+    start: float
+    stop: float
+
+
+class Place(NamedTuple):
+    """One of the places of a repeated object: s, t and height over the road, m, and how far along it is, 0 to 1."""
+
+    s: float
+    t: float
+    z: float
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
 class Repeat:
-    """Where an object stands again and again: from s on, every `distance` metres (0: without gaps)."""
+    """Where an object stands again and again: from s on, every `distance` metres (0: without gaps).
+
+    Sizes are those at the first and at the last place, m; 0 where the object's own hold.
+    """
 
     s: float
     length: float
@@ -75,16 +111,25 @@ class Repeat:
     t_end: float
     z_start: float
     z_end: float
+    length_start: float = 0.0
+    length_end: float = 0.0
+    width_start: float = 0.0
+    width_end: float = 0.0
+    height_start: float = 0.0
+    height_end: float = 0.0
+    radius_start: float = 0.0
+    radius_end: float = 0.0
 
-    def places(self, limit: int = REPEAT_LIMIT) -> Iterator[tuple[float, float, float]]:
-        """Yield (s, t, z offset) of at most `limit` places."""
+    def places(self, limit: int = REPEAT_LIMIT) -> Iterator[Place]:
+        """Yield at most `limit` places."""
         step = self.distance if self.distance > 0.0 else CONTINUOUS_STEP
         for i in range(min(self.count(), limit)):
             share = min(1.0, i * step / self.length) if self.length > 0.0 else 0.0
-            yield (
+            yield Place(
                 self.s + i * step,
                 self.t_start + share * (self.t_end - self.t_start),
                 self.z_start + share * (self.z_end - self.z_start),
+                share,
             )
 
     def count(self) -> int:
@@ -129,6 +174,7 @@ class RoadObject:
     dynamic: bool
     repeats: tuple[Repeat, ...]
     outlines: tuple[Outline, ...]
+    markings: tuple[Marking, ...]
     lanes: tuple[tuple[int, int], ...]
     user_data: tuple[UserData, ...]
     rest: tuple[str, ...]
@@ -288,7 +334,10 @@ def read_model(document: Document, sink: Diagnostics) -> RoadModel:
 
 def read_repeat(reader: Reader, element: etree._Element) -> Repeat:
     """Read a `<repeat>`."""
-    names = ("s", "length", "distance", "tStart", "tEnd", "zOffsetStart", "zOffsetEnd")
+    names = (
+        *("s", "length", "distance", "tStart", "tEnd", "zOffsetStart", "zOffsetEnd"),
+        *("lengthStart", "lengthEnd", "widthStart", "widthEnd", "heightStart", "heightEnd", "radiusStart", "radiusEnd"),
+    )
     return Repeat(*(reader.number(element, name, 0.0) for name in names))
 
 
@@ -352,19 +401,34 @@ class _ModelReader:
             outlines=tuple(
                 self._outline(one) for one in (*element.findall("outline"), *element.findall("outlines/outline"))
             ),
+            markings=tuple(self._marking(one) for one in element.iterfind("markings/marking")),
             lanes=self._lanes(element),
             user_data=_user_data(element),
-            rest=_rest(element, {"repeat", "outline", "outlines", "validity", "userData"}),
+            rest=_rest(element, {"repeat", "outline", "outlines", "markings", "validity", "userData"}),
         )
 
     def _outline(self, element: etree._Element) -> Outline:
         corners = []
         for one in element:
             if one.tag == "cornerLocal":
-                corners.append(Corner(True, *(self._number(one, name) for name in ("u", "v", "z", "height"))))
+                u, v, z, height = (self._number(one, name) for name in ("u", "v", "z", "height"))
+                corners.append(Corner(True, u, v, z, height, one.get("id", "")))
             elif one.tag == "cornerRoad":
-                corners.append(Corner(False, *(self._number(one, name) for name in ("s", "t", "dz", "height"))))
+                s, t, z, height = (self._number(one, name) for name in ("s", "t", "dz", "height"))
+                corners.append(Corner(False, s, t, z, height, one.get("id", "")))
         return Outline(tuple(corners), element.get("closed") != "false", element.get("outer") != "false")
+
+    def _marking(self, element: etree._Element) -> Marking:
+        return Marking(
+            side=element.get("side", ""),
+            corners=tuple(one.get("id", "") for one in element.iterfind("cornerReference")),
+            colour=element.get("color", "white"),
+            width=self._number(element, "width"),
+            line=self._number(element, "lineLength"),
+            space=self._number(element, "spaceLength"),
+            start=self._number(element, "startOffset"),
+            stop=self._number(element, "stopOffset"),
+        )
 
     def _lanes(self, element: etree._Element) -> tuple[tuple[int, int], ...]:
         found = []

@@ -367,7 +367,9 @@ class Network:
             ValueError: When a quality is outside 0 to 1.
         """
         tables = with_mark_quality(self.tables, self._index, overrides)
-        return Network(self.path, self.sha256, ParsedNetwork(tables, self.road_ids, self.junction_ids))
+        painted = Network(self.path, self.sha256, ParsedNetwork(tables, self.road_ids, self.junction_ids))
+        painted._model = self._model
+        return painted
 
 
 def _chunks_near(n: RoadTables, x: float, y: float) -> Sequence[int]:

@@ -61,4 +61,4 @@ def picture_of(
 def camera_path(control: Control, camera: CameraMounting, center: float) -> list[tuple[float, float]] | None:
     """Return the predicted path from the camera's foot point; None when there is none."""
     ahead = center + camera.x
-    return [(x - ahead, y) for x, y in control.trajectory if math.isfinite(x + y)] or None
+    return [(x - ahead, y - camera.y) for x, y in control.trajectory if math.isfinite(x + y)] or None

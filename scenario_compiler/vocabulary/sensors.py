@@ -48,8 +48,13 @@ class Camera(Word):
     height: int = attribute("Height of the image, pixels.", default=256, minimum=32, maximum=4096)
     fov: float = attribute("Horizontal field of view, degrees.", default=45.0, minimum=5, maximum=170)
     x: float = attribute("Distance ahead of the centre of the vehicle's box, m.", default=0.5)
+    y: float = attribute("Distance to the left of that centre, m.", default=0.0)
     z: float = attribute("Height above the ground, m.", default=1.3, minimum=0.1)
+    yaw: float = attribute("Turn of its axis to the left, degrees.", default=0.0, minimum=-180, maximum=180)
     pitch: float = attribute("Pitch, degrees; negative looks down.", default=-5.0, minimum=-60, maximum=60)
+    roll: float = attribute(
+        "Turn about its axis, degrees; positive lowers its right side.", default=0.0, minimum=-180, maximum=180
+    )
     rate: float | None = attribute(
         "Images per second: their period is a number of control steps. Between two images the detection in the last "
         "one stays. One image at each control step when left out.",

@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, ClassVar
 from typing_extensions import Self
 
 from scenario_compiler.controllers.model import CameraMounting, SensorData
-from scenario_compiler.frames import center_from_reference
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.randomness import random_unit
 from scenario_compiler.roads import MarkStretch, Network, Pose, SecondaryLine
 from scenario_compiler.roads.lanes import lane_centre
-from scenario_compiler.vocabulary.entities import Category
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.weather import Weather
@@ -29,28 +27,13 @@ if TYPE_CHECKING:
 
     from scenario_compiler.perception.degradation import Degradation
     from scenario_compiler.perception.road_camera import RoadCamera
-    from scenario_compiler.perception.solids import Box, Kind
+    from scenario_compiler.perception.solids import Box
 
 PIECE = 2.0
 """Length of a piece of a mark that is covered or not, m."""
 
 PAINTS = ((38, 38, 160), (150, 92, 40), (60, 60, 60), (205, 205, 205), (40, 120, 60), (30, 140, 190))
 """Colours of vehicles (blue, green, red); an entity's is chosen by its id."""
-
-KINDS: dict[Category, Kind] = {
-    "car": "vehicle",
-    "van": "van",
-    "truck": "van",
-    "bus": "van",
-    "motorbike": "cycle",
-    "bicycle": "cycle",
-    "pedestrian": "pedestrian",
-    "cone": "cone",
-    "barrier": "barrier",
-    "sign": "sign",
-    "prop": "object",
-}
-"""What an entity of each category is drawn as."""
 
 
 class KinematicWorld:
@@ -77,6 +60,9 @@ class KinematicWorld:
             camera.x,
             camera.z,
             math.radians(camera.pitch),
+            camera.y,
+            math.radians(camera.yaw),
+            math.radians(camera.roll),
         )
 
     def reset(self, snapshot: Snapshot, seed: int) -> None:
@@ -92,7 +78,12 @@ class KinematicWorld:
     def observe(self, snapshot: Snapshot) -> SensorData:
         """Draw what the camera sees."""
         image = self._road_camera().frame(
-            snapshot.poses[0], self._boxes(snapshot), self._weather(snapshot), degradation_of(snapshot), snapshot.frame
+            snapshot.poses[0],
+            self._boxes(snapshot),
+            self._weather(snapshot),
+            degradation_of(snapshot),
+            snapshot.frame,
+            dict(snapshot.signals),
         )
         return SensorData(snapshot.t, image, self._mounting)
 
@@ -105,13 +96,22 @@ class KinematicWorld:
             scene = self._road_camera().scene
             self._viewer = RoadCamera(scene, DRIVER, self._seed, self.plan.ego.vehicle.center)
         return self._viewer.frame(
-            snapshot.poses[0], self._boxes(snapshot), self._weather(snapshot), 0.0, snapshot.frame
+            snapshot.poses[0],
+            self._boxes(snapshot),
+            self._weather(snapshot),
+            0.0,
+            snapshot.frame,
+            dict(snapshot.signals),
         )
 
     @property
     def versions(self) -> dict[str, str]:
-        """None beside the package's own."""
-        return {}
+        """What pictures depend on, of a run with a camera."""
+        if self.plan.perception != "camera":
+            return {}
+        from scenario_compiler.perception.machine import drawn_by
+
+        return drawn_by()
 
     def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
         """Leave the motion to the engine."""
@@ -150,18 +150,34 @@ class KinematicWorld:
         return self._camera
 
     def _boxes(self, snapshot: Snapshot) -> list[Box]:
+        from scenario_compiler.perception.camera import vehicle_axes
+        from scenario_compiler.perception.models import Lamp
         from scenario_compiler.perception.solids import Box
 
         boxes = []
-        placed = list(zip(self.plan.entities, snapshot.entities, strict=True))
-        for entity, state in placed[1:]:
-            if not state.shown:
+        placed = zip(self.plan.entities, snapshot.entities, strict=True)
+        for number, (entity, state) in enumerate(placed):
+            if number == 0 or not state.shown:
                 continue
             vehicle, pose = entity.vehicle, state.pose
-            x, y = center_from_reference(pose.x, pose.y, pose.heading, vehicle.center)
-            paint = PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)]
-            size = (vehicle.length, vehicle.width, vehicle.height)
-            boxes.append(Box(x, y, pose.z, pose.heading, *size, paint, KINDS[vehicle.category]))
+            x, y, z = vehicle_axes(pose)[:, 0] * vehicle.center
+            boxes.append(
+                Box(
+                    pose.x + x,
+                    pose.y + y,
+                    pose.z + z,
+                    pose.heading,
+                    vehicle.length,
+                    vehicle.width,
+                    vehicle.height,
+                    PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)],
+                    vehicle.category,
+                    pose.pitch,
+                    pose.roll,
+                    Lamp.AUTOMATIC | Lamp.BRAKE if state.braking else Lamp.AUTOMATIC,
+                    number,
+                )
+            )
         return boxes
 
 

@@ -23,3 +23,11 @@ def test_the_table_is_printed() -> None:
     )
     assert "entity-steps/s" in done.stdout
     assert "ms a variant" in done.stdout
+
+
+@pytest.mark.slow
+def test_the_table_of_pictures_is_printed() -> None:
+    script = Path(__file__).parent / "camera_figures.py"
+    done = subprocess.run([sys.executable, str(script), "--rounds", "2"], capture_output=True, text=True, check=True)
+    assert "1280 x 720, hard rain, 4 vehicles" in done.stdout
+    assert "sensor health to lane detection" in done.stdout

@@ -51,6 +51,7 @@ def network_of(*roads: str) -> Network:
         path.write_text(f"<OpenDRIVE>{header}{''.join(roads)}</OpenDRIVE>", encoding="utf-8")
         network = load_network(path, cache=False)
         assert network is not None
+        network.model()  # pictures need it, when the file is gone
         return network
 
 

@@ -1,10 +1,8 @@
 """Roads that the tests of perception drive on."""
 
-import numpy as np
-
 from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
-from scenario_compiler.perception.scene import QuadGrid, RoadScene
-from scenario_compiler.roads.mesh import Marks, Material
+from scenario_compiler.perception.scene import Scene, joined_marks
+from scenario_compiler.roads.mesh import Material
 from scenario_compiler.vocabulary.weather import Weather, weather_preset
 
 EU_DASH, US_DASH, SOLID = (6.0, 12.0), (3.0, 9.0), (0.0, 0.0)
@@ -31,7 +29,7 @@ def two_lanes(
     dash: tuple[float, float] = US_DASH,
     quality: float | Fading = 1.0,
     outer: tuple[float, float] = SOLID,
-) -> RoadScene:
+) -> Scene:
     """Our lane is centred on the reference line, another one lies to its left."""
     fading = quality if isinstance(quality, Fading) else Fading(quality, quality)
     lines = [
@@ -43,12 +41,11 @@ def two_lanes(
     return make_scene(reference, strips, lines)
 
 
-def fork(*branches: Reference) -> RoadScene:
+def fork(*branches: Reference) -> Scene:
     """Lanes with a solid line on either side, each centred on its reference line; they begin as one."""
     strips = [Strip(30.0, -30.0, Material.VERGE), Strip(12.0, -12.0)]
-    made = [make_scene(branch, strips, [Line(1.75), Line(-1.75)]) for branch in branches]
-    columns = ("quads", "colour", "quality", "width", "road", "lane", "s")
-    marks = Marks(*(np.concatenate([getattr(scene.marks, column) for scene in made]) for column in columns))
-    scene = made[0]
-    scene.marks, scene.mark_grid = marks, QuadGrid(marks.quads, marks.origin)
-    return scene
+    first, *others = (make_scene(branch, strips, [Line(1.75), Line(-1.75)]) for branch in branches)
+    marks = first.marks
+    for other in others:
+        marks = joined_marks(marks, other.marks)
+    return Scene(first.surface, marks)

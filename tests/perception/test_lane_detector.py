@@ -7,7 +7,7 @@ from scenario_compiler.perception.calibration.scenes import Fading, Line, Refere
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import Boundary, ClassicalLaneDetector, LaneResult, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
-from scenario_compiler.perception.scene import RoadScene
+from scenario_compiler.perception.scene import Scene
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.roads.positions import Pose
 from tests.perception.scenery import CLEAR, EU_DASH, SOLID, US_DASH, bend, fork, two_lanes, weather
@@ -16,7 +16,7 @@ DETECTOR = ClassicalLaneDetector()
 X = np.arange(6.0, 18.5, 1.0)
 
 
-def seen(scene: RoadScene, pose: Pose, sigma: float = 0.0, prior: LaneState | None = None) -> LaneResult:
+def seen(scene: Scene, pose: Pose, sigma: float = 0.0, prior: LaneState | None = None) -> LaneResult:
     return DETECTOR.detect(RoadCamera(scene).frame(pose, [], CLEAR, sigma, 0), prior)
 
 

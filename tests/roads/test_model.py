@@ -5,13 +5,16 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.diagnostics import CompileError
+from scenario_compiler.roads.model import Marking
 from tests.roads.make import network, road
 
 OBJECTS = (
     '<objects><object id="c" type="crosswalk" name="zebra" s="20" t="1" zOffset="0" hdg="1.5" orientation="none" '
-    'length="4" width="7"><outlines><outline id="0"><cornerRoad s="18" t="-3" dz="0" height="0"/>'
+    'length="4" width="7"><outlines><outline id="0"><cornerRoad id="0" s="18" t="-3" dz="0" height="0"/>'
     '<cornerLocal u="2" v="1" z="0" height="0.1"/></outline></outlines><validity fromLane="-1" toLane="1"/>'
-    '<userData code="k" value="v"/><markings/></object>'
+    '<userData code="k" value="v"/><repeat s="0" length="8" distance="4" heightStart="1" heightEnd="2"/>'
+    '<markings><marking side="left" color="white" width="0.1" lineLength="0.5" spaceLength="0.4" startOffset="0.2" '
+    'stopOffset="0.3"><cornerReference id="0"/><cornerReference id="1"/></marking></markings><borders/></object>'
     '<bridge id="b" name="B" s="30" length="10" type="concrete"/></objects>'
     '<signals><signal id="s" type="274" subtype="50" country="DE" value="50" unit="km/h" s="5" t="-4" dynamic="no"/>'
     '<signalReference id="s" s="6" t="4" orientation="+"/></signals>'
@@ -29,7 +32,11 @@ def test_what_the_tables_leave_out_is_read_on_demand(tmp_path: Path) -> None:
     thing = model.objects[0]
     assert (thing.road, thing.id, thing.type, thing.length, thing.lanes) == ("1", "c", "crosswalk", 4.0, ((-1, 1),))
     assert [corner.local for corner in thing.outlines[0].corners] == [False, True]
-    assert (thing.user_data, thing.rest) == ((("k", "v"),), ("markings",))
+    assert (thing.user_data, thing.rest) == ((("k", "v"),), ("borders",))
+    assert thing.markings == (Marking("left", ("0", "1"), "white", 0.1, 0.5, 0.4, 0.2, 0.3),)
+    assert thing.outlines[0].corners[0].id == "0"
+    assert thing.repeats[0].height_end == 2.0
+    assert [place.share for place in thing.repeats[0].places()] == [0.0, 0.5, 1.0]
     assert [(s.id, s.reference, s.value) for s in model.signals] == [("s", False, "50"), ("s", True, "")]
     assert [(s.kind, s.length) for s in model.structures] == [("bridge", 10.0)]
     junction = model.junctions[0]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.scene import RoadScene
+from scenario_compiler.perception.scene import Scene
 from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface
 from scenario_compiler.roads.positions import Pose
 
@@ -111,7 +111,7 @@ class Reference:
         return np.concatenate([flat, np.zeros((*flat.shape[:2], 1))], axis=2).astype(np.float32)
 
 
-def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Line]) -> RoadScene:
+def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Line]) -> Scene:
     """Return the scene; later strips lie on earlier ones."""
     stations = np.linspace(0.0, reference.length, max(2, round(reference.length / 4.0)))
     surfaces = [reference.quads(stations[:-1], stations[1:], strip.left, strip.right) for strip in strips]
@@ -125,7 +125,7 @@ def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Li
         np.zeros(sum(counts), np.int32),
         spans,
     )
-    return RoadScene(surface, _marks(reference, lines))
+    return Scene(surface, _marks(reference, lines))
 
 
 def _marks(reference: Reference, lines: Sequence[Line]) -> Marks:

@@ -27,6 +27,9 @@ outlines
 outline
 cornerRoad
 cornerLocal
+markings
+marking
+cornerReference
 validity
 tunnel
 bridge
@@ -47,7 +50,8 @@ priority
 junction_controller
 """
 """What is read and kept for those who ask (`Network.model`, `Network.lane_details`), of the elements in `unread.READ`;
-positions, routes and pictures do not depend on it. A name alone means all of its attributes that are read."""
+positions and routes do not depend on it, and of pictures only what the camera draws of objects and signals. A name
+alone means all of its attributes that are read."""
 
 KEPT_ATTRIBUTES = {
     name: frozenset(attributes) or READ_ATTRIBUTES[name]
@@ -60,9 +64,10 @@ _HEAD = """# What of OpenDRIVE is read
 Made from the reader's own tables by `make generate`; tests hold the list to what the reader does.
 
 *Used*: positions, routes, triggers or pictures depend on it. *Kept*: `Network.model()` and `Network.lane_details()`
-give it. *Not read*: `map check` lists it where it stands in a file. Additional data (`userData`, `include`,
-`dataQuality`) may stand in most elements; `userData` of the header, lanes, objects, signals and junctions is kept,
-`marking_quality` of a road mark is used. Versions are given where not all from 1.1 to 1.8 know something.
+give it; the camera draws the objects and signals of it. *Not read*: `map check` lists it where it stands in a file.
+Additional data (`userData`, `include`, `dataQuality`) may stand in most elements; `userData` of the header, lanes,
+objects, signals and junctions is kept, `marking_quality` of a road mark is used. Versions are given where not all from
+1.1 to 1.8 know something.
 """
 
 _EVERY = list(range(FIRST_MINOR, LAST_MINOR + 1))

@@ -63,11 +63,15 @@ explicit
 explicit_line length tOffset sOffset width
 objects
 object id name type subtype s t zOffset hdg pitch roll orientation length width height radius validLength dynamic
-repeat s length distance tStart tEnd zOffsetStart zOffsetEnd
+repeat s length distance tStart tEnd zOffsetStart zOffsetEnd lengthStart lengthEnd widthStart widthEnd heightStart \
+  heightEnd radiusStart radiusEnd
 outlines
 outline closed outer
-cornerRoad s t dz height
-cornerLocal u v z height
+cornerRoad s t dz height id
+cornerLocal u v z height id
+markings
+marking side color width lineLength spaceLength startOffset stopOffset
+cornerReference id
 validity fromLane toLane
 tunnel id name type s length
 bridge id name type s length

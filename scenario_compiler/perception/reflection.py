@@ -1,0 +1,105 @@
+"""What a wet road mirrors: the sky, the trees at the horizon, the sides and the lamps of other vehicles."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.perception.buffers import Buffers
+from scenario_compiler.perception.camera import View, vehicle_axes
+from scenario_compiler.perception.lens import Lens
+from scenario_compiler.perception.lighting import Light
+from scenario_compiler.perception.polygons import SUBPIXEL, Polygon, flatten
+from scenario_compiler.perception.sky import SkyView
+from scenario_compiler.perception.solids import Faces
+
+Image = NDArray[np.uint8]
+Table = NDArray[np.float32]
+
+STEP_BITS = 2
+"""A mirror image takes every fourth pixel: ripples blur it anyway."""
+
+BLUR = 31.0 / 512.0
+"""How far ripples spread a mirror image upwards and downwards, as a share of the image's height."""
+
+SMALLEST = 6.0
+"""Least height and width of a face that is mirrored, pixels, unless it shines."""
+
+FAINT = 0.6
+"""Share of the light of a vehicle's sides in the mirror image: they are seen from below, in their own shade."""
+
+
+STREAK = 3.0
+"""How much longer than itself the mirror image of a lamp is."""
+
+_Shape = tuple[Polygon, list[float]]
+
+
+class Reflection:
+    """The mirror image in the ground of one camera."""
+
+    def __init__(self, lens: Lens, buffers: Buffers) -> None:
+        """Prepare which part of the sky each piece of ground mirrors."""
+        self.lens, self._buffers = lens, buffers
+        step = 1 << STEP_BITS
+        ahead, left, up = (one[lens.top :: step, ::step] for one in lens.directions())
+        self._sky = SkyView(ahead, left, -up)
+        self._blur = max(round(BLUR * lens.camera.height / step), 1)
+
+    def add(self, ground: Image, mirror: Table, panorama: Image, view: View, faces: Faces, light: Light) -> None:
+        """Add what the ground mirrors to its image, in place.
+
+        Args:
+            ground: (rows, width, 4) the ground from row `lens.top` on.
+            mirror: (mirroring rows, columns) the share of light that it mirrors (see `Ground.shade`).
+            panorama: The sky.
+            view: The camera in the world.
+            faces: What stands on the ground.
+            light: The light.
+        """
+        step = ground.shape[1] // mirror.shape[1]
+        ground = ground[: len(mirror) * step]
+        high = -(-len(ground) >> STEP_BITS)
+        get = self._buffers.get
+        sky = self._sky.draw(panorama, view.pose.heading, high)
+        faint, lamps = self._mirrored(view, faces, light)
+        for shape, tone in faint:
+            cv2.fillConvexPoly(sky, shape, tone, cv2.LINE_8, SUBPIXEL + STEP_BITS)
+        blurred = np.asarray(cv2.blur(sky, (1, self._blur)), np.uint8)
+        for shape, tone in lamps:
+            cv2.fillConvexPoly(blurred, _stretched(shape), tone, cv2.LINE_AA, SUBPIXEL + STEP_BITS)
+        size = (*mirror.shape, 4)
+        image = np.asarray(cv2.resize(blurred, mirror.shape[::-1], get("mirrored", size, np.uint8)), np.uint8)
+        share = cv2.convertScaleAbs(mirror, get("channel", mirror.shape, np.uint8), 255.0)
+        cv2.multiply(image, cv2.merge((share, share, share, share), get("shares", size, np.uint8)), image, 1.0 / 255.0)
+        if step > 1:
+            four = get("four", (self.lens.camera.height, *ground.shape[1:]), np.uint8)[: len(ground)]
+            image = np.asarray(cv2.resize(image, ground.shape[1::-1], four, interpolation=cv2.INTER_NEAREST), np.uint8)
+        cv2.add(ground, image, ground)
+
+    def _mirrored(self, view: View, faces: Faces, light: Light) -> tuple[list[_Shape], list[_Shape]]:
+        """Return the faces turned over the plane that the vehicle stands on: those that are lit, and lamps."""
+        if not faces.shapes:
+            return [], []
+        up = view.rotation @ vehicle_axes(view.pose)[:, 2]
+        x, y, z = faces.points
+        height = up[0] * x + up[1] * y + up[2] * z + view.camera.z
+        flat = flatten(faces.points - 2.0 * up[:, None, None] * height, view.camera)
+        large = (np.ptp(flat.pixels, axis=1).min(axis=0) > SMALLEST) | ~flat.whole
+        first = np.array((0, self.lens.top << SUBPIXEL), np.int32)
+        shines = faces.shines[flat.index]
+        lit = np.where(shines[:, None], 1.0, FAINT * light.look.luminance) * faces.colours[flat.index]
+        shapes = list(zip((shape - first for shape in flat.shapes), lit.tolist(), strict=True))
+        return (
+            [shapes[k] for k in np.flatnonzero(large & ~shines).tolist()],
+            [shapes[k] for k in np.flatnonzero(shines).tolist()],
+        )
+
+
+def _stretched(shape: Polygon) -> Polygon:
+    """Return the mirror image of a lamp as ripples draw it out, upwards and downwards."""
+    middle = shape[:, 1].mean()
+    drawn_out = shape.copy()
+    drawn_out[:, 1] = np.rint(middle + STREAK * (shape[:, 1] - middle))
+    return drawn_out
