@@ -6,12 +6,12 @@ batches of rows. Nothing in a row depends on how a sweep is split.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import Columns, error_columns, row_of_recording, rows_of_totals
@@ -23,6 +23,7 @@ from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.variants import VariantChecks
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.roads import Network, load_network
@@ -162,6 +163,7 @@ class _Family:
     def __init__(self, plan: Plan, network: Network, form: Form, trust: Trust) -> None:
         self.plan, self.network, self.form, self.trust = plan, network, form, trust
         self.usual = parameter_values(plan.parameters)
+        self.checks = VariantChecks(plan, network)
         self.limit = int(plan.duration / plan.step) + 2
         self.engine: Simulation | None = None
         if form != "camera":
@@ -170,7 +172,16 @@ class _Family:
             self.engine = Simulation(network.tables, program, interpreted=form == "interpreted")
 
     def rows(self, batch: Sequence[Variant], seed: int) -> Columns:
-        """Run variants and return their rows."""
+        """Run variants and return their rows; one whose values the scenario does not allow is not run."""
+        faults = [self.checks.fault(one.values) for one in batch]
+        if not any(faults):
+            return self._run(batch, seed)
+        sound = [one for one, fault in zip(batch, faults, strict=True) if not fault]
+        ran = self._run(sound, seed) if sound else error_columns(0, "")
+        rows = {name: iter(values) for name, values in ran.items()}
+        return joined([error_columns(1, fault) if fault else _following(rows) for fault in faults])
+
+    def _run(self, batch: Sequence[Variant], seed: int) -> Columns:
         if self.engine is None:
             return row_of_recording(self.plan, record(self.plan, self.network, batch[0], seed, self.trust))
         try:
@@ -186,6 +197,11 @@ class _Family:
 def joined(parts: Sequence[Columns]) -> Columns:
     """Return the rows of all parts, one after the other."""
     return {name: [value for columns in parts for value in columns[name]] for name in parts[0]}
+
+
+def _following(rows: Mapping[str, Iterator[Any]]) -> Columns:
+    """Return the next of some rows."""
+    return {name: [next(values)] for name, values in rows.items()}
 
 
 def record(plan: Plan, network: Network, variant: Variant, seed: int, trust: Trust | None = None) -> Recording:

@@ -27,11 +27,10 @@ from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.runtime import open_world, run
-from scenario_compiler.source.parameters import limits
 from scenario_compiler.vocabulary.storyboard import Storyboard
 
 LIBRARY = Path(__file__).parents[2] / "library" / "conflicts"
-VARY = ("distance=uniform(10, 350)", "speed=choice(8, 13.9, 20)")
+VARY = ("distance=uniform(20, 350)", "speed=choice(8, 13.9, 20)")
 
 
 def _spec(**settings: object) -> SweepSpec:
@@ -75,7 +74,7 @@ def test_library_conflicts_run_compiled_as_interpreted(target: str, tmp_path: Pa
     numbers = [one for one in done.plan.parameters if one.default]
     if not numbers:
         pytest.skip("the conflict has no parameter that stays a number")
-    least = {one.name: max(0.9 * float(str(one.default)), limits(one).minimum or 0.0) for one in numbers}
+    least = {one.name: max(0.9 * float(str(one.default)), one.limits.minimum or 0.0) for one in numbers}
     vary = tuple(f"{one.name}=uniform({least[one.name]}, {one.default})" for one in numbers)
     tables = []
     for interpreted in (True, False):
@@ -254,3 +253,21 @@ def test_the_memory_of_a_sweep_does_not_depend_on_how_long_its_runs_are(conflict
         tracemalloc.stop()
         assert max(batch.columns["duration"]) > 0.9 * duration
     assert peaks[1] < 1.1 * peaks[0]
+
+
+def test_variants_beyond_limits_are_rows_with_the_error_of_a_run(conflict: Path, tmp_path: Path) -> None:
+    vary = ("distance=normal(20, 30)", "speed=normal(2, 8)")
+    run_sweep(conflict, _spec(vary=vary, samples=60), tmp_path / "sweep", workers=1, report=False)
+    rows, _ = read_results(tmp_path / "sweep")
+    reasons = set()
+    for index, found in enumerate(rows["result"]):
+        values = {name: str(rows[PARAMETER + name][index]) for name in ("distance", "speed")}
+        sink = Diagnostics()
+        compile_target(conflict, values, sink, overrides=Overrides(perception="ideal"))
+        assert (found == "error") == sink.has_errors
+        if found == "error":
+            assert rows["error"][index] in [one.message for one in sink]
+            assert rows["final_speed"][index] is None
+            reasons.add(str(rows["error"][index]).split(" is ")[0])
+    assert {"speed", "distance"} <= reasons
+    assert "pass" in rows["result"]
