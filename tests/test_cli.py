@@ -155,7 +155,10 @@ def test_diagnostics_for_programs_go_to_stdout(conflict: Path, capsys: pytest.Ca
         ("map check highway_loop", ""),
         ("map plot highway_loop -o map.svg", ""),
         ("map export highway_loop --mesh -o map.obj", ""),
-        ("sweep it.xml --perception ideal --vary speed=values(10,20) -o swept", "2 variants, 0 failed"),
+        (
+            "sweep it.xml --perception ideal --vary speed=values(10,20) -o swept",
+            "2 variants: 2 passed, 0 failed, 0 broken off",
+        ),
         ("sweep it.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed -o least", "least final"),
     ],
 )

@@ -20,6 +20,7 @@ import pyarrow.parquet as pq
 
 from scenario_compiler.batch.distributions import SweepError, ValueKind
 from scenario_compiler.batch.measuring import OUTCOME, Columns
+from scenario_compiler.batch.tally import Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
 from scenario_compiler.recording.measures import MEASURES
 
@@ -49,10 +50,10 @@ def schema_of(parameters: Mapping[str, ValueKind]) -> pa.Schema:
     return pa.schema(columns)
 
 
-def passed_of(table: Path) -> int:
-    """Return how many variants of a sweep's table passed: all their criteria held."""
-    results: Any = pq.read_table(table, columns=["result"])["result"]
-    return int(Counter(results.to_pylist())["pass"])
+def tally_of(table: Path) -> Tally:
+    """Return what the variants of a sweep's table, or of a part of one, came to."""
+    found = _read(table, ["result", "resolution"])
+    return Tally.of(found["result"].to_pylist(), found["resolution"].to_pylist())
 
 
 class ResultStore:
@@ -171,10 +172,9 @@ class ResultStore:
         columns: Columns = _read(self._part(number)).to_pydict()
         return columns
 
-    def counts(self, number: int) -> tuple[int, int]:
-        """Return how many rows a part has and how many of them are errors."""
-        results = _read(self._part(number), ["result"])["result"].to_pylist()
-        return len(results), results.count("error")
+    def tally(self, number: int) -> Tally:
+        """Return what the variants of a part came to."""
+        return tally_of(self._part(number))
 
     def errors(self) -> Counter[str]:
         """Return what the rows of the table that are errors say, and how often, the first in the table first."""
