@@ -92,10 +92,11 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
     spec = _spec(
         vary=("speed=choice(8, 12, 16, 20, 9)",),
         method="grid",
+        samples=1,
         perception="camera",
         controller="misbehaving:Misbehaving",
         duration=0.2,
-        time_limit=5.0,
+        time_limit=15.0,
     )
     result = run_sweep(conflict, spec, tmp_path / "sweep", workers=2, report=False)
     rows, _ = read_results(tmp_path / "sweep")
@@ -103,7 +104,7 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
     assert rows["error"] == [
         "",
         "controller 'misbehaving:Misbehaving', misbehaving.py:20: ValueError: too fast for me",
-        "it took longer than 5 s",
+        "it took longer than 15 s",
         "the process ended with code 9",
         "",
     ]
