@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import shlex
@@ -11,6 +12,7 @@ import pytest
 
 from scenario_compiler.batch.distributions import DISTRIBUTIONS
 from scenario_compiler.batch.results import read_results
+from scenario_compiler.recording.cells import text_cell
 from tests.command import call
 
 CONFLICT = """\
@@ -213,6 +215,28 @@ def test_a_repeat_s_command_runs_it_again(capsys: pytest.CaptureFixture[str]) ->
     )
     again = json.loads(Path("5/outcome.json").read_text())
     assert again["trajectory_hash"] == headers[5]["trajectory_hash"]
+
+
+def test_the_codebook_has_every_column_of_the_table() -> None:
+    Path("it.xml").write_text(CONFLICT.format("").replace('max="30"', 'max="30" summary="How fast it begins."'))
+    assert sweep("--vary", "speed=uniform(5, 20)", "--vary", "busy=choice(true, false)", "--samples", 3) == 0
+    rows, about = read_results(Path("out"))
+    with Path("out/codebook.csv").open(newline="") as file:
+        book = {row.pop("column"): row for row in csv.DictReader(file) if row["table"] == "results.parquet"}
+    assert list(book) == list(rows)
+    assert all(one["definition"].endswith(".") for one in book.values())
+    assert (book["takeover_time"]["unit"], book["takeover_time"]["kind"]) == ("s", "number")
+    assert book["parameter.speed"]["unit"] == "m/s"
+    assert "How fast it begins" in book["parameter.speed"]["definition"]
+    assert "uniform(5, 20)" in book["parameter.speed"]["definition"]
+    assert (book["parameter.busy"]["unit"], book["parameter.busy"]["kind"]) == ("", "boolean")
+    for one in about["columns"]:
+        written = book[one["column"]]
+        assert {name: text_cell(value) for name, value in one.items() if name != "column"} == {
+            name: value for name, value in written.items() if name != "table"
+        }
+    empty = {name for name, values in rows.items() if None in values}
+    assert {name for name in empty if not book[name]["empty"]} == set()
 
 
 @pytest.mark.parametrize("address", ["banana", "http://here:1"])

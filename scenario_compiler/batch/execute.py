@@ -11,10 +11,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
+from scenario_compiler.batch.codebook import PARAMETER, Column, parameter_column
 from scenario_compiler.batch.distributions import Distribution, SweepError, beyond, misfit, value_of
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
-from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results, tally_of
+from scenario_compiler.batch.results import ResultStore, read_results, tally_of
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
 from scenario_compiler.batch.sampling import Sample, Sampler, constraints_of, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
@@ -97,6 +98,7 @@ class Sweep:
         families: Their plans.
         form: What runs them.
         part_size: Number of variants of a part.
+        declared: What the scenario says of its parameters.
     """
 
     target: str
@@ -105,6 +107,7 @@ class Sweep:
     families: Families
     form: Form
     part_size: int
+    declared: Mapping[str, Declaration]
     _on_the_way: dict[int, SentPlan] = field(default_factory=dict)
 
     @property
@@ -162,9 +165,13 @@ class Sweep:
 
     def store(self, folder: Path) -> ResultStore:
         """Return the folder's store."""
-        kinds = {name: axis.kind for name, axis in self.spec.axes.items()}
-        order = [*self.sampler.crossed, *self.sampler.drawn]
-        return ResultStore(folder, {name: kinds[name] for name in order}, self.manifest())
+        return ResultStore(folder, self.parameters, self.manifest())
+
+    @property
+    def parameters(self) -> list[Column]:
+        """The columns of the parameters that vary, in the table's order."""
+        axes, order = self.spec.axes, (*self.sampler.crossed, *self.sampler.drawn)
+        return [parameter_column(name, axes[name], self.declared.get(name)) for name in order]
 
 
 def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequence[Path] = ()) -> Sweep:
@@ -186,12 +193,12 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}
     families = Families(target, spec, middle, sink, maps)
     if not declared:
-        of_plan = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
-        check_axes(axes, of_plan, constrained)
+        declared = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
+        check_axes(axes, declared, constrained)
     fixed = {name: value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
     form = form_of(spec, families.base)
-    return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total))
+    return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total), declared)
 
 
 def check_axes(

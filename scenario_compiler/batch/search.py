@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import Distribution, SweepError
 from scenario_compiler.batch.execute import Sweep, prepare
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
+from scenario_compiler.batch.results import ResultStore, read_results
 from scenario_compiler.batch.runner import Part, Runner
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
@@ -99,7 +100,7 @@ class Search:
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}
         self.runner = Runner(self.sweep.form, trust=self.sweep.trust)
         manifest = {**self.sweep.manifest(), "asked": asked}
-        self.store = ResultStore(folder, dict.fromkeys(self.ranges, "number"), manifest)
+        self.store = ResultStore(folder, self.sweep.parameters, manifest)
         self.count = 0
         self.expected = 0
         self._progress = progress

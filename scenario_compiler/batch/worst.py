@@ -7,8 +7,8 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import PARAMETER
 from scenario_compiler.batch.runner import record
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.tally import OnProgress, Progress

@@ -22,6 +22,7 @@ from scenario_compiler.report.wording import (
     command,
     conditions,
     fixed,
+    place_words,
     summary_of,
     unit_words,
 )
@@ -74,6 +75,7 @@ def render(runs: Sequence[Run], *, title: str = "") -> str:
         lstrip_blocks=True,
     )
     environment.filters["number"] = fixed
+    environment.filters["place"] = place_words
     environment.filters["unit"] = unit_words
     environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
     environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))

@@ -19,15 +19,17 @@ class Declaration:
     Attributes:
         kind: Its kind.
         limits: The limits of its values, in XML units; OpenSCENARIO's have none here.
+        summary: What it does, where the scenario says so.
     """
 
     kind: ParameterKind
     limits: AttributeSpelling
+    summary: str = ""
 
     @classmethod
     def of(cls, parameter: Parameter) -> Declaration:
         """Return what a parameter may be."""
-        return cls(parameter.type, parameter.limits)
+        return cls(parameter.type, parameter.limits, parameter.summary)
 
 
 def declared_in(library: Library, name: str | None) -> dict[str, Declaration]:

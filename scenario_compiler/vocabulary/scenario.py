@@ -100,6 +100,8 @@ class NumberLimit(Word):
     The attribute that holds the number gives its limits, or the template's parameter that it is an argument of.
     """
 
+    word: Literal["limit"] = "limit"
+
     holder: str = attribute("Name of the attribute or parameter.")
     value: Number = attribute("The number, in the unit that XML uses.")
     least: float | None = attribute("Least value.", default=None)
