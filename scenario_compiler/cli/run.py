@@ -235,7 +235,7 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     """Print what a run came to."""
-    from scenario_compiler.report.wording import summary_of
+    from scenario_compiler.report.wording import broken_criteria, summary_of
 
     summary = summary_of(run)
     of_takeover = (
@@ -246,6 +246,7 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     rows = (
         ("conflict", summary.name),
         ("result", summary.result),
+        *((f"broken: {name}", told_why) for name, told_why in broken_criteria(run.outcome)),
         ("outcome", summary.outcome),
         *(() if run.plan.controller is None else of_takeover),
         ("minimum time to collision", _seconds(summary.minimum_ttc)),

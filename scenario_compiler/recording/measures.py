@@ -23,6 +23,7 @@ from scenario_compiler.recording.on_path import least_time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
+from scenario_compiler.vocabulary.criteria import HORIZON
 
 
 class Timed(Protocol):
@@ -305,8 +306,8 @@ MEASURES: tuple[Measure, ...] = (
         "s",
         "Least over the run of gap over closing speed to any entity whose box lies across the path ahead: as wide as "
         "the vehicle, with the curvature it drives at that moment, which is known from the second row on. The gap is "
-        "to the part of the box within the path; 0 while boxes overlap.",
-        "nothing in the path is ever closed in on",
+        f"to the part of the box within the path; 0 while boxes overlap. {HORIZON:g} s or more counts as none.",
+        f"nothing in the path would ever be reached within {HORIZON:g} s",
         minimum_time_to_collision,
         total("least_time_to_collision"),
         of_takeover=False,

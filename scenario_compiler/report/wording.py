@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from scenario_compiler.recording.criteria import Where
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
@@ -86,6 +87,24 @@ def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
         stands = {"destination": "destination reached", "standstill": "stopped safely"}
         ended = stands.get(outcome.stop_reason, "no collision")
     return f"{took_over}, {ended}" if automated else ended
+
+
+def place_words(where: Where) -> str:
+    """Return where something happened, in words."""
+    if where.road is None or where.s is None:
+        return f"off every road, x {fixed(where.x)} m, y {fixed(where.y)} m"
+    return f"road {where.road}, lane {where.lane}, s {fixed(where.s)} m"
+
+
+def broken_criteria(outcome: Outcome) -> list[tuple[str, str]]:
+    """Return each criterion that does not hold, and when, where and why in a sentence."""
+    found = []
+    for one in outcome.criteria:
+        if not one.passed:
+            when = "" if one.when is None else f"at {fixed(one.when)} s"
+            place = "" if one.where is None else place_words(one.where)
+            found.append((one.criterion, f"{', '.join(part for part in (when, place) if part)}: {one.why}"))
+    return found
 
 
 def measured(outcome: Outcome, name: str) -> str:

@@ -14,6 +14,7 @@ from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
+from scenario_compiler.vocabulary.criteria import HORIZON
 from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
 IDS = ("ego", "parked")
@@ -97,6 +98,21 @@ def test_a_car_beside_the_path_gives_no_time_to_collision_but_a_distance() -> No
     run = record(IDS, 80, row)
     assert math.isnan(value("minimum_time_to_collision", run))
     assert value("minimum_distance", run) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("closing", "expected"),
+    [(2.5, 24.0), (2.0625, 60.0 / 2.0625), (2.0, math.nan), (1.75, math.nan), (0.0009765625, math.nan)],
+)
+def test_beyond_the_horizon_there_is_no_time_to_collision(closing: float, expected: float) -> None:
+    def row(t: float) -> Row:
+        return {"x": (0.0, 64.0), "y": (0.0, 0.0), "h": (0.0, 0.0), "v": (20.0, 20.0 - closing)}
+
+    run = record(IDS, 3, row)
+    assert value("minimum_time_to_collision", run) == pytest.approx(expected, nan_ok=True)
+    rows = traces(run)
+    in_time = time_to_collision(rows, np.asarray(math.inf))
+    assert in_time[1:].tolist() == pytest.approx([expected] * 2, nan_ok=True)
 
 
 def test_time_to_collision_follows_the_curve_that_is_driven() -> None:
@@ -253,7 +269,7 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     np.minimum.at(least_distance, places[1], distance)
     np.minimum.at(least_time, places[1], time)
     assert np.isfinite(least_time).any()
-    expected = np.where(touched, 0.0, least_time)
+    expected = np.where(touched, 0.0, np.where(least_time < HORIZON, least_time, np.inf))
     for found, exact in (
         (least_box_distance(runs), np.where(touched, 0.0, least_distance)),
         (least_time_to_collision(runs), expected),

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
 from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
+from scenario_compiler.vocabulary.criteria import HORIZON
 
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
@@ -51,7 +52,7 @@ class Totals:
 
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)
-    least_time_to_collision: list[float] = column(RUN, op.FAR)
+    least_time_to_collision: list[float] = column(RUN, HORIZON)
     touched: list[int] = column(RUN)
     """1 from when the ego's box has overlapped that of another entity; both least values are 0 then."""
     least_confidence: list[float] = column(RUN, op.FAR)
