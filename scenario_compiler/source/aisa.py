@@ -45,7 +45,7 @@ DESIRED_SPEED = 5.0
 STEP, CONTROL_EVERY = 1.0 / 30.0, 2
 """The toolkit's time step, s, and the number of steps between two control steps."""
 
-MESSAGE = Message.model_construct(modality=("text", "audio"), content=("what", "why"))
+MESSAGE = Message.model_construct(modality=("text", "speech"), content=("what", "why"))
 """How the driver is told: the toolkit writes on the screen and, with --audio, speaks."""
 
 DURATION = 60.0

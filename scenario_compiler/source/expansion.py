@@ -309,18 +309,20 @@ def settled_weather(weather: AnyWeather, sink: Diagnostics) -> AnyWeather:
 
 
 def catalog_driver(driver: Driver, catalogs: Catalogs, sink: Diagnostics) -> Driver | DriverModel:
-    """Return the catalog's driver with the takeover time that the scenario fixes; report an unknown one."""
+    """Return the catalog's driver, with the takeover time of the scenario where that has one; report an unknown one."""
     found = catalogs.drivers.get(driver.preset)
     if found is None and catalogs.complete:
+        renamed = [one.name for one in catalogs.drivers.values() if one.formerly == driver.preset]
         sink.add(
             names.UNKNOWN_DRIVER,
             f"there is no driver '{driver.preset}'",
             driver.place_of("preset"),
-            hint=did_you_mean(driver.preset, catalogs.drivers),
+            hint=f"it is called '{renamed[0]}' now" if renamed else did_you_mean(driver.preset, catalogs.drivers),
         )
     if found is None:
         return driver
-    return found.model_copy(update={"takeover_time": driver.takeover_time}).written_at(driver.origin)
+    fixed = found.takeover_time if driver.takeover_time is None else driver.takeover_time
+    return found.model_copy(update={"takeover_time": fixed}).written_at(driver.origin)
 
 
 def catalog_vehicles(

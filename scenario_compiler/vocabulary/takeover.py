@@ -80,9 +80,14 @@ class Driver(Word):
 
     word: Literal["driver"] = "driver"
 
-    preset: str = attribute("Name of a driver in the driver catalog.", default="urgent", names="driver")
+    preset: str = attribute(
+        "Name of a driver in the driver catalog. That no study stands for every driver is why the default is the mean "
+        "over all studies: it is chosen.",
+        default="study_means",
+        names="driver",
+    )
     takeover_time: Number | None = attribute(
-        "Time from the request to the driver's first input, s, in place of the preset's distribution.",
+        "Time from the request to the driver's first input, s, in place of what the preset says.",
         default=None,
         quantity="time",
         minimum=0,
@@ -95,6 +100,7 @@ class DriverModel(Word):
     word: Literal["driver_model"] = "driver_model"
 
     name: str = attribute("Name in the catalog.", defines="driver")
+    formerly: str = attribute("Name that it had before, which is refused with a hint.", default="")
     summary: str = attribute("Whom it stands for.", default="")
     source: str = attribute("Where the numbers come from.", default="")
     mu: float = attribute("Mean of the logarithm of the takeover time in seconds.", default=0.0)
@@ -108,7 +114,14 @@ class DriverModel(Word):
     )
 
 
-Modality = Literal["text", "audio", "icon"]
+Modality = Literal["text", "icon", "overlay", "tone", "speech", "vibration", "none"]
+"""Channels of a message: a text, an icon, a mark laid over the road in the driver's view, a tone, speech, vibration of
+seat or wheel; `none` tells the driver nothing.
+"""
+
+RETIRED_MODALITIES = (("audio", "tone or speech"),)
+"""Channels of before, and what is to be written in their place."""
+
 Content = Literal["what", "why", "next"]
 Language = Literal["en", "de"]
 """Languages of the messages, by their ISO 639-1 codes."""
@@ -119,7 +132,9 @@ class Message(Word):
 
     word: Literal["message"] = "message"
 
-    modality: tuple[Modality, ...] = attribute("By which channels.", default=("text",), separated=True)
+    modality: tuple[Modality, ...] = attribute(
+        "By which channels.", default=("text",), separated=True, retired=RETIRED_MODALITIES
+    )
     content: tuple[Content, ...] = attribute(
         "What is said: what happens, why, what to do next.", default=("what",), separated=True
     )

@@ -134,7 +134,7 @@ def plan_on(network: Network) -> Plan:
         storyboard=board,
         takeover=Takeover(
             causes=(Cause(kind="path_blocked", margin=0.7),),
-            driver=DriverModel(name="urgent", mu=0.876, sigma=0.5),
+            driver=DriverModel(name="study_means", mu=0.876, sigma=0.5),
         ),
     )
 

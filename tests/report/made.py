@@ -34,7 +34,7 @@ def plan() -> Plan:
             Cause(kind="lane_confidence", warning_below=0.6, request_below=0.3, count=5, of=8),
             Cause(kind="path_blocked", sensor_range=100.0, field_of_view=math.radians(60), margin=0.4),
         ),
-        driver=DriverModel(name="urgent", mu=0.876, sigma=0.5, lapse=0.03),
+        driver=DriverModel(name="study_means", mu=0.876, sigma=0.5, lapse=0.03),
     )
     return plan_of(*IDS).model_copy(
         update={"takeover": takeover, "map": MapReference(name="town_grid", file="town_grid.xodr", sha256="0" * 64)}
