@@ -35,6 +35,7 @@ ROWS = (
     ("plan",),
     ("vocabulary",),
     ("roads",),
+    ("forms",),
 )
 HALL = (
     "diagnostic_formats",
@@ -56,7 +57,7 @@ LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for ro
 
 ENGINE_ROWS = (
     ("simulation",),
-    ("program", "forms"),
+    ("program", "entries"),
     ("story",),
     ("moves",),
     ("ego", "traffic", "measures"),

@@ -33,8 +33,8 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.terminal import complain, put
 from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
-from scenario_compiler.engine.forms.compiled import why_interpreted
 from scenario_compiler.files import split_target
+from scenario_compiler.forms.machine_code import why_interpreted
 from scenario_compiler.legible import legible
 from scenario_compiler.outputs import whole_folder
 

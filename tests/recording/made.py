@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from scenario_compiler.engine.columns import opcodes, slots
-from scenario_compiler.engine.columns.declaration import at_start
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import new_state
-from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals, write_summary
+from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, Totals
 from scenario_compiler.engine.measures.judging import finish_totals, judge_row
 from scenario_compiler.engine.measures.rows import take_row
 from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.engine.motion.collision import update_boxes
+from scenario_compiler.forms.declaration import at_start, write_first
 from scenario_compiler.plan.model import Entity, MapReference, Plan
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
@@ -216,7 +216,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
                 getattr(st, f"time_{kind}")[0] = time
     finish_totals(st, totals)
     out = [0.0] * SUMMARY_SIZE
-    write_summary(totals, out, 0)
+    write_first(totals, SUMMARY, out, 0)
     return out
 
 

@@ -9,13 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import (
+from scenario_compiler.forms.declaration import (
     FLAG,
     RUN,
     Allowed,
     Of,
     codes,
     column,
+    container,
     fixed,
     index,
     index_or_none,
@@ -65,11 +66,12 @@ SLOT = Allowed(Of("place of a number", lambda p: len(p.const) + 1))
 COUNT = whole(0)
 
 
+@container("p", 1)
 @dataclass(slots=True)
 class Program:
     """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
 
-    const: list[float] = column(NUMBER)
+    const: list[float] = column(NUMBER, written=True)
     """Every number, by the slots of `slots`; replaced row by row in a sweep."""
 
     # The run.

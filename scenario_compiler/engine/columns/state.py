@@ -1,6 +1,6 @@
 """State: everything that changes during a run, as flat columns of a fixed size.
 
-`clear_state` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
+`put_to_start` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import RUN, Of, at_start, column, fixed, put_to_start
 from scenario_compiler.engine.columns.program import (
     ACTION,
     CAUSE,
@@ -24,7 +23,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.marker import compiled
+from scenario_compiler.forms.declaration import RUN, Of, at_start, column, container, fixed
 from scenario_compiler.randomness import hash_bits, normal, uniform
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
@@ -37,6 +36,7 @@ WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 
+@container("st", 2, written=True)
 @dataclass(slots=True)
 class State:
     """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
@@ -426,12 +426,6 @@ class State:
 def new_state(program: Program) -> State:
     """Return a state of the right sizes for a program, at its declared start."""
     return at_start(State, program)
-
-
-@compiled
-def clear_state(st: State) -> None:
-    """Put every column to its declared start, but those that are kept."""
-    put_to_start(st)
 
 
 REQUESTS_DRAWN = 4

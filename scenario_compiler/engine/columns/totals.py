@@ -9,14 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import RUN, column, columns_of, fixed, put_to_start
 from scenario_compiler.engine.columns.program import ENTITY
-from scenario_compiler.marker import compiled
+from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
 
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
 
+@container("m", 3, written=True)
 @dataclass(slots=True)
 class Totals:
     """The columns of the measures: SI units; times of what never happened are -1, least values FAR before the first."""
@@ -27,6 +27,13 @@ class Totals:
     stop: list[int] = column(RUN, op.STOP_NONE)
     flag: list[int] = column(RUN, op.FAULT_NONE)
     flag_at: list[int] = column(RUN, op.NONE)
+    flag_time: list[float] = column(RUN, -1.0)
+    flag_x: list[float] = column(RUN)
+    """Of the entity that the fault is about, at that time: its place, heading, speed and steering angle."""
+    flag_y: list[float] = column(RUN)
+    flag_h: list[float] = column(RUN)
+    flag_v: list[float] = column(RUN)
+    flag_steer: list[float] = column(RUN)
     time_warning: list[float] = column(RUN, -1.0)
     time_request: list[float] = column(RUN, -1.0)
     time_escalation: list[float] = column(RUN, -1.0)
@@ -119,19 +126,6 @@ class Totals:
 
 
 SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)
-"""What `write_summary` writes for a run, in this order."""
+"""What a sweep writes for a run, in this order."""
 
 SUMMARY_SIZE = len(SUMMARY)
-
-
-@compiled
-def clear_totals(m: Totals) -> None:
-    """Put every column to its declared start."""
-    put_to_start(m)
-
-
-@compiled
-def write_summary(m: Totals, out: list[float], base: int) -> None:
-    """Write the totals of a run that is over into `out` from `base` on, by `SUMMARY`."""
-    for place, name in enumerate(SUMMARY):
-        out[base + place] = float(getattr(m, name)[0])

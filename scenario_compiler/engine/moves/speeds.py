@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import clip, ratio
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, dynamics_of, flags_of
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.shapes import shape_peak, shape_value, transition_span
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import length_of
 from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
@@ -21,6 +20,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.distances import distance_to, place_now
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, related_speed, set_speed
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

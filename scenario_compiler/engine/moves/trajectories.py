@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import heading_in_circle, ratio
 from scenario_compiler.engine.columns.program import TRACK, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft, flags_of
@@ -32,6 +31,7 @@ from scenario_compiler.engine.motion.tracks import (
     track_pose,
 )
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

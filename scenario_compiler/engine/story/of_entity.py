@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import angle_between, length_of, safe_sqrt
 from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ConditionRow, ProgramDraft
@@ -27,6 +26,7 @@ from scenario_compiler.engine.motion.watching import (
     WATCH_STILL,
 )
 from scenario_compiler.engine.story.entry import RULES, Condition, compared, other_is_gone, time_compared
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, lane_pose
 from scenario_compiler.roads.tables import RoadTables

@@ -1,7 +1,7 @@
 """The language of marked functions: their syntax trees, the kinds of their values, and what their names stand for.
 
 A marked function is Python of a narrow kind (ARCHITECTURE.md, "One engine, two forms"): whole numbers and floats, the
-columns of the three containers, calls of other marked functions by their names. Everything here is read from the
+columns of the declared containers, calls of other marked functions by their names. Everything here is read from the
 functions' files and their modules; no function is executed.
 """
 
@@ -19,21 +19,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from scenario_compiler.engine.columns.declaration import column_types
-from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.forms.declaration import CONTAINERS, column_types, containers_in_order, put_to_start, write_first
 from scenario_compiler.marker import REGISTRY
-from scenario_compiler.roads.tables import RoadTables
 
-PACKAGE = Path(__file__).resolve().parents[2]
+PACKAGE = Path(__file__).resolve().parents[1]
 """Folder of the package."""
-
-CONTAINERS: dict[str, Any] = {"n": RoadTables, "p": Program, "st": State, "m": Totals}
-"""The argument by which marked functions take a container, and the container; in the order of the arguments."""
-
-WRITABLE: dict[str, tuple[str, ...] | None] = {"n": (), "p": ("const",), "st": None, "m": None}
-"""Columns that marked functions may write: none of the roads, of the program its numbers (a sweep does), all others."""
 
 INT, REAL, BOOL, NOTHING = "int", "real", "bool", "nothing"
 INTS, REALS = "ints", "reals"
@@ -133,11 +123,10 @@ class FunctionSource:
         if arguments.defaults or arguments.kwonlyargs or arguments.vararg or arguments.kwarg or arguments.posonlyargs:
             raise NotTranslatableError([self.finding(self.tree, "has optional, named or collected arguments")])
         kinds = {one.arg: self._kind(one.annotation, one.arg) for one in arguments.args}
-        order = [name for name in kinds if name in CONTAINERS]
-        if order != [name for name in CONTAINERS if name in order] or order != list(kinds)[: len(order)]:
-            raise NotTranslatableError(
-                [self.finding(self.tree, "does not take n, p, st and m first and in this order")]
-            )
+        order = [name for name in containers_in_order() if name in kinds]
+        if order != list(kinds)[: len(order)]:
+            message = f"does not take {' and '.join(order)} first and in this order"
+            raise NotTranslatableError([self.finding(self.tree, message)])
         return Signature(kinds, self._kind(self.tree.returns, ""))
 
     def _kind(self, annotation: ast.expr | None, argument: str) -> Kind:
@@ -145,9 +134,9 @@ class FunctionSource:
             raise NotTranslatableError([self.finding(self.tree, "is not annotated")])
         kind = kind_of(annotation)
         container = CONTAINERS.get(argument)
-        if container is not None and ast.unparse(annotation) == container.__name__:
+        if container is not None and ast.unparse(annotation) == container.columns.__name__:
             return argument
-        if kind is None or (container is not None):
+        if kind is None or container is not None:
             message = f"has an argument or a result annotated as {ast.unparse(annotation)}"
             raise NotTranslatableError([self.finding(annotation, message)])
         return kind
@@ -199,7 +188,7 @@ def c_name(function: Marked) -> str:
 
 def container_columns(argument: str) -> dict[str, str]:
     """Return the columns of the container that an argument takes, in order, and the kind of their values."""
-    return {name: REAL if floats else INT for name, floats in column_types(CONTAINERS[argument]).items()}
+    return {name: REAL if floats else INT for name, floats in column_types(CONTAINERS[argument].columns).items()}
 
 
 def number_named(source: FunctionSource, node: ast.expr) -> float | int | None:
@@ -237,10 +226,19 @@ def marked_functions() -> list[Marked]:
     return sorted(ours, key=lambda function: (function.__module__, function.__code__.co_firstlineno))
 
 
+def entries() -> list[Marked]:
+    """Return the functions that are called from outside: what the package's modules called `entries` list."""
+    found: list[Marked] = []
+    for path in sorted(PACKAGE.rglob("entries.py")):
+        parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        found += importlib.import_module(".".join(parts)).ENTRIES
+    return found
+
+
 def impure(sources: Iterable[FunctionSource]) -> set[str]:
     """Return the names of the functions that write a column or an array, themselves or through what they call."""
     calls: dict[str, set[str]] = {}
-    writing = set()
+    writing = {c_name(put_to_start), c_name(write_first)}
     for source in sources:
         calls[source.name] = set(_called(source))
         if any(_is_store(node) for node in ast.walk(source.tree)):

@@ -12,17 +12,16 @@ import pytest
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.forms.entries import ENTRIES
-from scenario_compiler.engine.forms.language import NotTranslatableError, marked_functions
-from scenario_compiler.engine.forms.translation import translated
+from scenario_compiler.forms.language import NotTranslatableError, entries, marked_functions
+from scenario_compiler.forms.translation import translated
 
 
 def test_every_marked_function_translates() -> None:
-    assert translated(marked_functions(), ENTRIES).count("EXPORT int32_t enter_") == len(ENTRIES)
+    assert translated(marked_functions(), entries()).count("EXPORT int32_t enter_") == len(entries())
 
 
 def test_the_text_is_the_same_every_time() -> None:
-    assert translated(marked_functions(), ENTRIES) == translated(marked_functions(), ENTRIES)
+    assert translated(marked_functions(), entries()) == translated(marked_functions(), entries())
 
 
 def takes_constant(st: State) -> float:
@@ -33,7 +32,7 @@ def takes_constant(st: State) -> float:
 def test_the_c_is_readable_and_names_its_lines() -> None:
     text = translated([takes_constant], [])
     line = takes_constant.__code__.co_firstlineno + 2
-    assert f'#line {line} "tests/engine/forms/test_translation.py"' in text
+    assert f'#line {line} "tests/forms/test_translation.py"' in text
     assert "return AT(st, v, 0) * 1000000000.0 /* op.FAR */;" in text
     assert "/* Take a number of a module by its attribute. */" in text
 
@@ -153,7 +152,7 @@ def decides_by_float(x: float) -> int:
         (takes_column, "takes st.v, which is no number of a module, as a whole"),
         (reads_no_column, "reads st.nonsense, which is no column"),
         (has_default, "has optional, named or collected arguments"),
-        (wrong_order, "does not take n, p, st and m first and in this order"),
+        (wrong_order, "does not take p and st first and in this order"),
         (speaks, "annotated as str"),
         (calls_unmarked, "calls divides, which is neither marked nor known to both forms"),
         (sees_a_change, "changes the state in 'changes(st)' beside what may see it"),
@@ -166,7 +165,7 @@ def test_what_the_language_lacks_is_found(function: Callable[..., Any], rule: st
     with pytest.raises(NotTranslatableError) as found:
         translated([function, changes], [])
     assert [rule in str(one) for one in found.value.findings] == [True]
-    assert found.value.findings[0].file == "tests/engine/forms/test_translation.py"
+    assert found.value.findings[0].file == "tests/forms/test_translation.py"
     first = function.__code__.co_firstlineno
     assert first <= found.value.findings[0].line <= first + 4
 

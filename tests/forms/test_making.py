@@ -10,17 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from scenario_compiler.engine.forms import making
-from scenario_compiler.engine.forms.compiled import library, why_interpreted
-from scenario_compiler.engine.forms.making import BuildError, NoCompilerError, Note, build, compiler, source_files
+from scenario_compiler.forms import making
+from scenario_compiler.forms.machine_code import library, why_interpreted
+from scenario_compiler.forms.making import BuildError, NoCompilerError, Note, build, compiler, source_files
 
 ONLY_STANDARD_LIBRARY = """
 import sys
 sys.path.insert(0, sys.argv[1])
-from scenario_compiler.engine.forms.entries import ENTRIES
-from scenario_compiler.engine.forms.language import marked_functions
-from scenario_compiler.engine.forms.translation import translated
-print(len(translated(marked_functions(), ENTRIES)) > 100_000)
+from scenario_compiler.forms.language import entries, marked_functions
+from scenario_compiler.forms.translation import translated
+print(len(translated(marked_functions(), entries())) > 100_000)
 """
 
 
@@ -41,19 +40,18 @@ def test_a_library_is_made_of_all_marked_modules() -> None:
     note = Note.read()
     assert note is not None
     assert set(note.sources) == {path.relative_to(making.PACKAGE).as_posix() for path in source_files()}
-    assert {"engine/story/step.py", "roads/locate.py", "engine/forms/engine.h", "randomness.py"} <= set(note.sources)
+    assert {"engine/story/step.py", "roads/locate.py", "forms/engine.h", "randomness.py"} <= set(note.sources)
 
 
 def test_a_changed_source_makes_a_library_stale() -> None:
     note = Note.read()
     assert note is not None
-    size, time, digest = note.sources["engine/story/step.py"]
+    changed = "engine/story/step.py"
+    size, time, digest = note.sources[changed]
     assert note.is_fresh
-    assert Note(note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size, time + 1, digest)}).is_fresh
-    assert not Note(
-        note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size + 1, time, digest)}
-    ).is_fresh
-    assert not Note(note.made_by, note.entries, {**note.sources, "engine/story/step.py": (size, 1, "0")}).is_fresh
+    assert Note(note.made_by, note.entries, {**note.sources, changed: (size, time + 1, digest)}).is_fresh
+    assert not Note(note.made_by, note.entries, {**note.sources, changed: (size + 1, time, digest)}).is_fresh
+    assert not Note(note.made_by, note.entries, {**note.sources, changed: (size, 1, "0")}).is_fresh
     assert not Note(note.made_by, note.entries, {**note.sources, "engine/gone.py": (1, 1, "0")}).is_fresh
     assert Note(note.made_by, note.entries, {}).is_fresh
 
@@ -92,7 +90,7 @@ def test_the_interpreted_form_serves_without_a_library(repository: Path, tmp_pat
 
 def test_no_index_leaves_its_column_and_nothing_is_undefined(repository: Path, tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, str(repository / "tests" / "engine" / "forms" / "sanitized.py"), str(tmp_path)],
+        [sys.executable, str(repository / "tests" / "forms" / "sanitized.py"), str(tmp_path)],
         capture_output=True,
         text=True,
         check=False,

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from scenario_compiler.engine.columns.declaration import columns_of, start_of
-from scenario_compiler.engine.columns.state import clear_state
-from scenario_compiler.engine.columns.totals import SUMMARY, clear_totals, write_summary
-from scenario_compiler.engine.forms.expressions import OtherFunctions, literal, local_name
-from scenario_compiler.engine.forms.language import (
-    CONTAINERS,
+from scenario_compiler.forms.declaration import CONTAINERS, columns_of, containers_in_order, start_of
+from scenario_compiler.forms.expressions import OtherFunctions, clearing_name, literal, local_name
+from scenario_compiler.forms.language import (
     INT,
     INTS,
     NOTHING,
@@ -26,7 +23,7 @@ from scenario_compiler.engine.forms.language import (
     container_columns,
     impure,
 )
-from scenario_compiler.engine.forms.statements import Statements, c_type, declared, head
+from scenario_compiler.forms.statements import Statements, c_type, declared, head
 
 HEADER = Path(__file__).with_name("engine.h")
 """Python's arithmetic in C, and failures."""
@@ -52,13 +49,10 @@ def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
             findings += broken.findings
     if findings:
         raise NotTranslatableError(findings)
-    around = OtherFunctions(signatures, frozenset({*map(c_name, OF_COLUMNS), *impure(sources)}))
+    around = OtherFunctions(signatures, frozenset(impure(sources)))
     tables: dict[str, tuple[object, ...]] = {}
     bodies = []
     for source in sources:
-        if source.function in OF_COLUMNS:
-            bodies.append(OF_COLUMNS[source.function](source))
-            continue
         statements = Statements(source, around, tables)
         bodies.append(statements.translated())
         findings += statements.findings
@@ -67,7 +61,8 @@ def translated(functions: Iterable[Marked], entries: Sequence[Marked]) -> str:
     parts = [
         "/* The engine, translated from its marked functions. */",
         HEADER.read_text(encoding="utf-8"),
-        *(_container(argument) for argument in CONTAINERS),
+        *(_container(argument) for argument in containers_in_order()),
+        *(_clearing(argument) for argument in containers_in_order() if CONTAINERS[argument].written),
         *_several(signatures.values()),
         *(f"{head(source)};" for source in sources),
         *(_table(name, table, signatures) for name, table in tables.items()),
@@ -88,35 +83,19 @@ def _container(argument: str) -> str:
     columns = container_columns(argument)
     lines = [f"    {c_type(kind)} *{local_name(name)};" for name, kind in columns.items()]
     lines += [f"    int64_t {local_name(name)}_size;" for name in columns]
-    return "\n".join(["typedef struct {", *lines, f"}} {CONTAINERS[argument].__name__};", ""])
+    return "\n".join(["typedef struct {", *lines, f"}} {CONTAINERS[argument].columns.__name__};", ""])
 
 
-def _clearing(source: FunctionSource) -> str:
-    """Return a function that puts a container to its start, made from the columns' declarations."""
-    (argument,) = source.signature.arguments
-    lines = [f"/* {source.summary} */", head(source), "{"]
-    for name, column in columns_of(CONTAINERS[argument]).items():
+def _clearing(argument: str) -> str:
+    """Return the function that puts a container's columns to their start, made from their declarations."""
+    columns = CONTAINERS[argument].columns
+    lines = [f"static void {clearing_name(argument)}({declared(argument, argument)})", "{"]
+    for name, column in columns_of(columns).items():
         if not column.kept:
             at = f"{argument}->{local_name(name)}"
             lines.append(f"    for (int64_t k = 0; k < {at}_size; k++)")
-            lines.append(f"        {at}[k] = {literal(start_of(CONTAINERS[argument], name)).text};")
+            lines.append(f"        {at}[k] = {literal(start_of(columns, name)).text};")
     return "\n".join([*lines, "}"]) + "\n"
-
-
-def _summary(source: FunctionSource) -> str:
-    """Return the function that writes the totals of a run, one after the other."""
-    lines = [f"/* {source.summary} */", head(source), "{", f"    if (base < 0 || base + {len(SUMMARY)} > out.size)"]
-    lines.append("        fail(FAIL_INDEX, HERE);")
-    lines += [f"    out.at[base + {k}] = (double)m->{local_name(name)}[0];" for k, name in enumerate(SUMMARY)]
-    return "\n".join([*lines, "}"]) + "\n"
-
-
-OF_COLUMNS: dict[Marked, Callable[[FunctionSource], str]] = {
-    clear_state: _clearing,
-    clear_totals: _clearing,
-    write_summary: _summary,
-}
-"""Marked functions that do something with every column of a container, and what writes them from the declarations."""
 
 
 def _several(signatures: Iterable[Signature]) -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from scenario_compiler.engine.forms.language import Finding, FunctionSource, number_named
+from scenario_compiler.forms.language import Finding, FunctionSource, number_named
 
 GUARDED_CALLS = ("sqrt", "acos", "asin", "log", "int", "exp")
 GUARDS = ("max", "min", "clip", "safe_sqrt", "abs", "floor", "ceil")

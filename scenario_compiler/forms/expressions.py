@@ -10,10 +10,10 @@ import ast
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from scenario_compiler.engine.forms.language import (
+from scenario_compiler.forms.declaration import CONTAINERS, put_to_start, write_first
+from scenario_compiler.forms.language import (
     BOOL,
     BUILTINS,
-    CONTAINERS,
     INT,
     INTS,
     MATH,
@@ -319,11 +319,43 @@ class Expressions:
         if callable(meaning) and c_name(meaning) in self.around.signatures:
             name = c_name(meaning)
             return CText(f"{name}({self._arguments(node, name)})", self.around.signatures[name].result)
+        if meaning is put_to_start:
+            return self._clearing(node)
+        if meaning is write_first:
+            return self._writing(node)
         if node.func.id in MATH and meaning is not None and meaning.__module__ == "math":
             return self._call_of_math(node, node.func.id)
         if node.func.id in BUILTINS and meaning is None:
             return self._call_of_builtin(node, node.func.id)
         raise self.broken(node, f"calls {node.func.id}, which is neither marked nor known to both forms")
+
+    def _clearing(self, node: ast.Call) -> CText:
+        """Return the call of the function that puts a container's columns to their start."""
+        name = self._container(node)
+        if not CONTAINERS[name].written:
+            raise self.broken(node, f"puts {name} to its start, which it may not write")
+        return CText(f"{clearing_name(name)}({name})", NOTHING)
+
+    def _writing(self, node: ast.Call) -> CText:
+        """Return the assignments by which the first elements of some columns are written into an array."""
+        name = self._container(node)
+        names = table_named(self.source, node.args[1]) or ()
+        columns = container_columns(name)
+        if len(node.args) != 4 or not names or not set(names) <= set(columns):
+            raise self.broken(node, f"writes {ast.unparse(node.args[1])}, which are not columns of {name}")
+        out, base = self.of_kind(node.args[2], REALS).text, self.of_kind(node.args[3], INT)
+        written = (
+            f"ITEM({out}, ADD({base.text}, {place})) = (double)AT({name}, {local_name(column)}, 0)"
+            for place, column in enumerate(names)
+        )
+        return CText(f"({', '.join(written)})", NOTHING)
+
+    def _container(self, node: ast.Call) -> str:
+        """Return the container that a call takes first."""
+        name = ast.unparse(node.args[0]) if node.args else "nothing"
+        if name not in self.variables or name not in CONTAINERS:
+            raise self.broken(node, f"calls {ast.unparse(node.func)} with {name}, which is no container")
+        return name
 
     def _call_of_table(self, node: ast.Call, func: ast.Subscript) -> CText:
         """Return the call of one of a table's functions, which all take and give the same."""
@@ -401,6 +433,11 @@ def literal(value: float, name: str = "") -> CText:
     text = f"INT64_C({value})" if isinstance(value, int) and abs(value) >= 1 << 31 else repr(value)
     noted = f"{text} /* {name} */" if name else text
     return CText(f"({noted})" if value < 0 else noted, INT if isinstance(value, int) else REAL)
+
+
+def clearing_name(argument: str) -> str:
+    """Return the name in C of the function that puts a container's columns to their start."""
+    return f"clear_{argument}"
 
 
 def as_real(code: CText) -> CText:

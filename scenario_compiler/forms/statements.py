@@ -9,23 +9,22 @@ import ast
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
-from scenario_compiler.engine.forms.expressions import Broken, CText, Expressions, OtherFunctions, local_name
-from scenario_compiler.engine.forms.guards import unguarded
-from scenario_compiler.engine.forms.language import (
+from scenario_compiler.forms.declaration import CONTAINERS
+from scenario_compiler.forms.expressions import Broken, CText, Expressions, OtherFunctions, local_name
+from scenario_compiler.forms.guards import unguarded
+from scenario_compiler.forms.language import (
     BOOL,
-    CONTAINERS,
     INT,
     INTS,
     NOTHING,
     REAL,
     REALS,
-    WRITABLE,
     Finding,
     FunctionSource,
     Kind,
     kind_of,
 )
-from scenario_compiler.engine.forms.paths import unassigned
+from scenario_compiler.forms.paths import unassigned
 
 C_TYPES: dict[Kind, str] = {
     INT: "int64_t",
@@ -34,13 +33,14 @@ C_TYPES: dict[Kind, str] = {
     NOTHING: "void",
     INTS: "Ints",
     REALS: "Reals",
-    **{argument: f"{container.__name__} *" for argument, container in CONTAINERS.items()},
 }
 
 
 def c_type(kind: Kind) -> str:
     """Return the type of a kind in C."""
-    return C_TYPES[kind] if isinstance(kind, str) else "Several_" + "".join(part[0] for part in kind)
+    if isinstance(kind, tuple):
+        return "Several_" + "".join(part[0] for part in kind)
+    return C_TYPES[kind] if kind in C_TYPES else f"{CONTAINERS[kind].columns.__name__} *"
 
 
 def declared(kind: Kind, name: str) -> str:
@@ -216,8 +216,7 @@ class Statements:
             raise self.expressions.broken(target, f"assigns to {ast.unparse(target)}")
         if isinstance(target.value, ast.Attribute):
             owner, column, _ = self.expressions.column(target.value)
-            allowed = WRITABLE[owner]
-            if allowed is not None and column not in allowed:
+            if not CONTAINERS[owner].may_write(column):
                 raise self.expressions.broken(target, f"writes {owner}.{column}")
         if self.expressions.changes(target):
             raise self.expressions.broken(target, "changes the state in the index of an assignment")

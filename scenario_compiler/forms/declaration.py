@@ -1,25 +1,63 @@
-"""How a column is declared: of what it has an element each, what it begins with, and what its values may be.
+"""How containers and their columns are declared.
 
 A container is a dataclass with slots whose fields are columns, lists of float or of int:
 
-    speed: list[float] = column(ENTITY)
-    "Speed of the entity, m/s."
+    @container("st", 2, written=True)
+    @dataclass(slots=True)
+    class State:
+        speed: list[float] = column(ENTITY)
+        "Speed of the entity, m/s."
 
-From this one line follow the column's size in a state, its value at t = 0, its place in the compiled form, and the
-check of what a program holds.
+From the line of a column follow its size in a state, its value at t = 0, its place in the compiled form, and the check
+of what a program holds. Marked functions take the container as the argument `st`.
 """
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
-from scenario_compiler.engine.columns.opcodes import NONE
-
 Container = TypeVar("Container")
-"""RoadTables, Program or State: slots that hold lists of float or of int."""
+"""A class, or an object, whose slots are columns: lists of float or of int, or arrays of them."""
+
+
+@dataclass(frozen=True)
+class ContainerDeclaration:
+    """What marked functions take as an argument of one name.
+
+    Attributes:
+        columns: The class of the container.
+        place: Where it stands among the arguments that are containers.
+        written: Whether marked functions may write all its columns; else those alone that are declared as written.
+    """
+
+    columns: type[Any]
+    place: int
+    written: bool
+
+    def may_write(self, column: str) -> bool:
+        """Return whether marked functions may write a column."""
+        return self.written or columns_of(self.columns)[column].written
+
+
+CONTAINERS: dict[str, ContainerDeclaration] = {}
+"""The containers that are declared in what has been imported, by the name of the argument that takes them."""
+
+
+def container(argument: str, place: int, *, written: bool = False) -> Callable[[type[Container]], type[Container]]:
+    """Declare a class as the container that marked functions take as `argument`; see `ContainerDeclaration`."""
+
+    def declare(columns: type[Container]) -> type[Container]:
+        CONTAINERS[argument] = ContainerDeclaration(columns, place, written)
+        return columns
+
+    return declare
+
+
+def containers_in_order() -> list[str]:
+    """Return the arguments of the declared containers in the order in which functions take them."""
+    return sorted(CONTAINERS, key=lambda argument: CONTAINERS[argument].place)
 
 
 @dataclass(frozen=True)
@@ -83,8 +121,8 @@ def index(of: Of) -> Allowed:
     return Allowed(of)
 
 
-def index_or_none(of: Of, *, least: int = NONE) -> Allowed:
-    """Return the values of a column that refers to elements or to none, which is NONE."""
+def index_or_none(of: Of, *, least: int = -1) -> Allowed:
+    """Return the values of a column that refers to elements, or to none, which is -1."""
     return Allowed(of, least)
 
 
@@ -98,6 +136,7 @@ class ColumnDeclaration:
         values: What its whole numbers may be.
         starts: What it gives the row starts of: the members of k are from element k to below element k + 1.
         kept: Whether it keeps its values when a run begins: what is put in before.
+        written: Whether marked functions may write it where they may not write the whole container.
     """
 
     of: Of
@@ -105,20 +144,21 @@ class ColumnDeclaration:
     values: Allowed = ANY
     starts: Of | None = None
     kept: bool = False
+    written: bool = False
 
 
 RUN = fixed("run", 1)
 """What columns of a single element are of."""
 
 
-def column(of: Of, start: float = 0, values: Allowed = ANY, *, kept: bool = False) -> Any:
+def column(of: Of, start: float = 0, values: Allowed = ANY, *, kept: bool = False, written: bool = False) -> Any:
     """Declare a column."""
-    return _field(ColumnDeclaration(of, start, values, kept=kept))
+    return _field(ColumnDeclaration(of, start, values, kept=kept, written=written))
 
 
-def row_starts(of: Of, members: Of) -> Any:
+def row_starts(of: Of, members: Of, *, written: bool = False) -> Any:
     """Declare a column of row starts: one more element than there are owners."""
-    return _field(ColumnDeclaration(of, values=Allowed(least=0), starts=members))
+    return _field(ColumnDeclaration(of, values=Allowed(least=0), starts=members, written=written))
 
 
 def _field(declared: ColumnDeclaration) -> Any:
@@ -131,7 +171,7 @@ def columns_of(container: type[Any]) -> dict[str, ColumnDeclaration]:
     return {one.name: one.metadata["column"] for one in fields(container)}
 
 
-def column_types(container: type[Any]) -> dict[str, bool]:
+def column_types(container: type[Any]) -> Mapping[str, bool]:
     """Return for each column, in the order of the slots, whether it holds floats."""
     return {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
 
@@ -148,20 +188,24 @@ def at_start(container: type[Container], program: object) -> Container:
     return container(**{name: [start_of(container, name)] * size for name, size in sizes.items()})
 
 
-def put_to_start(container: object) -> None:
-    """Put every column to its declared start, but those that are kept."""
+def put_to_start(container: Any) -> None:
+    """Put every column of a container to its declared start, but those that are kept.
+
+    Marked functions may call it with a container of which they may write all columns.
+    """
     for name, declared in columns_of(type(container)).items():
         if not declared.kept:
             values = getattr(container, name)
             values[:] = [start_of(type(container), name)] * len(values)
 
 
-def as_buffers(container: Container) -> Container:
-    """Return a container of the same type whose columns are copies, as arrays of float64 and int64."""
-    made = object.__new__(type(container))
-    for name, floats in column_types(type(container)).items():
-        object.__setattr__(made, name, array("d" if floats else "q", getattr(container, name)))
-    return made
+def write_first(container: Any, names: tuple[str, ...], out: list[float], base: int) -> None:
+    """Write the first elements of some columns of a container into `out`, from `base` on.
+
+    Marked functions may call it with names that stand in a tuple of their module.
+    """
+    for place, name in enumerate(names):
+        out[base + place] = float(getattr(container, name)[0])
 
 
 def check_columns(program: Any) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 import struct
 from array import array
@@ -14,15 +13,16 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from scenario_compiler.engine.columns.declaration import as_buffers
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import new_state
-from scenario_compiler.engine.forms.compiled import MachineCode, address_and_size, address_table
-from scenario_compiler.engine.forms.failure import KINDS, EngineError, of_exception
-from scenario_compiler.engine.forms.language import FunctionSource
-from scenario_compiler.engine.forms.making import build
-from scenario_compiler.engine.forms.translation import translated
-from tests.engine.forms import samples
+from scenario_compiler.forms.arrays import as_arrays
+from scenario_compiler.forms.compiled import Compiled
+from scenario_compiler.forms.failure import KINDS, EngineError, of_exception
+from scenario_compiler.forms.language import FunctionSource
+from scenario_compiler.forms.machine_code import MachineCode
+from scenario_compiler.forms.making import build
+from scenario_compiler.forms.translation import translated
+from tests.forms import samples
 
 ENTRIES = {function.__name__: function for function in samples.ENTRIES}
 REALS = (
@@ -42,24 +42,11 @@ class Small:
         for function in samples.ENTRIES:
             signature = FunctionSource.of(function).signature
             kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
-        self.library = MachineCode(library, kinds, made_by)
-        self.state = as_buffers(STATE)
-        self.table = address_table(self.state)
+        self.enter = Compiled(MachineCode(library, kinds, made_by), st=as_arrays(STATE)).enter
 
     def __call__(self, entry: str, *arguments: Any) -> Any:
         """Call an entry; EngineError where it fails."""
-        failure = (ctypes.c_int64 * 3)()
-        given: list[Any] = [self.table.buffer_info()[0]] if "st" in self.library.entries[entry] else []
-        for one in arguments:
-            given += [one] if isinstance(one, int | float) else address_and_size(one)
-        kind = self.library.entries[entry][-1]
-        results: dict[str, Any] = {"int": ctypes.c_int64(), "real": ctypes.c_double()}
-        result = results.get(kind)
-        if result is not None:
-            given.append(ctypes.addressof(result))
-        if self.library.function(entry)(ctypes.addressof(failure), *given) != 0:
-            raise EngineError(KINDS[failure[0] - 1], Path(ctypes.string_at(failure[2]).decode()).name, failure[1])
-        return None if result is None else result.value
+        return self.enter(entry, *arguments)
 
 
 @pytest.fixture(scope="module")

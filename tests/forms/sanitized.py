@@ -1,6 +1,6 @@
 """Runs the two-form programs on a build that checks indices, overflows, undefined behaviour and addresses.
 
-`python tests/engine/forms/sanitized.py FOLDER` builds it there. The process starts itself anew with the sanitizers'
+`python tests/forms/sanitized.py FOLDER` builds it there. The process starts itself anew with the sanitizers'
 library loaded first, which Python itself is not linked with.
 """
 
@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = 12
 FLAGS = ("-DENGINE_CHECKED", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
@@ -26,16 +26,15 @@ def start_with_sanitizer() -> None:
 def main(folder: Path) -> int:
     """Build, run, compare; return the exit code."""
     from scenario_compiler.engine.columns.state import make_draws
-    from scenario_compiler.engine.forms.compiled import MachineCode
-    from scenario_compiler.engine.forms.entries import ENTRIES
-    from scenario_compiler.engine.forms.language import marked_functions
-    from scenario_compiler.engine.forms.making import Note, build
-    from scenario_compiler.engine.forms.translation import translated
     from scenario_compiler.engine.simulation import Simulation
+    from scenario_compiler.forms.language import entries, marked_functions
+    from scenario_compiler.forms.machine_code import MachineCode
+    from scenario_compiler.forms.making import Note, build
+    from scenario_compiler.forms.translation import translated
     from tests.engine.test_two_forms import STEPS, VARIANTS, random_draft, variants_of
 
     path = folder / "checked.so"
-    made_by = build(translated(marked_functions(), ENTRIES), path, *FLAGS)
+    made_by = build(translated(marked_functions(), entries()), path, *FLAGS)
     note = Note.read()
     assert note is not None
     checked = MachineCode(path, note.entries, made_by)

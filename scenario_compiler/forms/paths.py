@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from scenario_compiler.engine.forms.language import NOTHING, Finding, FunctionSource
+from scenario_compiler.forms.language import NOTHING, Finding, FunctionSource
 
 
 def unassigned(source: FunctionSource) -> Iterator[Finding]:

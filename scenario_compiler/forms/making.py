@@ -1,7 +1,7 @@
-"""The engine's machine code: one file of C, built by whatever compiler the machine has.
+"""The machine code: one file of C, built by whatever compiler the machine has.
 
 The code is made with the package: by the build hook for a wheel, by `make setup` in a checkout, and by
-`python -m scenario_compiler.engine.forms.making` at any time. Beside the library lies a note of what it was made of,
+`python -m scenario_compiler.forms.making` at any time. Beside the library lies a note of what it was made of,
 so that code which is older than its sources is noticed.
 """
 
@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 FORMS = Path(__file__).resolve().parent
-PACKAGE = FORMS.parents[1]
+PACKAGE = FORMS.parent
 
 LIBRARY = FORMS / "engine.library"
 """The engine's machine code: a shared library that knows nothing of Python, by a name that is no module's."""
@@ -34,7 +34,7 @@ FLAGS = ("-std=gnu11", "-O2", "-fwrapv", "-ffp-contract=off", "-fvisibility=hidd
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
 
-SOURCE_FOLDERS = ("engine", "roads")
+SOURCE_FOLDERS = ("forms", "roads", "engine")
 SOURCE_MODULES = ("marker.py", "randomness.py")
 """Where the marked functions are, what they are made of, and what translates them."""
 
@@ -158,20 +158,20 @@ def make(*, noting_sources: bool = True) -> Note:
         NoCompilerError: There is no compiler.
         BuildError: The compiler failed.
     """
-    from scenario_compiler.engine.forms.entries import ENTRIES
-    from scenario_compiler.engine.forms.language import FunctionSource, marked_functions
-    from scenario_compiler.engine.forms.translation import translated
+    from scenario_compiler.forms.language import FunctionSource, entries, marked_functions
+    from scenario_compiler.forms.translation import translated
 
-    made_by = build(translated(marked_functions(), ENTRIES), LIBRARY)
-    entries = {}
-    for function in ENTRIES:
+    called = entries()
+    made_by = build(translated(marked_functions(), called), LIBRARY)
+    kinds = {}
+    for function in called:
         signature = FunctionSource.of(function).signature
-        entries[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
+        kinds[function.__name__] = [str(kind) for kind in (*signature.arguments.values(), signature.result)]
     sources = {
         path.relative_to(PACKAGE).as_posix(): (path.stat().st_size, path.stat().st_mtime_ns, _digest(path))
         for path in (source_files() if noting_sources else ())
     }
-    note = Note(made_by, entries, sources)
+    note = Note(made_by, kinds, sources)
     note.write()
     return note
 
