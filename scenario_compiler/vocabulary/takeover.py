@@ -6,6 +6,7 @@ after the request and its 4 m/s2 are after UN R157; the budget of 7 s is the mos
 
 from typing import Literal
 
+from scenario_compiler.vocabulary.driver import Driver, DriverModel, Inputs
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 CauseKind = Literal["lane_confidence", "sensor_health", "path_blocked", "lane_ends", "controller"]
@@ -69,45 +70,6 @@ class Cause(Word):
     )
     gap_rear: Number | None = attribute(
         "lane_ends: least time until the vehicle behind in the lane beside has closed up, s.",
-        default=None,
-        quantity="time",
-        minimum=0,
-    )
-
-
-class Driver(Word):
-    """Who answers a request: a preset of the driver catalog, or a fixed takeover time."""
-
-    word: Literal["driver"] = "driver"
-
-    preset: str = attribute(
-        "Name of a driver in the driver catalog. That no study stands for every driver is why the default is the mean "
-        "over all studies: it is chosen.",
-        default="study_means",
-        names="driver",
-    )
-    takeover_time: Number | None = attribute(
-        "Time from the request to the driver's first input, s, in place of what the preset says.",
-        default=None,
-        quantity="time",
-        minimum=0,
-    )
-
-
-class DriverModel(Word):
-    """A driver's takeover time as a lognormal distribution with lapses: the catalog's entry, which plans hold."""
-
-    word: Literal["driver_model"] = "driver_model"
-
-    name: str = attribute("Name in the catalog.", defines="driver")
-    formerly: str = attribute("Name that it had before, which is refused with a hint.", default="")
-    summary: str = attribute("Whom it stands for.", default="")
-    source: str = attribute("Where the numbers come from.", default="")
-    mu: float = attribute("Mean of the logarithm of the takeover time in seconds.", default=0.0)
-    sigma: float = attribute("Standard deviation of that logarithm.", default=0.0, minimum=0)
-    lapse: float = attribute("Probability of no answer at all.", default=0.0, quantity="fraction", minimum=0, maximum=1)
-    takeover_time: Number | None = attribute(
-        "Time from the request to the driver's first input, s, in place of the distribution.",
         default=None,
         quantity="time",
         minimum=0,
@@ -180,3 +142,4 @@ class Takeover(Word):
     causes: tuple[Cause, ...] = child("The causes that are switched on; all of them when none is given.", default=())
     driver: Driver | DriverModel = child("Who answers.", default_factory=Driver.model_construct)
     messages: tuple[Message, ...] = child("How the automation tells the driver.", default=())
+    inputs: Inputs = child("What counts as the driver's input in measures.", default_factory=Inputs.model_construct)

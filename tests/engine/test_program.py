@@ -35,6 +35,7 @@ from scenario_compiler.vocabulary.conditions import (
     TimeToCollisionCondition,
     TraveledDistanceCondition,
 )
+from scenario_compiler.vocabulary.driver import DriverModel
 from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import Markings
 from scenario_compiler.vocabulary.positions import (
@@ -57,7 +58,7 @@ from scenario_compiler.vocabulary.storyboard import (
     Trigger,
     TriggerCondition,
 )
-from scenario_compiler.vocabulary.takeover import Cause, DriverModel, Takeover
+from scenario_compiler.vocabulary.takeover import Cause, Takeover
 from scenario_compiler.vocabulary.weather import Weather
 from tests.engine.make import Draft, highway
 

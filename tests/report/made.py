@@ -15,7 +15,8 @@ from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.report.run import Run
 from scenario_compiler.roads.network import Network, load_network
-from scenario_compiler.vocabulary.takeover import Cause, DriverModel, Takeover
+from scenario_compiler.vocabulary.driver import DriverModel
+from scenario_compiler.vocabulary.takeover import Cause, Takeover
 from tests.recording.made import plan_of
 
 IDS = ("ego", "parked", "oncoming")

@@ -7,7 +7,7 @@ from pathlib import Path
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.languages import expand
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
-from scenario_compiler.vocabulary.takeover import DriverModel
+from scenario_compiler.vocabulary.driver import DriverModel
 from tests.source.made import EGO, codes_of, expanded, library_text, parsed
 
 CAR = '<vehicle name="our.car" length="4" width="2" height="1.5" wheelbase="2.5" center="1.2"/>'

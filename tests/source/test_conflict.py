@@ -11,9 +11,9 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression
 from scenario_compiler.languages import ScenarioNameNeededError, check_source, expand
 from scenario_compiler.vocabulary.conditions import TimeHeadwayCondition
+from scenario_compiler.vocabulary.driver import DriverModel
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
-from scenario_compiler.vocabulary.takeover import DriverModel
 from tests.source.made import EGO, codes_of, expanded, library_text, parsed
 
 DESIGN = """<scenarios version="1" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
@@ -102,7 +102,7 @@ def test_a_scenario_without_events_has_no_story() -> None:
 def test_driver_comes_from_the_catalog() -> None:
     driver = expanded(DESIGN).takeover.driver
     assert isinstance(driver, DriverModel)
-    assert (driver.name, driver.mu, driver.takeover_time) == ("study_means", 0.876, None)
+    assert (driver.name, driver.mu, driver.takeover_time) == ("study_means", 0.877, None)
     fixed = expanded(library_text('<takeover><driver preset="absent" takeover_time="9"/></takeover>')).takeover.driver
     assert isinstance(fixed, DriverModel)
     assert (fixed.lapse, fixed.takeover_time) == (1.0, 9.0)

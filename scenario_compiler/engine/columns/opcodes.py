@@ -218,6 +218,8 @@ CAUSES = 6
 
 DRIVER_LOGNORMAL = 0
 DRIVER_FIXED = 1
+DRIVER_NORMAL = 2
+DRIVER_SUMO = 3
 
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
@@ -247,6 +249,8 @@ EVENT_FAILURE = 17
 EVENT_FAILURE_END = 18
 EVENT_HAZARD_LIGHTS = 19
 EVENT_CONTACT = 20
+EVENT_EYES_ON = 21
+EVENT_HANDS_ON = 22
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 
@@ -293,6 +297,7 @@ STREAM_PLACE = 2
 STREAM_TURN = 3
 STREAM_FAILURE = 4
 STREAM_TRAFFIC = 5
+STREAM_DRIVER = 6
 
 # Sizes of scratch columns.
 BUCKETS = 128
@@ -315,5 +320,7 @@ OUTLOOK_HEAD = 3
 
 OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
 
-DRAWS_PER_RUN = 9
-"""Takeover time and lapse of up to four requests, and the seed of the counter hash."""
+DRAW_PERSON = 0
+DRAW_SEED = 1
+DRAWS_PER_RUN = 2
+"""The standard normal number of the driver as a person, and the seed of the counter hash."""
