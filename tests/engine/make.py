@@ -110,6 +110,12 @@ USUAL = {
     slots.K_GAP_REAR: 2.0,
     slots.K_DRIVER_TIME: 2.0,
     slots.K_NO_PROGRESS_AFTER: 5.0,
+    slots.K_EYES_ON: 0.3,
+    slots.K_HANDS_ON: 0.4,
+    slots.K_STAGE_SPREAD: 0.4,
+    slots.K_INPUT_STEERING: 0.035,
+    slots.K_INPUT_BRAKE: 0.1,
+    slots.K_STEERING_RATIO: 16.0,
 }
 
 

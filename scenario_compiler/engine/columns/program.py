@@ -85,7 +85,7 @@ class Program:
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))
     """Number of time steps between two images of the camera, whole control steps."""
-    driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_FIXED + 1))
+    driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
     hazard_lights: list[int] = column(RUN, 1, FLAG)
     """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
     destination_road: list[int] = column(RUN, op.NONE, index_or_none(ROAD))
