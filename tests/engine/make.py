@@ -84,6 +84,8 @@ CAR = (4.5, 1.8, 1.5, 2.7, 1.4, 0.6, 3.5, 8.0, 60.0)
 FOLLOW = (1.5, 2.0, 1.5, 2.0)
 TOWING = (-1.0, 3.0)
 """x of hitch and coupler."""
+PITCHING = (0.0035,)
+"""Pitch of the body in braking, rad per m/s2."""
 USUAL = {
     slots.K_STEP: 0.05,
     slots.K_DURATION: 30.0,
@@ -196,7 +198,9 @@ class Draft:
         p.entity_guide.append(op.NONE)
         p.entity_seed.append(op.NONE)
         p.entity_present.append(1)
-        p.entity_const.append(self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING))
+        p.entity_const.append(
+            self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING, *PITCHING)
+        )
         if motion in (op.MOTION_BICYCLE, op.MOTION_POSED):
             p.ego[0] = at
         return at

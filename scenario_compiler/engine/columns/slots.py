@@ -79,6 +79,8 @@ E_SHARE = 15
 E_HITCH = 16
 """x of the hitch ahead of the reference point, and of the trailer's coupler."""
 E_COUPLER = 17
+E_PITCH_GRADIENT = 18
+"""How far the body pitches in braking, rad per m/s2."""
 
 # A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading, in the
 # world or relative to what the position gives. Of a point of the world x, y and z take their places.

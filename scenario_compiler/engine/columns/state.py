@@ -64,6 +64,9 @@ class State:
     z: list[float] = column(ENTITY)
     h: list[float] = column(ENTITY)
     pitch: list[float] = column(ENTITY)
+    """Of the road below and of the body on its springs."""
+    body_pitch: list[float] = column(ENTITY)
+    """What the body adds to the pitch of the road, of a vehicle that is driven by commands."""
     roll: list[float] = column(ENTITY)
     v: list[float] = column(ENTITY)
     a: list[float] = column(ENTITY)
