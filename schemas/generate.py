@@ -112,7 +112,7 @@ def _example(element: etree._Element) -> str:
 
 def _attributes(element: etree._Element) -> str:
     given = ((name, value) for name, value in element.attrib.items() if not str(name).startswith("{"))
-    return "".join(f" {name}={quoteattr(str(value))}" for name, value in given)
+    return "".join(f" {name!s}={quoteattr(str(value))}" for name, value in given)
 
 
 NAMES_HEAD = """# Names that come along
