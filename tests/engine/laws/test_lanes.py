@@ -86,7 +86,8 @@ def test_an_oncoming_entity_changes_to_its_own_left(tmp_path: Path) -> None:
 
 @pytest.mark.law("LaneOffsetAction", "beyond the lane's border")
 @pytest.mark.parametrize(
-    ("lane", "far", "there", "back"), [(-1, 3.2, 1.45, -1.25), (-2, -3.2, -8.45, -4.75), (1, 3.2, 4.95, 2.25), (2, -3.2, 2.05, 5.75)]
+    ("lane", "far", "there", "back"),
+    [(-1, 3.2, 1.45, -1.25), (-2, -3.2, -8.45, -4.75), (1, 3.2, 4.95, 2.25), (2, -3.2, 2.05, 5.75)],
 )
 def test_a_second_offset_counts_from_the_lane_that_one_belongs_to(
     tmp_path: Path, lane: int, far: float, there: float, back: float
@@ -135,7 +136,9 @@ def test_a_teleport_gives_a_new_lane(tmp_path: Path) -> None:
 
 
 @pytest.mark.law("LaneOffsetAction", "relative to an entity")
-@pytest.mark.parametrize(("lane", "aside", "value", "wanted"), [(1, 0.4, 0.9, 1.25), (-2, 0.4, 0.9, -3.95), (2, 0.0, -1.0, 6.25)])
+@pytest.mark.parametrize(
+    ("lane", "aside", "value", "wanted"), [(1, 0.4, 0.9, 1.25), (-2, 0.4, 0.9, -3.95), (2, 0.0, -1.0, 6.25)]
+)
 def test_a_relative_offset_counts_to_the_references_own_left(
     tmp_path: Path, lane: int, aside: float, value: float, wanted: float
 ) -> None:
@@ -197,7 +200,9 @@ def test_a_closed_trajectory_goes_on_at_its_begin(tmp_path: Path) -> None:
 
 
 @pytest.mark.law("FollowTrajectoryAction", "times scaled or shifted")
-@pytest.mark.parametrize(("scale", "shift", "times"), [(2.0, 0.0, (3.0, 5.0)), (0.5, 0.0, (1.5, 2.0)), (1.0, 2.0, (4.0, 5.0))])
+@pytest.mark.parametrize(
+    ("scale", "shift", "times"), [(2.0, 0.0, (3.0, 5.0)), (0.5, 0.0, (1.5, 2.0)), (1.0, 2.0, (4.0, 5.0))]
+)
 def test_times_are_scaled_and_shifted(tmp_path: Path, scale: float, shift: float, times: tuple[float, float]) -> None:
     """A relative time of 1 s is met `scale + shift` after the begin at 1 s, one of 2 s `2 scale + shift` after it."""
     line = polyline("60 -1.75 0", "70 -1.75 1", "80 -1.75 2")

@@ -64,7 +64,9 @@ def test_a_factor_is_of_the_other_speed(tmp_path: Path) -> None:
 @pytest.mark.law("SpeedAction", "relative, linear by distance")
 @pytest.mark.law("SpeedAction", "relative, sinusoidal by distance")
 @pytest.mark.law("SpeedAction", "relative, cubic by distance")
-@pytest.mark.parametrize(("shape", "share"), [("linear", 0.25), ("sinusoidal", (1 - sqrt(0.5)) / 2), ("cubic", 0.15625)])
+@pytest.mark.parametrize(
+    ("shape", "share"), [("linear", 0.25), ("sinusoidal", (1 - sqrt(0.5)) / 2), ("cubic", 0.15625)]
+)
 def test_a_relative_change_over_a_distance_has_its_shape_over_time(tmp_path: Path, shape: str, share: float) -> None:
     run = changed(tmp_path, relative_speed("B", 6.0, by(shape, "distance", 48.0)))
     assert run.at("A", 2.0).v == pytest.approx(10.0 + 4.0 * share)
@@ -210,9 +212,7 @@ def test_a_steady_time_is_taken_off_way_and_time(tmp_path: Path) -> None:
 
 @pytest.mark.law("SynchronizeAction", "to a speed relative to the master's")
 def test_a_final_speed_can_be_relative_to_the_masters(tmp_path: Path) -> None:
-    final = (
-        '<FinalSpeed><RelativeSpeedToMaster speedTargetValueType="delta" value="4"></RelativeSpeedToMaster></FinalSpeed>'
-    )
+    final = '<FinalSpeed><RelativeSpeedToMaster speedTargetValueType="delta" value="4"></RelativeSpeedToMaster></FinalSpeed>'
     run = play(tmp_path, A_AND_B, [Event("A", synchronize(final, 150.0))], seconds=15.0)
     assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (1.0 + sqrt(2.0)) / 12.5)
     assert run.at("A", 13.6).v == pytest.approx(12.0)

@@ -77,7 +77,9 @@ class Event:
         """Return the element."""
         start = after(self.trigger) if isinstance(self.trigger, float | int) else self.trigger
         groups = start if "<ConditionGroup>" in start else f"<ConditionGroup>{start}</ConditionGroup>"
-        action = self.action if self.action.startswith("<GlobalAction") else f"<PrivateAction>{self.action}</PrivateAction>"
+        action = (
+            self.action if self.action.startswith("<GlobalAction") else f"<PrivateAction>{self.action}</PrivateAction>"
+        )
         return (
             f'<Event name="{self.name}" priority="{self.priority}" maximumExecutionCount="{self.count}">'
             f'<Action name="of {self.name}">{action}</Action><StartTrigger>{groups}</StartTrigger></Event>'
@@ -112,7 +114,9 @@ class Played:
         return next((round(time, 6) for time in times), None)
 
 
-def play(folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0, version: int = 3) -> Played:
+def play(
+    folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0, version: int = 3
+) -> Played:
     """Run a story in both forms, which must leave the same numbers, and return its rows."""
     file = folder / "told.xosc"
     file.write_text(document(actors, events, seconds, version), encoding="utf-8")
@@ -159,8 +163,8 @@ def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float, 
     return (
         f'<OpenSCENARIO><FileHeader revMajor="1" revMinor="{version}" date="2026-01-01T00:00:00" description="" author=""/>'
         f'<CatalogLocations/><RoadNetwork><LogicFile filepath="{ROADS / "straight.xodr"}"/></RoadNetwork>'
-        f'<Entities>{"".join(map(_object, actors))}</Entities>'
-        f'<Storyboard><Init><Actions>{"".join(one.init(name) for name, one in actors.items())}</Actions></Init>'
+        f"<Entities>{''.join(map(_object, actors))}</Entities>"
+        f"<Storyboard><Init><Actions>{''.join(one.init(name) for name, one in actors.items())}</Actions></Init>"
         f'<Story name="story"><Act name="act">{story}<StartTrigger><ConditionGroup>{after(0.0)}</ConditionGroup>'
         f"</StartTrigger></Act></Story><StopTrigger><ConditionGroup>{after(seconds)}</ConditionGroup></StopTrigger>"
         "</Storyboard></OpenSCENARIO>"
@@ -213,9 +217,7 @@ def speed(value: float, dynamics: str = STEPWISE) -> str:
 
 def relative_speed(to: str, value: float, dynamics: str, kind: str = "delta", continuous: str = "false") -> str:
     """Return a change to a speed that depends on another entity's."""
-    target = (
-        f'<RelativeTargetSpeed entityRef="{to}" value="{value}" speedTargetValueType="{kind}" continuous="{continuous}"/>'
-    )
+    target = f'<RelativeTargetSpeed entityRef="{to}" value="{value}" speedTargetValueType="{kind}" continuous="{continuous}"/>'
     return _speed(target, dynamics)
 
 
