@@ -15,6 +15,7 @@ from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
 from tests.conformance.esmini import (
     FEATURES,
+    LONGEST,
     STEP,
     Comparison,
     RecordedRun,
@@ -56,9 +57,9 @@ def test_decisions_and_laws_are_of_variants_that_there_are() -> None:
 
 
 def test_a_road_file_with_an_offset_is_met_on_its_road(golden: Path) -> None:
-    folder = golden.parent / FEATURES
+    folder = golden / FEATURES
     sink = Diagnostics()
-    overrides = Overrides(perception="ideal", step=STEP)
+    overrides = Overrides(perception="ideal", step=STEP, duration=LONGEST)
     done = compile_target(folder / "header_offset_world.xosc", {}, sink, overrides=overrides)
     assert done is not None
     numbers = {entity.id: i for i, entity in enumerate(done.plan.entities)}

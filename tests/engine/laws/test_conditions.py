@@ -26,10 +26,10 @@ DONE = 3.0
 W = Actor(lane=2, s=1500.0, speed=1.0)
 
 
-def seen(folder: Path, inner: str, *events: Event, seconds: float = 8.0, **actors: Actor) -> float | None:
+def seen(folder: Path, inner: str, *events: Event, **actors: Actor) -> float | None:
     """Return the first row in which W acts on a condition of A, None where it never does."""
     told = {"A": Actor(), **actors, "W": W}
-    run = play(folder, told, [*events, Event("W", speed(DONE), of_entity("A", inner))], seconds)
+    run = play(folder, told, [*events, Event("W", speed(DONE), of_entity("A", inner))], 8.0)
     return run.acts("W", DONE)
 
 
@@ -42,7 +42,7 @@ def gap(word: str, more: str, value: float, rule: str = "lessThan", where: str =
 
 
 SYSTEMS = ("entity", "lane", "road", "world")
-B_AHEAD = {"B": Actor(s=100.0, speed=0.0)}
+B_AHEAD: dict[str, Actor] = {"B": Actor(s=100.0, speed=0.0)}
 """B stands 50 m ahead of where A begins: 30 m are left after 2 s, so less than that in the row of 2.05 s."""
 
 

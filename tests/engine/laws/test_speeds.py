@@ -212,7 +212,8 @@ def test_a_steady_time_is_taken_off_way_and_time(tmp_path: Path) -> None:
 
 @pytest.mark.law("SynchronizeAction", "to a speed relative to the master's")
 def test_a_final_speed_can_be_relative_to_the_masters(tmp_path: Path) -> None:
-    final = '<FinalSpeed><RelativeSpeedToMaster speedTargetValueType="delta" value="4"></RelativeSpeedToMaster></FinalSpeed>'
+    more = '<RelativeSpeedToMaster speedTargetValueType="delta" value="4"></RelativeSpeedToMaster>'
+    final = f"<FinalSpeed>{more}</FinalSpeed>"
     run = play(tmp_path, A_AND_B, [Event("A", synchronize(final, 150.0))], seconds=15.0)
     assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (1.0 + sqrt(2.0)) / 12.5)
     assert run.at("A", 13.6).v == pytest.approx(12.0)
@@ -245,8 +246,9 @@ def test_tolerances_shorten_the_ways(tmp_path: Path) -> None:
 
 
 def test_a_deleted_entity_keeps_its_speed(tmp_path: Path) -> None:
-    gone = '<GlobalAction><EntityAction entityRef="A"><DeleteEntityAction/></EntityAction></GlobalAction>'
-    back = f'<GlobalAction><EntityAction entityRef="A"><AddEntityAction>{lane_position(-1, 300.0)}</AddEntityAction></EntityAction></GlobalAction>'
+    entity = '<GlobalAction><EntityAction entityRef="A">{}</EntityAction></GlobalAction>'
+    gone = entity.format("<DeleteEntityAction/>")
+    back = entity.format(f"<AddEntityAction>{lane_position(-1, 300.0)}</AddEntityAction>")
     run = play(tmp_path, A_AND_B, [Event("B", gone, 2.0), Event("B", back, 4.0)])
     assert "A" not in run.rows[round(3.0 / 0.05)]
     assert run.at("A", 5.0).v == pytest.approx(10.0)

@@ -16,6 +16,7 @@ from tests.engine.laws.told import (
     lane_offset,
     of_entity,
     play,
+    relative_speed,
     speed,
 )
 
@@ -71,11 +72,7 @@ def test_a_parallel_event_takes_over_the_domain_that_it_acts_on(tmp_path: Path) 
 @pytest.mark.parametrize(("count", "wanted"), [(1, 12.0), (2, 14.0), (3, 16.0)])
 def test_an_event_is_executed_as_often_as_it_may(tmp_path: Path, count: int, wanted: float) -> None:
     """Each execution of 1 s adds 2 m/s to A's own speed."""
-    more = (
-        '<LongitudinalAction><SpeedAction><SpeedActionDynamics dynamicsShape="linear" dynamicsDimension="time" value="1"/>'
-        '<SpeedActionTarget><RelativeTargetSpeed entityRef="A" value="2" speedTargetValueType="delta" continuous="false"/>'
-        "</SpeedActionTarget></SpeedAction></LongitudinalAction>"
-    )
+    more = relative_speed("A", 2.0, by("linear", "time", 1.0))
     run = play(tmp_path, A, [Event("A", more, count=count)])
     assert run.at("A", 9.0).v == pytest.approx(wanted)
 

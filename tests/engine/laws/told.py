@@ -161,7 +161,8 @@ def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float, 
         for name, of in groups.items()
     )
     return (
-        f'<OpenSCENARIO><FileHeader revMajor="1" revMinor="{version}" date="2026-01-01T00:00:00" description="" author=""/>'
+        "<OpenSCENARIO>"
+        f'<FileHeader revMajor="1" revMinor="{version}" date="2026-01-01T00:00:00" description="" author=""/>'
         f'<CatalogLocations/><RoadNetwork><LogicFile filepath="{ROADS / "straight.xodr"}"/></RoadNetwork>'
         f"<Entities>{''.join(map(_object, actors))}</Entities>"
         f"<Storyboard><Init><Actions>{''.join(one.init(name) for name, one in actors.items())}</Actions></Init>"
@@ -217,8 +218,8 @@ def speed(value: float, dynamics: str = STEPWISE) -> str:
 
 def relative_speed(to: str, value: float, dynamics: str, kind: str = "delta", continuous: str = "false") -> str:
     """Return a change to a speed that depends on another entity's."""
-    target = f'<RelativeTargetSpeed entityRef="{to}" value="{value}" speedTargetValueType="{kind}" continuous="{continuous}"/>'
-    return _speed(target, dynamics)
+    more = f'speedTargetValueType="{kind}" continuous="{continuous}"'
+    return _speed(f'<RelativeTargetSpeed entityRef="{to}" value="{value}" {more}/>', dynamics)
 
 
 def _speed(target: str, dynamics: str) -> str:
