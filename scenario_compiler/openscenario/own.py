@@ -63,7 +63,7 @@ def _unveiled(value: str) -> str:
 
 
 def gathered(properties: Iterable[ControllerProperty], sink: Diagnostics) -> etree._Element:
-    """Return the element whose content the properties say; report those that are none of ours."""
+    """Return the element whose content the properties say; report properties that are not ours."""
     root = etree.Element(OWN)
     known = {"": root}
     for one in properties:

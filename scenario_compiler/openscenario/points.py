@@ -210,7 +210,7 @@ POINTS = Forms(
 
 
 def read_point(node: Node) -> Point | None:
-    """Return the point of a <Position> element, or of another that holds one; report what is none."""
+    """Return the point of a <Position> element, or of another that holds one; report another element."""
     inner = node.first()
     if inner is None:
         node.report(codes.MISSING_ELEMENT, f"<{node.tag}> holds no position")
@@ -233,7 +233,7 @@ def _outside(node: Node) -> str:
 
 
 def write_point(word: Word, output: Output, tag: str = "Position") -> etree._Element:
-    """Return the <Position> of a point; one that OpenSCENARIO cannot say is told and written as the origin."""
+    """Return the <Position> of a point; one that OpenSCENARIO cannot express is reported and written as the origin."""
     form = POINTS.by_word.get(type(word))
     if form is None or output.version < form.since:
         output.tell_lost(word, f"the position <{word.tag()}> cannot be written")

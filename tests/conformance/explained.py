@@ -26,8 +26,8 @@ RELATIVE_SPEED = (
     "The standard has a relative speed in a direction along the triggering entity's axes, esmini along the other's."
 )
 JUMPING_PROFILE = (
-    "esmini begins the profile at its first corner without a time, so that the speed leaps by 3.9 m/s in one step, far "
-    "over the maxAcceleration of the action; limits hold here, and an entry without a time is reached as fast as they "
+    "esmini begins the profile at its first corner without a time, so that the speed leaps by 3.9 m/s in one step, "
+    "far over the action's maxAcceleration; limits hold here, and an entry without a time is reached as fast as they "
     "let it."
 )
 AGAINST_HEADINGS = (

@@ -15,7 +15,6 @@ from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
 from tests.conformance.esmini import (
     FEATURES,
-    LONGEST,
     STEP,
     Comparison,
     RecordedRun,
@@ -59,7 +58,7 @@ def test_decisions_and_laws_are_of_variants_that_there_are() -> None:
 def test_a_road_file_with_an_offset_is_met_on_its_road(golden: Path) -> None:
     folder = golden / FEATURES
     sink = Diagnostics()
-    overrides = Overrides(perception="ideal", step=STEP, duration=LONGEST)
+    overrides = Overrides(perception="ideal", step=STEP)
     done = compile_target(folder / "header_offset_world.xosc", {}, sink, overrides=overrides)
     assert done is not None
     numbers = {entity.id: i for i, entity in enumerate(done.plan.entities)}

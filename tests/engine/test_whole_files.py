@@ -26,7 +26,7 @@ LONGEST = 20.0
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 """Library scenarios that are run with broken numbers."""
 
-BROKEN_ROWS = 24
+BROKEN_ROWS = 30
 """Number of broken runs of each."""
 
 

@@ -87,7 +87,7 @@ def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
 def closing_speed(st: State, i: int, j: int) -> float:
     """Return how fast entity i comes up to j: the difference of speeds along the velocity of j (esmini 3.6), m/s.
 
-    Where j stands, or is none, it is the speed of i.
+    Where j stands, or there is no j, it is the speed of i.
     """
     if j < 0:
         return st.v[i]
