@@ -10,6 +10,7 @@ import pytest
 from tests.engine.laws.told import (
     Actor,
     Event,
+    after,
     by,
     condition,
     lane_change,
@@ -291,3 +292,19 @@ def test_a_time_that_has_come(tmp_path: Path) -> None:
         told = condition(f'<SimulationTimeCondition value="1" rule="{rule}"/>')
         run = play(tmp_path, {"W": W}, [Event("W", speed(DONE), told)], seconds=3.0)
         assert run.acts("W", DONE) == pytest.approx(wanted)
+
+
+def test_all_triggering_entities_are_those_that_are_there(tmp_path: Path) -> None:
+    """B, which is never fast, is deleted at 3 s; A is faster than 11 m/s from 2 s on."""
+    gone = '<GlobalAction><EntityAction entityRef="B"><DeleteEntityAction/></EntityAction></GlobalAction>'
+    faster = '<SpeedCondition value="11" rule="greaterOrEqual"/>'
+    events = [
+        Event("A", speed(20.0, by("linear", "rate", 1.0))),
+        Event("A", gone, 3.0),
+        Event("W", speed(DONE), of_entity("A B", faster, "all")),
+    ]
+    run = play(tmp_path, {"A": Actor(), "B": Actor(lane=-2), "W": W}, events)
+    assert run.acts("W", DONE) == pytest.approx(3.05)
+    slow = of_entity("B", '<SpeedCondition value="50" rule="lessThan"/>', "all")
+    none = [Event("A", gone, 0.5), Event("W", speed(DONE), slow + after(1.0))]
+    assert play(tmp_path, {"A": Actor(), "B": Actor(lane=-2), "W": W}, none).acts("W", DONE) is None

@@ -245,6 +245,28 @@ def test_tolerances_shorten_the_ways(tmp_path: Path) -> None:
     assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (12.5 - 10.0) / 10.0)
 
 
+def test_ways_are_those_along_the_trajectories_that_are_followed(tmp_path: Path) -> None:
+    """A's way leads round a corner: 60 m and 80 m, though its end is 100 m away. B needs 12.5 s for its own.
+
+    The trajectory is stepped first, so 0.5 m of the 140 m are gone when the speed is chosen.
+    """
+    corner = (
+        '<RoutingAction><FollowTrajectoryAction><TrajectoryRef><Trajectory name="t" closed="false"><Shape><Polyline>'
+        '<Vertex><Position><WorldPosition x="60" y="-1.75"/></Position></Vertex>'
+        '<Vertex><Position><WorldPosition x="120" y="-1.75"/></Position></Vertex>'
+        '<Vertex><Position><WorldPosition x="120" y="78.25"/></Position></Vertex></Polyline></Shape></Trajectory>'
+        '</TrajectoryRef><TimeReference><None/></TimeReference><TrajectoryFollowingMode followingMode="position"/>'
+        "</FollowTrajectoryAction></RoutingAction>"
+    )
+    place = '<TargetPosition><WorldPosition x="120" y="78.25"/></TargetPosition>'
+    meet = (
+        '<SynchronizeAction masterEntityRef="B">'
+        f"{lane_position(-2, 308.0, tag='TargetPositionMaster')}{place}</SynchronizeAction>"
+    )
+    run = play(tmp_path, A_AND_B, [Event("A", corner), Event("A", meet)], seconds=10.0)
+    assert run.at("A", 1.05).v == pytest.approx(10.0 + 0.05 * 2.0 * (139.5 / 12.5 - 10.0) / 12.5)
+
+
 def test_a_deleted_entity_keeps_its_speed(tmp_path: Path) -> None:
     entity = '<GlobalAction><EntityAction entityRef="A">{}</EntityAction></GlobalAction>'
     gone = entity.format("<DeleteEntityAction/>")
