@@ -308,3 +308,52 @@ def test_all_triggering_entities_are_those_that_are_there(tmp_path: Path) -> Non
     slow = of_entity("B", '<SpeedCondition value="50" rule="lessThan"/>', "all")
     none = [Event("A", gone, 0.5), Event("W", speed(DONE), slow + after(1.0))]
     assert play(tmp_path, {"A": Actor(), "B": Actor(lane=-2), "W": W}, none).acts("W", DONE) is None
+
+
+CORNER = (
+    '<RoutingAction><FollowTrajectoryAction><TrajectoryRef><Trajectory name="t" closed="false"><Shape><Polyline>'
+    '<Vertex><Position><WorldPosition x="60" y="-1.75"/></Position></Vertex>'
+    '<Vertex><Position><WorldPosition x="90" y="-1.75"/></Position></Vertex>'
+    '<Vertex><Position><WorldPosition x="90" y="48.25"/></Position></Vertex></Polyline></Shape></Trajectory>'
+    '</TrajectoryRef><TimeReference><None/></TimeReference><TrajectoryFollowingMode followingMode="position"/>'
+    "</FollowTrajectoryAction></RoutingAction>"
+)
+"""A trajectory of 30 m ahead, then 50 m to the left, begun at 1 s."""
+
+BESIDE = '<Position><WorldPosition x="88" y="28.25"/></Position>'
+"""A place 2 m to the left of it, 60 m from its begin."""
+
+
+@pytest.mark.law("DistanceCondition", "system trajectory")
+@pytest.mark.law("RelativeDistanceCondition", "system trajectory")
+@pytest.mark.law("TimeHeadwayCondition", "system trajectory")
+@pytest.mark.law("TimeToCollisionCondition", "system trajectory")
+def test_a_distance_along_the_trajectory_that_is_followed(tmp_path: Path) -> None:
+    """60 m at the begin are less than 35 m in the row of 3.55 s; before 1 s A follows none, and the road counts."""
+    more = 'coordinateSystem="trajectory" relativeDistanceType="longitudinal"'
+    begin = Event("A", CORNER)
+    there = {"B": Actor(position=BESIDE, speed=0.0)}
+    words = {
+        "DistanceCondition": gap("DistanceCondition", more, 35.0, where=BESIDE),
+        "RelativeDistanceCondition": gap("RelativeDistanceCondition", more, 35.0),
+        "TimeHeadwayCondition": gap("TimeHeadwayCondition", more, 3.5),
+        "TimeToCollisionCondition": gap(
+            "TimeToCollisionCondition",
+            more,
+            3.5,
+            where=f"<TimeToCollisionConditionTarget>{BESIDE}</TimeToCollisionConditionTarget>",
+        ),
+    }
+    for told in words.values():
+        events = [begin, Event("W", speed(DONE), of_entity("A", told) + after(1.2))]
+        assert play(tmp_path, {"A": Actor(), **there, "W": W}, events).acts("W", DONE) == pytest.approx(3.6)
+
+
+@pytest.mark.law("DistanceCondition", "lateral")
+def test_a_distance_across_the_trajectory_that_is_followed(tmp_path: Path) -> None:
+    more = 'coordinateSystem="trajectory" relativeDistanceType="lateral"'
+    for value, wanted in ((2.1, 1.25), (1.9, None)):
+        told = of_entity("A", gap("DistanceCondition", more, value, where=BESIDE)) + after(1.2)
+        events = [Event("A", CORNER), Event("W", speed(DONE), told)]
+        found = play(tmp_path, {"A": Actor(), "W": W}, events, seconds=4.0).acts("W", DONE)
+        assert found == (None if wanted is None else pytest.approx(wanted))
