@@ -357,3 +357,41 @@ def test_a_distance_across_the_trajectory_that_is_followed(tmp_path: Path) -> No
         events = [Event("A", CORNER), Event("W", speed(DONE), told)]
         found = play(tmp_path, {"A": Actor(), "W": W}, events, seconds=4.0).acts("W", DONE)
         assert found == (None if wanted is None else pytest.approx(wanted))
+
+
+@pytest.mark.law("SpeedCondition", "lateral")
+def test_a_speed_to_the_side(tmp_path: Path) -> None:
+    """A step of 1 m to the side in 0.05 s is 20 m/s in the row of 1.05 s."""
+    told = '<SpeedCondition value="19.9" rule="greaterThan" direction="lateral"/>'
+    step = lane_offset('<AbsoluteTargetLaneOffset value="1"/>', "step")
+    assert seen(tmp_path, told, Event("A", step)) == pytest.approx(1.1)
+
+
+@pytest.mark.law("AccelerationCondition", "vertical")
+def test_an_acceleration_upwards(tmp_path: Path) -> None:
+    """Where the climb begins the speed upwards goes from 0 to 1 m/s in 0.05 s."""
+    told = '<AccelerationCondition value="19.9" rule="greaterThan" direction="vertical"/>'
+    assert seen(tmp_path, told, A=Actor(s=990.0)) == pytest.approx(1.1)
+
+
+@pytest.mark.law("TimeOfDayCondition", "used")
+def test_the_time_of_day_runs(tmp_path: Path) -> None:
+    noon = (
+        '<GlobalAction><EnvironmentAction><Environment name="noon"><TimeOfDay animation="true" '
+        'dateTime="2026-01-01T12:00:00"/></Environment></EnvironmentAction></GlobalAction>'
+    )
+    told = condition('<TimeOfDayCondition dateTime="2026-01-01T12:00:02" rule="greaterOrEqual"/>')
+    run = play(tmp_path, {"W": W}, [Event("W", noon, 0.0), Event("W", speed(DONE), told)], seconds=4.0)
+    assert run.acts("W", DONE) == pytest.approx(2.05)
+
+
+@pytest.mark.law("TrafficSignalStateAction", "used")
+@pytest.mark.law("TrafficSignalCondition", "used")
+def test_the_state_of_a_signal_is_seen_from_when_it_is_set_on(tmp_path: Path) -> None:
+    state = (
+        "<GlobalAction><InfrastructureAction><TrafficSignalAction>"
+        '<TrafficSignalStateAction name="s1" state="green"/></TrafficSignalAction></InfrastructureAction></GlobalAction>'
+    )
+    told = condition('<TrafficSignalCondition name="s1" state="green"/>')
+    run = play(tmp_path, {"W": W}, [Event("W", state, 1.0), Event("W", speed(DONE), told)], seconds=3.0)
+    assert run.acts("W", DONE) == pytest.approx(1.05)

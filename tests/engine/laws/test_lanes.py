@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, pi, sqrt
+from math import atan2, cos, pi, sin, sqrt
 from pathlib import Path
 
 import pytest
@@ -228,3 +228,38 @@ def test_a_speed_action_acts_on_an_entity_on_a_trajectory_without_times(tmp_path
     events = [Event("A", follow(polyline("60 -1.75", "160 -1.75"))), Event("A", speed(5.0), 2.0)]
     run = play(tmp_path, A, events)
     assert run.at("A", 4.0).x == pytest.approx(60.0 + 10.0 + 10.0)
+
+
+@pytest.mark.law("FollowTrajectoryAction", "ClothoidSpline, without times")
+def test_a_clothoid_spline_is_followed_at_the_entitys_speed(tmp_path: Path) -> None:
+    """10 m straight on, then 10 m of a circle of 10 m to the left, from where A is at 1 s."""
+    spline = (
+        '<Trajectory name="t" closed="false"><Shape><ClothoidSpline>'
+        '<ClothoidSplineSegment curvatureStart="0" curvatureEnd="0" length="10"><PositionStart>'
+        '<WorldPosition x="60" y="-1.75" h="0"/></PositionStart></ClothoidSplineSegment>'
+        '<ClothoidSplineSegment curvatureStart="0.1" curvatureEnd="0.1" length="10"/>'
+        "</ClothoidSpline></Shape></Trajectory>"
+    )
+    run = play(tmp_path, A, [Event("A", follow(spline))], seconds=4.0)
+    assert (run.at("A", 1.5).x, run.at("A", 1.5).y) == pytest.approx((65.0, -1.75))
+    at = run.at("A", 2.5)
+    assert (at.x, at.y, at.h) == pytest.approx((70.0 + 10.0 * sin(0.5), -1.75 + 10.0 * (1.0 - cos(0.5)), 0.5), abs=1e-3)
+
+
+def distance(inner: str, limits: str = "") -> str:
+    """Return a distance to B that is to be kept."""
+    constraints = f"<DynamicConstraints {limits}/>" if limits else ""
+    action = f'<LongitudinalDistanceAction entityRef="B" {inner}>{constraints}</LongitudinalDistanceAction>'
+    return f"<LongitudinalAction>{action}</LongitudinalAction>"
+
+
+@pytest.mark.law("LongitudinalDistanceAction", "displacement trailing")
+@pytest.mark.law("LongitudinalDistanceAction", "displacement leading")
+@pytest.mark.law("LongitudinalDistanceAction", "without limits")
+@pytest.mark.parametrize(("side", "sign"), [("trailing", -1.0), ("leading", 1.0)])
+def test_without_limits_an_entity_is_put_at_its_distance(tmp_path: Path, side: str, sign: float) -> None:
+    actors = {"B": Actor(lane=-2, s=200.0, speed=8.0), "A": Actor()}
+    told = f'distance="20" freespace="false" continuous="true" displacement="{side}ReferencedEntity"'
+    run = play(tmp_path, actors, [Event("A", distance(told))], seconds=4.0)
+    assert run.at("A", 3.0).v == pytest.approx(8.0)
+    assert run.at("A", 3.0).x - run.at("B", 3.0).x == pytest.approx(sign * 20.0)
