@@ -389,8 +389,8 @@ def test_the_time_of_day_runs(tmp_path: Path) -> None:
 @pytest.mark.law("TrafficSignalCondition", "used")
 def test_the_state_of_a_signal_is_seen_from_when_it_is_set_on(tmp_path: Path) -> None:
     state = (
-        "<GlobalAction><InfrastructureAction><TrafficSignalAction>"
-        '<TrafficSignalStateAction name="s1" state="green"/></TrafficSignalAction></InfrastructureAction></GlobalAction>'
+        '<GlobalAction><InfrastructureAction><TrafficSignalAction><TrafficSignalStateAction name="s1" state="green"/>'
+        "</TrafficSignalAction></InfrastructureAction></GlobalAction>"
     )
     told = condition('<TrafficSignalCondition name="s1" state="green"/>')
     run = play(tmp_path, {"W": W}, [Event("W", state, 1.0), Event("W", speed(DONE), told)], seconds=3.0)
