@@ -115,11 +115,11 @@ class Played:
 
 
 def play(
-    folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0, version: int = 3
+    folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0
 ) -> Played:
     """Run a story in both forms, which must leave the same numbers, and return its rows."""
     file = folder / "told.xosc"
-    file.write_text(document(actors, events, seconds, version), encoding="utf-8")
+    file.write_text(document(actors, events, seconds), encoding="utf-8")
     sink = Diagnostics()
     done = compile_target(file, {}, sink, overrides=Overrides(perception="ideal", step=STEP, duration=seconds))
     assert done is not None, [as_text(one) for one in sink]
@@ -148,7 +148,7 @@ def seen_by(simulation: Simulation, names: Sequence[str]) -> dict[str, Seen]:
     }
 
 
-def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float, version: int) -> str:
+def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float) -> str:
     """Return the file of a story."""
     groups: dict[str, list[Event]] = {}
     for k, one in enumerate(events):
@@ -162,7 +162,7 @@ def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float, 
     )
     return (
         "<OpenSCENARIO>"
-        f'<FileHeader revMajor="1" revMinor="{version}" date="2026-01-01T00:00:00" description="" author=""/>'
+        f'<FileHeader revMajor="1" revMinor="3" date="2026-01-01T00:00:00" description="" author=""/>'
         f'<CatalogLocations/><RoadNetwork><LogicFile filepath="{ROADS / "straight.xodr"}"/></RoadNetwork>'
         f"<Entities>{''.join(map(_object, actors))}</Entities>"
         f"<Storyboard><Init><Actions>{''.join(one.init(name) for name, one in actors.items())}</Actions></Init>"
