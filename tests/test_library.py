@@ -392,4 +392,4 @@ def test_catalog_entries_are_plausible_and_name_their_source() -> None:
             assert rear < 0 < vehicle.wheelbase < front, vehicle.name
     for driver in catalogs.drivers.values():
         assert driver.source, driver.name
-    assert {"urgent", "unhurried", "unhurried_with_task", "mixed", "absent"} <= set(catalogs.drivers)
+    assert {"study_means", "unhurried", "unhurried_with_task", "mixed", "absent"} <= set(catalogs.drivers)

@@ -47,7 +47,9 @@ def shell(script: str, folder: Path, **environment: str) -> subprocess.Completed
 def break_one(folder: Path) -> None:
     """Put a fault into one of the conflicts."""
     file = folder / "conflicts" / "obstacle_ahead.xml"
-    file.write_text(file.read_text(encoding="utf-8").replace('preset="urgent"', 'preset="urgnt"'), encoding="utf-8")
+    file.write_text(
+        file.read_text(encoding="utf-8").replace('preset="study_means"', 'preset="study_mean"'), encoding="utf-8"
+    )
 
 
 @pytest.mark.parametrize("line", COMMANDS)

@@ -23,7 +23,7 @@ from scenario_compiler.batch.tally import OnProgress, Progress, Tally
 from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
-from scenario_compiler.engine.forms.compiled import library, why_interpreted
+from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values

@@ -122,6 +122,9 @@ def _wrong(text: str, rule: AttributeRule, reading: ReadingContext, origin: Orig
 
 def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
     if rule.kind == "choice":
+        instead = dict(rule.spelling.retired).get(text)
+        if instead is not None:
+            return f"one of {', '.join(rule.choices)}", f"write {instead}"
         hint = did_you_mean(text, rule.choices)
         return f"one of {', '.join(rule.choices)}", hint if hint.startswith("did") else ""
     if rule.kind == "boolean":

@@ -20,6 +20,7 @@ from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
     HORIZON,
     Criterion,
+    MakesProgress,
     MaximumLateralOffset,
     MinimumTimeToCollision,
     NoCollision,
@@ -265,6 +266,11 @@ def _minimum_risk_found(recording: Recording, traces: Traces, when: float | None
     return "none was begun" if when is None else f"begun at {when:.2f} s"
 
 
+def _progress_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording, traces, limit
+    return "the vehicle never stood without a reason" if when is None else f"it stood without a reason at {when:.2f} s"
+
+
 def _offset_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
     offsets = np.abs(traces.off[..., 0][traces.present[..., 0]])
@@ -279,6 +285,7 @@ RULES: dict[type[Criterion], Rule] = {
     TakeoverWithin: Rule(_late_response, _responded_late, _response_found),
     Requested: Rule(_not_requested, _never_requested, _request_found),
     NoMinimumRisk: Rule(*_event("minimum_risk"), _minimum_risk_found),
+    MakesProgress: Rule(*_event("no_progress"), _progress_found),
     MaximumLateralOffset: Rule(_too_far_off, _was_too_far_off, _offset_found),
 }
 """How each criterion of the vocabulary is judged."""

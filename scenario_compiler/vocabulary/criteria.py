@@ -60,6 +60,16 @@ class NoMinimumRisk(Word):
     word: Literal["no_minimum_risk"] = "no_minimum_risk"
 
 
+class MakesProgress(Word):
+    """The automated vehicle never stands without a reason for as long as the cause `no_progress` allows (5 s).
+
+    Reasons are a leader that moves or a queue behind one, a red signal, a stop that an action orders, and a
+    minimum-risk stop.
+    """
+
+    word: Literal["makes_progress"] = "makes_progress"
+
+
 class MaximumLateralOffset(Word):
     """The ego vehicle's reference point stays near the middle of a lane."""
 
@@ -76,5 +86,6 @@ Criterion = (
     | TakeoverWithin
     | Requested
     | NoMinimumRisk
+    | MakesProgress
     | MaximumLateralOffset
 )

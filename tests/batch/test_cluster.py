@@ -60,7 +60,7 @@ def test_a_cluster_gives_the_local_table_though_a_worker_is_killed(
 ) -> None:
     address, workers = cluster
     spec = SweepSpec(
-        vary=("distance=uniform(20, 350)", "preset=choice(urgent, absent)"),
+        vary=("distance=uniform(20, 350)", "preset=choice(study_means, absent)"),
         samples=300,
         perception="ideal",
         interpreted=True,
