@@ -21,9 +21,11 @@ class RunTotals:
 
     Attributes:
         summaries: (runs, SUMMARY_SIZE), as `Simulation.sweep` returns them.
+        step: Length of a time step, s.
     """
 
     summaries: Floats
+    step: float
 
     def column(self, name: str) -> Floats:
         """Return a total of each run, (runs,), NaN where it still has its start value: what it measures was not."""

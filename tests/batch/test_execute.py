@@ -136,7 +136,9 @@ def test_an_interrupted_sweep_is_resumed_to_the_same_bytes(conflict: Path, tmp_p
 
 
 def test_structure_makes_families_and_a_bad_one_costs_only_its_rows(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec(vary=("preset=choice(study_means, nobody, absent)", "distance=grid(60, 80, 3)"), method="grid", samples=1)
+    spec = _spec(
+        vary=("preset=choice(study_means, nobody, absent)", "distance=grid(60, 80, 3)"), method="grid", samples=1
+    )
     result = run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=False)
     rows, _ = read_results(tmp_path / "sweep")
     assert rows[PARAMETER + "preset"] == ["study_means"] * 3 + ["nobody"] * 3 + ["absent"] * 3

@@ -129,7 +129,7 @@ def approach(speed: float = 10.0, stop_at: float = math.inf) -> Callable[[float]
             "lane_end_distance": (opcodes.FAR,),
             "confidence_left": (0.9,),
             "confidence_right": (0.4 + 0.01 * t,),
-            "takeover_state": (opcodes.TAKEOVER_AUTOMATED,),
+            "takeover_state": (opcodes.TAKEOVER_MANUAL if t > 3.05 else opcodes.TAKEOVER_AUTOMATED,),
         }
 
     return row
@@ -153,7 +153,19 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
     one = traces_of(plan_of(*ids), record(ids, 1, lambda _: {"x": (0.0,) * entities}))
     nothing = {
         name: np.broadcast_to(getattr(one, name), (runs, rows, *getattr(one, name).shape[1:]))
-        for name in ("a", "road", "lane", "s", "off", "steer", "brake", "cause", "confidence_left", "confidence_right")
+        for name in (
+            "a",
+            "road",
+            "lane",
+            "s",
+            "off",
+            "steer",
+            "brake",
+            "takeover_state",
+            "cause",
+            "confidence_left",
+            "confidence_right",
+        )
     }
     nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance")}
     sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
@@ -174,7 +186,9 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
 def added_up(runs: Traces) -> RunTotals:
     """Return what the engine's totals come to over the rows of runs, row by row, as a sweep adds them up."""
     lead = runs.t.shape[:-1]
-    return RunTotals(np.array([_summary(runs, index) for index in np.ndindex(*lead)]).reshape(-1, SUMMARY_SIZE))
+    return RunTotals(
+        np.array([_summary(runs, index) for index in np.ndindex(*lead)]).reshape(-1, SUMMARY_SIZE), runs.step
+    )
 
 
 def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
@@ -201,6 +215,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
         for name in ("road", "lane"):
             getattr(st, name)[:] = getattr(runs, name)[index][row].tolist()
         st.present[:] = runs.present[index][row].astype(int).tolist()
+        st.takeover_state[0] = int(runs.takeover_state[index][row])
         st.cause[0] = int(runs.cause[index][row])
         st.conf_left[0], st.conf_right[0] = (
             float(side[index][row]) for side in (runs.confidence_left, runs.confidence_right)

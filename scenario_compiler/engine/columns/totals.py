@@ -70,6 +70,8 @@ class Totals:
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
     time_first_brake: list[float] = column(RUN, -1.0)
+    driving: list[int] = column(RUN)
+    """1 while the driver drives who took over first, 2 from when control was handed back."""
     response_seen: list[int] = column(RUN)
     """1 from the first row from the response on, with the angle of the front wheels in it, rad."""
     response_steer: list[float] = column(RUN)
@@ -80,6 +82,7 @@ class Totals:
     """Acceleration or deceleration along the heading, m/s2, and the lateral one."""
     greatest_lateral: list[float] = column(RUN, -1.0)
     greatest_offset_after: list[float] = column(RUN, -1.0)
+    """Distance from the centre of the lane at the request, m."""
 
     # Lane keeping after the response: the rows of its window.
     keeping_count: list[int] = column(RUN)
@@ -101,6 +104,7 @@ class Totals:
     row_off: list[float] = column(RUN)
     row_steer: list[float] = column(RUN)
     row_brake: list[float] = column(RUN)
+    row_state: list[int] = column(RUN)
     row_cause: list[int] = column(RUN)
     row_confidence: list[float] = column(RUN)
     """Of the better side."""
@@ -119,6 +123,15 @@ class Totals:
     added_left: list[float] = column(RUN)
     """Offset to the left in the direction of travel."""
     added_inside: list[int] = column(RUN)
+    before_lane: list[int] = column(RUN)
+    before_after: list[int] = column(RUN)
+    """1 where it lies behind the request."""
+    added_after: list[int] = column(RUN)
+    added_count: list[int] = column(RUN)
+    added_step: list[float] = column(RUN)
+    """Change of the offset from one row to the next, the last that was no change of lane."""
+    aside: list[float] = column(RUN)
+    """Distance from the centre of the present lane to that of the lane at the request, by the changes of lane since."""
     sense: list[int] = column(RUN)
     """Sign of the last step along the road, 0 where there was none, and of the last that had one."""
     sense_kept: list[int] = column(RUN)
