@@ -100,7 +100,7 @@ def _first_brake_total(totals: RunTotals) -> Floats:
 
 def limit_distance(traces: Traces) -> Floats:
     """Distance at the request to the place that the request is about."""
-    return _distance_of(
+    return distance_to_limit(
         cause_of_request(traces),
         _at_request(traces, traces.blocked_distance),
         _at_request(traces, traces.lane_end_distance),
@@ -108,12 +108,13 @@ def limit_distance(traces: Traces) -> Floats:
 
 
 def _limit_distance_total(totals: RunTotals) -> Floats:
-    return _distance_of(
+    return distance_to_limit(
         totals.column("request_cause"), totals.column("request_blocked"), totals.column("request_lane_end")
     )
 
 
-def _distance_of(cause: Floats, blocked: Floats, ends: Floats) -> Floats:
+def distance_to_limit(cause: Floats, blocked: Floats, ends: Floats) -> Floats:
+    """Return the distance to the place that a request is about, m, by the code of its cause; NaN for other causes."""
     return np.where(cause == CAUSE_PATH_BLOCKED, blocked, np.where(cause == CAUSE_LANE_ENDS, ends, np.nan))
 
 
@@ -124,14 +125,15 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    return whole_steps(traces, _time_to(limit_distance(traces), _at_request(traces, traces.v[..., 0])))
+    return whole_steps(traces, time_to_limit(limit_distance(traces), _at_request(traces, traces.v[..., 0])))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
-    return whole_steps(totals, _time_to(_limit_distance_total(totals), totals.column("request_speed")))
+    return whole_steps(totals, time_to_limit(_limit_distance_total(totals), totals.column("request_speed")))
 
 
-def _time_to(distance: Floats, speed: Floats) -> Floats:
+def time_to_limit(distance: Floats, speed: Floats) -> Floats:
+    """Return the time until a limit is reached at unchanged speed, s; NaN at a standstill."""
     return np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan)
 
 
@@ -202,6 +204,11 @@ def collision_speed(traces: Traces) -> Floats:
 
 def _collision_speed_total(totals: RunTotals) -> Floats:
     return np.where(np.isnan(totals.times["collision"]), np.nan, totals.column("speed_before_collision"))
+
+
+def requests(traces: Traces) -> Floats:
+    """Number of requests of the run."""
+    return np.where(traces.requests > 0, traces.requests, np.nan)
 
 
 def _time_of(kind: EventKind, what: str) -> Measure:
@@ -391,6 +398,14 @@ MEASURES: tuple[Measure, ...] = (
         collision_speed,
         _collision_speed_total,
         of_takeover=False,
+    ),
+    Measure(
+        "requests",
+        "1",
+        "Number of takeover requests in the run.",
+        "no request",
+        requests,
+        total("requests"),
     ),
     _time_of("warning", "warning"),
     _time_of("request", "request"),

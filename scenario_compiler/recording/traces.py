@@ -125,6 +125,7 @@ class Traces:
         step: Length of a time step, s.
         inputs: What counts as the driver's input.
         times: First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened.
+        requests: Number of takeover requests, (...).
     """
 
     t: Floats
@@ -154,6 +155,7 @@ class Traces:
     step: float
     inputs: InputLimits
     times: Mapping[EventKind, Floats]
+    requests: Floats
 
     def between(self, begin: Floats, end: Floats | None = None) -> Booleans:
         """Return which rows lie in [begin, end], (..., n); none where begin or a given end is NaN."""
@@ -243,6 +245,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         step=plan.step,
         inputs=input_limits(plan, recording.header.parameters),
         times={kind: np.asarray(_first(recording, kind)) for kind in TIMED_EVENTS},
+        requests=np.asarray(float(sum(event.kind == "request" for event in recording.events))),
     )
 
 

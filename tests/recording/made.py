@@ -12,10 +12,11 @@ import numpy as np
 from scenario_compiler.engine.columns import opcodes, slots
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import new_state
-from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, Totals
+from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, TAKEOVERS_AT, Totals
 from scenario_compiler.engine.measures.judging import finish_totals, judge_row
 from scenario_compiler.engine.measures.rows import take_row
 from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.engine.measures.takeovers import write_takeovers
 from scenario_compiler.engine.motion.collision import update_boxes
 from scenario_compiler.forms.declaration import at_start, write_first
 from scenario_compiler.plan.model import Entity, MapReference, Plan
@@ -171,6 +172,7 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
     sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
     center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
     times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
+    nothing["requests"] = np.zeros(runs)
     present = np.moveaxis(present, 0, -1)
     changed: dict[str, Any] = nothing | {
         "t": t,
@@ -224,6 +226,8 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
         st.lane_end_distance[0] = _or_far(runs.lane_end_distance[index][row])
         update_boxes(program, st)
         take_row(program, st, totals)
+        if row and runs.times["request"][index] <= st.clock[0] + SAME_TIME:
+            st.requests[0], st.request_at[0] = 1, float(runs.times["request"][index])
         st.log_count[0] = sum(float(times[index]) <= st.clock[0] + SAME_TIME for times in runs.times.values())
         for kind, times in runs.times.items():
             time = float(times[index])
@@ -235,6 +239,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
     finish_totals(program, st, totals)
     out = [0.0] * SUMMARY_SIZE
     write_first(totals, SUMMARY, out, 0)
+    write_takeovers(totals, out, TAKEOVERS_AT)
     return out
 
 

@@ -298,7 +298,7 @@ def _stacked(parts: list[Traces]) -> Traces:
     rows = max(len(part.t) for part in parts)
     columns: dict[str, Any] = {}
     for field in dataclasses.fields(Traces):
-        if field.name in ("length", "width", "height", "center", "step", "inputs", "times"):
+        if field.name in ("length", "width", "height", "center", "step", "inputs", "times", "requests"):
             continue
         arrays = [getattr(part, field.name) for part in parts]
         padded = []
@@ -307,7 +307,8 @@ def _stacked(parts: list[Traces]) -> Traces:
             padded.append(np.concatenate([array, more]))
         columns[field.name] = np.stack(padded)
     times = {kind: np.stack([part.times[kind] for part in parts]) for kind in TIMED_EVENTS}
-    return dataclasses.replace(parts[0], **columns, times=times)
+    requests = np.stack([part.requests for part in parts])
+    return dataclasses.replace(parts[0], **columns, times=times, requests=requests)
 
 
 def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats]:
@@ -390,7 +391,7 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
     a = np.where(runs.present, dice.normal(0.0, 2.0, runs.a.shape), np.nan)
     states = np.repeat(dice.choice([1, 2, opcodes.TAKEOVER_MANUAL, opcodes.TAKEOVER_HAND_BACK], (6, 12)), 10, axis=-1)
     runs = dataclasses.replace(
-        runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a, takeover_state=states
+        runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a, takeover_state=states, requests=np.ones(6)
     )
     totals = added_up(runs)
     for measure in MEASURES:

@@ -16,6 +16,10 @@ from scenario_compiler.vocabulary.criteria import HORIZON
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
+TAKEOVERS = 8
+"""Takeovers of a run that are kept, the first ones; all are counted."""
+TAKEOVER = fixed("takeover", TAKEOVERS)
+
 
 @container("m", 3, written=True)
 @dataclass(slots=True)
@@ -83,6 +87,24 @@ class Totals:
     greatest_lateral: list[float] = column(RUN, -1.0)
     greatest_offset_after: list[float] = column(RUN, -1.0)
     """Distance from the centre of the lane at the request, m."""
+
+    # The takeovers, each by its request.
+    requests: list[int] = column(RUN)
+    """Number of requests."""
+    state: list[int] = column(RUN)
+    """State of the takeover in the row before."""
+    undescribed: list[int] = column(RUN)
+    """1 where there was no row with a cause since the last request."""
+    takeover_request: list[float] = column(TAKEOVER, -1.0)
+    takeover_cause: list[float] = column(TAKEOVER, -1.0)
+    takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
+    takeover_lane_end: list[float] = column(TAKEOVER, op.FAR)
+    takeover_speed: list[float] = column(TAKEOVER, op.FAR)
+    takeover_escalation: list[float] = column(TAKEOVER, -1.0)
+    takeover_response: list[float] = column(TAKEOVER, -1.0)
+    takeover_minimum_risk: list[float] = column(TAKEOVER, -1.0)
+    takeover_standstill: list[float] = column(TAKEOVER, -1.0)
+    takeover_hand_back: list[float] = column(TAKEOVER, -1.0)
 
     # Lane keeping after the response: the rows of its window.
     keeping_count: list[int] = column(RUN)
@@ -152,4 +174,11 @@ class Totals:
 SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)
 """What a sweep writes for a run, in this order."""
 
-SUMMARY_SIZE = len(SUMMARY)
+TAKEOVER_FIELDS: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is TAKEOVER)
+"""What it writes for each takeover, in this order, after that."""
+
+SUMMARY_SIZE = len(SUMMARY) + TAKEOVERS * len(TAKEOVER_FIELDS)
+"""Numbers that a sweep writes for a run."""
+
+TAKEOVERS_AT = len(SUMMARY)
+"""Where the takeovers begin in them."""
