@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.expressions import Value
-from scenario_compiler.recording.measures import Timed, cause_of_request
+from scenario_compiler.recording.durations import Timed
+from scenario_compiler.recording.measures import cause_of_request
 from scenario_compiler.recording.names import CAUSES, EventKind
 from scenario_compiler.recording.on_path import least_time_to_collision, time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats, Recording

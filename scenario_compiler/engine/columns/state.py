@@ -44,6 +44,8 @@ class State:
 
     # The run, one element each.
     clock: list[float] = column(RUN)
+    """Time, s: the number of steps times the step, so that equal times are equal numbers."""
+    steps: list[int] = column(RUN)
     """Time, s: the sum of the steps."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""

@@ -150,7 +150,8 @@ def at_destination(n: RoadTables, p: Program, st: State) -> int:
 def move_step(n: RoadTables, p: Program, st: State) -> None:
     """Move time and all entities on that the engine moves."""
     dt = p.const[slot.K_STEP]
-    st.clock[0] += dt
+    st.steps[0] += 1
+    st.clock[0] = st.steps[0] * dt
     move_entities(n, p, st, dt)
     if p.traffic_count[0] > 0:
         move_traffic(n, p, st, dt)
