@@ -12,7 +12,7 @@ K_DESTINATION_S = 3
 K_DESTINATION_OFFSET = 4
 K_BUDGET = 5
 K_ESCALATE_AFTER = 6
-K_MINIMUM_RISK_AFTER = 7
+K_DISTANCE_ERROR = 7
 K_MINIMUM_RISK_DECELERATION = 8
 K_HAND_BACK_AFTER = 9
 K_CONFIDENCE_WARNING = 10
@@ -37,7 +37,13 @@ K_DRIVER_MU = 28
 K_DRIVER_SIGMA = 29
 K_DRIVER_LAPSE = 30
 K_NO_PROGRESS_AFTER = 31
-K_ENTITIES = 32
+K_PLACE_ERROR = 32
+K_HEADING_ERROR = 33
+K_GYRO_BIAS = 34
+K_GYRO_NOISE = 35
+K_RISK_AFTER = 36
+"""First of the times to the minimum-risk manoeuvre, one a cause by its code."""
+K_ENTITIES = 43
 """First slot after those of the run."""
 
 # An entity's block.
