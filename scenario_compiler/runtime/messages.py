@@ -1,4 +1,4 @@
-"""What the driver is told, by language, event, cause and content: one table of texts."""
+"""The messages to the driver, by language, event, cause and content: one table of texts."""
 
 from __future__ import annotations
 
@@ -92,10 +92,11 @@ def message_text(event: str, cause: str, content: tuple[Content, ...], language:
 
 
 def messages(policy: Takeover, event: str, cause: str) -> list[tuple[str, str]]:
-    """Return (modality, text) of every message that a policy gives at an event."""
+    """Return (modality, text) of every message that a policy gives at an event; the modality `none` gives none."""
     told = [
         (modality, message_text(event, cause, message.content, message.language))
         for message in policy.messages
         for modality in message.modality
+        if modality != "none"
     ]
     return [(modality, text) for modality, text in told if text]

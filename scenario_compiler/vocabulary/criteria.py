@@ -5,6 +5,12 @@ from typing import Literal
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
+HORIZON = 30.0
+"""Time from which on there is no time to collision, s: nobody keeps speed and path unchanged for so long.
+
+The number is our own choice. Speeds that are almost equal would otherwise give times of hours, which say nothing.
+"""
+
 
 class NoCollision(Word):
     """The ego vehicle touches no other entity."""
@@ -34,7 +40,7 @@ class MinimumTimeToCollision(Word):
 
     word: Literal["minimum_time_to_collision"] = "minimum_time_to_collision"
 
-    at_least: Number = attribute("Least time to collision, s.", quantity="time", minimum=0)
+    at_least: Number = attribute("Least time to collision, s.", quantity="time", minimum=0, maximum=HORIZON)
 
 
 class TakeoverWithin(Word):

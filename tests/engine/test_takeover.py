@@ -216,13 +216,15 @@ def test_a_run_ends_at_the_destination() -> None:
 
 
 def test_a_lapse_is_no_answer_and_a_lognormal_time_comes_from_the_draw() -> None:
-    numbers = {slots.K_DRIVER_MU: 0.876, slots.K_DRIVER_SIGMA: 0.5, slots.K_NOISE: 60.0}
+    numbers = {slots.K_DRIVER_MU: 0.876, slots.K_DRIVER_SIGMA: 0.5, slots.K_DRIVER_PERSON: 1.0, slots.K_NOISE: 60.0}
     draft = Draft(highway(), numbers)
     draft.program.driver_kind[0] = op.DRIVER_LOGNORMAL
     draft.ego()
     run = draft.start().go(12.0)
-    expected = math.exp(0.876 + 0.5 * run.st.draw[0])
-    assert run.time_of(op.EVENT_RESPONSE) - run.time_of(op.EVENT_REQUEST) == pytest.approx(expected, abs=0.051)
+    expected = math.exp(0.876 + 0.5 * run.st.draw[op.DRAW_PERSON])
+    request, response = run.time_of(op.EVENT_REQUEST), run.time_of(op.EVENT_RESPONSE)
+    assert response - request == pytest.approx(expected, abs=0.051)
+    assert request < run.time_of(op.EVENT_EYES_ON) < run.time_of(op.EVENT_HANDS_ON) < response
     draft.program.const[slots.K_DRIVER_LAPSE] = 1.0
     assert draft.start().go(12.0).time_of(op.EVENT_RESPONSE) == -1.0
 

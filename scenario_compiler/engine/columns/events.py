@@ -28,6 +28,14 @@ EVENTS: dict[int, tuple[str, str]] = {
         "response",
         "The driver takes over.",
     ),
+    op.EVENT_EYES_ON: (
+        "eyes_on",
+        "The driver's eyes are on the road after a request; `value` is the time since it.",
+    ),
+    op.EVENT_HANDS_ON: (
+        "hands_on",
+        "The driver's hands are on the wheel after a request; `value` is the time since it.",
+    ),
     op.EVENT_HAND_BACK: (
         "hand_back",
         "The driver hands back to the automation.",

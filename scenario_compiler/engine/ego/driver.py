@@ -12,6 +12,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.sensor import gap_between, gap_is_free, look_ahead
 from scenario_compiler.engine.motion.beside import neighbour_lane
@@ -93,7 +94,7 @@ def steering_sway(st: State) -> float:
     place = clip((st.clock[0] - st.manual_since[0]) / SWAY_INTERVAL, 0.0, 1.0e6)
     k = int(place)
     share = place - k
-    seed = int(clip(st.draw[8], 0.0, 4294967295.0))
+    seed = run_seed(st, -1)
     before = random_unit(seed, op.STREAM_STEERING, st.requests[0], k)
     after = random_unit(seed, op.STREAM_STEERING, st.requests[0], k + 1)
     drawn = 2.0 * (before + share * (after - before)) - 1.0

@@ -1,19 +1,17 @@
 """The takeover machine: from a cause to a warning, a request, escalation, an answer or the minimum-risk manoeuvre.
 
 It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver
-answers at a time drawn before the run; before it nothing but the automation acts.
+answers at a time that is drawn when he is asked; before it nothing but the automation acts.
 """
 
 from __future__ import annotations
 
-from math import exp
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
-from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.answering import note_stages, plan_answer
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
 from scenario_compiler.engine.ego.standing import standing_place
 from scenario_compiler.marker import compiled
@@ -115,21 +113,6 @@ def warning_cause(p: Program, st: State) -> int:
 
 
 @compiled
-def takeover_time(p: Program, st: State) -> float:
-    """Return the driver's takeover time for the present request, s; FAR for no answer.
-
-    Fixed, or lognormal exp(mu + sigma z) with a probability of a lapse. The draws of the fourth request serve later
-    ones.
-    """
-    if p.driver_kind[0] == op.DRIVER_FIXED:
-        return max(p.const[slot.K_DRIVER_TIME], 0.0)
-    k = min(st.requests[0] - 1, 3)
-    if st.draw[2 * k + 1] < p.const[slot.K_DRIVER_LAPSE]:
-        return op.FAR
-    return exp(clip(p.const[slot.K_DRIVER_MU] + p.const[slot.K_DRIVER_SIGMA] * st.draw[2 * k], -20.0, 20.0))
-
-
-@compiled
 def request_takeover(p: Program, st: State, cause: int) -> None:
     """Ask the driver, for a cause."""
     now = st.clock[0]
@@ -140,7 +123,7 @@ def request_takeover(p: Program, st: State, cause: int) -> None:
     st.path_anew[0] = 0
     if st.time_request[0] < 0.0:
         st.time_request[0] = now
-    st.answer_at[0] = now + takeover_time(p, st)
+    plan_answer(p, st)
     log_event(st, op.EVENT_REQUEST, 1.0 * cause)
 
 
@@ -190,6 +173,7 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Requested, escalated or in the minimum-risk manoeuvre: look for an answer, standstill, manoeuvre, escalation."""
     now = st.clock[0]
     state = st.takeover_state[0]
+    note_stages(st)
     if now >= st.answer_at[0] - 1.0e-6:
         answer(st)
     elif state == op.TAKEOVER_MINIMUM_RISK:
