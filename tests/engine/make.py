@@ -91,7 +91,7 @@ USUAL = {
     slots.K_DURATION: 30.0,
     slots.K_BUDGET: 7.0,
     slots.K_ESCALATE_AFTER: 4.0,
-    slots.K_MINIMUM_RISK_AFTER: 10.0,
+    **{slots.K_RISK_AFTER + cause: 10.0 for cause in range(op.CAUSES)},
     slots.K_MINIMUM_RISK_DECELERATION: 4.0,
     slots.K_CONFIDENCE_WARNING: 0.6,
     slots.K_CONFIDENCE_REQUEST: 0.3,

@@ -12,7 +12,7 @@ K_DESTINATION_S = 3
 K_DESTINATION_OFFSET = 4
 K_BUDGET = 5
 K_ESCALATE_AFTER = 6
-K_MINIMUM_RISK_AFTER = 7
+K_DISTANCE_ERROR = 7
 K_MINIMUM_RISK_DECELERATION = 8
 K_HAND_BACK_AFTER = 9
 K_CONFIDENCE_WARNING = 10
@@ -55,7 +55,13 @@ K_DENSITY = 46
 K_INPUT_STEERING = 47
 K_INPUT_BRAKE = 48
 K_STEERING_RATIO = 49
-K_ENTITIES = 50
+K_PLACE_ERROR = 50
+K_HEADING_ERROR = 51
+K_GYRO_BIAS = 52
+K_GYRO_NOISE = 53
+K_RISK_AFTER = 54
+"""First of the times to the minimum-risk manoeuvre, one a cause by its code."""
+K_ENTITIES = 61
 """First slot after those of the run."""
 
 # An entity's block.

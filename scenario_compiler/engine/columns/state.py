@@ -440,8 +440,21 @@ class State:
     """1 where it has done so for too long; and where this stop has been logged."""
     held_up_logged: list[int] = column(RUN)
     hazard_lights: list[int] = column(RUN)
-    trusted_steer: list[float] = column(RUN)
-    """Last steering command that the automation could rely on."""
+    lane_lost: list[int] = column(RUN)
+    """1 from when neither side of the lane is seen until it is recognised again; and how often that was."""
+    lane_losses: list[int] = column(RUN)
+    lane_seen_since: list[float] = column(RUN, -1.0)
+    """Time since which a side of the lane is seen, -1 while neither is."""
+    recall_off: list[float] = column(RUN)
+    """What the ego believes of its place while the lane is lost, less what is true: offset to the left, m, ..."""
+    recall_heading: list[float] = column(RUN)
+    """... heading, rad, ..."""
+    recall_along: list[float] = column(RUN)
+    """... distance along the lane, m; and the rates of the last two: rad/s, and per metre."""
+    recall_bias: list[float] = column(RUN)
+    recall_share: list[float] = column(RUN)
+    path_anew: list[int] = column(RUN)
+    """1 where the ego has left its path for another place since this was last put to 0."""
     manoeuvre: list[int] = column(RUN, op.MANOEUVRE_KEEP)
     merging: list[int] = column(RUN)
     merge_from_lane: list[int] = column(RUN)
