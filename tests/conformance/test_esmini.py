@@ -13,7 +13,16 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
-from tests.conformance.esmini import FEATURES, STEP, Comparison, RecordedRun, compare, recorded, recorded_runs, simulated
+from tests.conformance.esmini import (
+    FEATURES,
+    STEP,
+    Comparison,
+    RecordedRun,
+    compare,
+    recorded,
+    recorded_runs,
+    simulated,
+)
 from tests.conformance.explained import DECISIONS, EXPLAINED
 from tests.conformance.matrix import backings, laws_stated
 from tests.conformance.page import matrix_lines

@@ -22,12 +22,12 @@ from scenario_compiler.roads.tables import RoadTables
 PREVIEW_TIME = 0.8
 PREVIEW_LEAST = 5.0
 PREVIEW_MOST = 25.0
-"""Distance to the point that is steered for: this time ahead, within these bounds, s and m."""
+"""Distance to the point that is steered for: this time ahead, within these bounds, s and m; chosen."""
 
 CREEP = 0.2
 HOLD = 0.1
 HOLD_BRAKE = 1.0
-"""Below this speed, m/s, a wish for less than HOLD, m/s2, is a wish to stand, and HOLD_BRAKE is applied."""
+"""Below this speed, m/s, a wish for less than HOLD, m/s2, is a wish to stand, and HOLD_BRAKE is applied; chosen."""
 
 SHIFT_PEAK = 4.934802200544679
 """pi^2 / 2: peak lateral acceleration of a cosine move of 1 m in 1 s, m/s2."""
@@ -63,7 +63,7 @@ def plan_shift(st: State, i: int, target: float, distance: float) -> None:
 
 @compiled
 def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> float:
-    """Return the angle of the front wheels that leads along the path and its planned offset.
+    """Return the angle of the front wheels that leads along the path and its planned offset, and `aside` of that.
 
     `most` bounds the lateral acceleration, m/s2.
     """
@@ -72,7 +72,7 @@ def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> 
     preview = clip(PREVIEW_TIME * st.v[i], PREVIEW_LEAST, PREVIEW_MOST)
     road, lane, row, s, rest = path_ahead(n, p, st, preview)
     direction = st.path_sense[0] if row == st.path_row[0] else lane_direction(n, road, lane)
-    off = direction * planned_offset(st, st.odometer[i] + preview)
+    off = direction * (planned_offset(st, st.odometer[i] + preview) + st.aside[0])
     x, y, _, h, _, _, _ = row_place(n, road, row, road_piece_at(n, road, s), s, off)
     if rest > 0.0:
         x = x + direction * rest * cos(h)
