@@ -126,6 +126,7 @@ from scenario_compiler.vocabulary.criteria import StayOnRoad as StayOnRoad
 from scenario_compiler.vocabulary.criteria import TakeoverWithin as TakeoverWithin
 from scenario_compiler.vocabulary.driver import Driver as Driver
 from scenario_compiler.vocabulary.driver import DriverModel as DriverModel
+from scenario_compiler.vocabulary.driver import Driving as Driving
 from scenario_compiler.vocabulary.driver import Effect as Effect
 from scenario_compiler.vocabulary.driver import Inputs as Inputs
 from scenario_compiler.vocabulary.entities import Controller as Controller

@@ -176,6 +176,7 @@ OTHERS: dict[type[Word], Execution] = {
     ),
     driver.Driver: Execution("expansion", "source.expansion"),
     driver.DriverModel: _engine("ego.answering", "DRIVER_LOGNORMAL", "DRIVER_NORMAL", "DRIVER_SUMO", "DRIVER_FIXED"),
+    driver.Driving: _engine("ego.driver"),
     driver.Inputs: _engine("measures.inputs"),
     driver.Effect: _engine("ego.answering"),
     takeover.Message: Execution("run", "runtime.messages"),

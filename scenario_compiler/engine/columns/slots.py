@@ -59,9 +59,18 @@ K_PLACE_ERROR = 50
 K_HEADING_ERROR = 51
 K_GYRO_BIAS = 52
 K_GYRO_NOISE = 53
-K_RISK_AFTER = 54
+K_BRAKES = 54
+K_STEERS = 55
+K_DRIVER_DECELERATION = 56
+K_DRIVER_LATERAL = 57
+K_PERCEPTION_TIME = 58
+K_REACTION_TIME = 59
+K_SDLP = 60
+K_SDLP_AT_FIRST = 61
+K_SETTLED_AFTER = 62
+K_RISK_AFTER = 63
 """First of the times to the minimum-risk manoeuvre, one a cause by its code."""
-K_ENTITIES = 61
+K_ENTITIES = 70
 """First slot after those of the run."""
 
 # An entity's block.

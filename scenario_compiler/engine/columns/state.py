@@ -343,6 +343,9 @@ class State:
     """Offset from the path lane's centre before it, positive to the left of the direction of travel."""
     shift_to: list[float] = column(RUN)
 
+    aside: list[float] = column(RUN)
+    """How far left of the planned offset is steered for, m; 0 but while a driver steers."""
+
     # What lies ahead: the way, then each entity as seen along it.
     way_road: list[int] = column(WAY)
     way_lane: list[int] = column(WAY)
@@ -425,6 +428,16 @@ class State:
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver answers the present request, FAR for never."""
+    looking: list[int] = column(RUN)
+    """1 while the driver's eyes are on the road: from a request on, and while he drives."""
+    style: list[int] = column(RUN, op.STYLE_STEERS)
+    """STYLE_... of the driver at this takeover."""
+    noticed_at: list[float] = column(ENTITY, -1.0)
+    """Time since which the entity has called for a reaction of the driver, -1 where it does not."""
+    called_at: list[float] = column(ENTITY, -1.0)
+    """Time at which it did so last."""
+    evaded: list[int] = column(RUN, op.NONE)
+    """Moving entity that the driver goes around, NONE without one."""
     eyes_on_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver will look at the road, FAR where that is not to come."""
     hands_on_at: list[float] = column(RUN, op.FAR)

@@ -7,6 +7,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.driver import SIGHT, VIEW, drive_by_hand
+from scenario_compiler.engine.ego.foresight import notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.lane_memory import remember_lane, remembered_angle, steers_by_memory
 from scenario_compiler.engine.ego.merging import consider_merge
@@ -105,6 +106,7 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     merge_if_due(n, p, st, i)
     blocker = sense(n, p, st, i)
     watch_progress(p, st, i)
+    notice(p, st, i, blocker)
     step_takeover(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:

@@ -100,6 +100,16 @@ def _add_driver(draft: ProgramBuilder) -> None:
     k[slot.K_EYES_ON] = driver.eyes_on
     k[slot.K_HANDS_ON] = driver.hands_on
     k[slot.K_STAGE_SPREAD] = driver.stage_spread
+    how = driver.driving
+    k[slot.K_BRAKES] = how.brakes
+    k[slot.K_STEERS] = how.steers
+    k[slot.K_DRIVER_DECELERATION] = how.deceleration
+    k[slot.K_DRIVER_LATERAL] = how.lateral_acceleration
+    k[slot.K_PERCEPTION_TIME] = how.perception
+    k[slot.K_REACTION_TIME] = how.reaction
+    k[slot.K_SDLP] = how.sdlp
+    k[slot.K_SDLP_AT_FIRST] = how.sdlp_at_first
+    k[slot.K_SETTLED_AFTER] = how.settled_after
     _add_effects(draft, driver)
 
 

@@ -114,9 +114,7 @@ class Played:
         return next((round(time, 6) for time in times), None)
 
 
-def play(
-    folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0
-) -> Played:
+def play(folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0) -> Played:
     """Run a story in both forms, which must leave the same numbers, and return its rows."""
     file = folder / "told.xosc"
     file.write_text(document(actors, events, seconds), encoding="utf-8")
