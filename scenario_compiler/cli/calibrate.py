@@ -10,6 +10,7 @@ from pathlib import Path
 from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, is_filled
 from scenario_compiler.cli.terminal import complain, put
 from scenario_compiler.cli.validate import available_cores
+from scenario_compiler.perception.detectors import DETECTORS, create_detector
 from scenario_compiler.resources import maps_folder
 
 CLIPS, PICTURES = 480, 60
@@ -22,7 +23,10 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "maps", nargs="*", type=Path, metavar="MAP", help="road file, or folder of such; the shipped maps when left out"
     )
-    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder for perception.md")
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder for the page")
+    parser.add_argument(
+        "--detector", choices=list(DETECTORS), default="classical", help="which detector, the classical one if left out"
+    )
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument(
         "--leave-out",
@@ -52,14 +56,15 @@ def calibrate_command(options: argparse.Namespace) -> int:
     """Measure, and write the page."""
     from scenario_compiler.perception.calibration.figures import figures_of, fitted
     from scenario_compiler.perception.calibration.gather import gather
-    from scenario_compiler.perception.confidence import CONFIDENCE_FILE, confidence_text
-    from scenario_compiler.report.perception_page import PAGE, Measured, write_perception_page
+    from scenario_compiler.perception.confidence import confidence_text
+    from scenario_compiler.report.perception_page import PAGES, Measured, write_perception_page
 
     if not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     maps = _road_files(options.maps)
     began = time.monotonic()
-    gathered = gather(maps, options.clips, options.pictures, options.jobs, _shown if sys.stderr.isatty() else None)
+    progress = _shown if sys.stderr.isatty() else None
+    gathered = gather(options.detector, maps, options.clips, options.pictures, options.jobs, progress)
     missing = sorted(set(options.leave_out) - set(gathered.maps))
     if missing or not gathered.maps:
         complain(f"no lane to drive on in {', '.join(missing) or 'any map'}")
@@ -67,15 +72,21 @@ def calibrate_command(options: argparse.Namespace) -> int:
     confidence = fitted(gathered) if options.fit else None
     figures = figures_of(gathered, options.leave_out, confidence)
     minutes = (time.monotonic() - began) / 60.0
-    command = " ".join(["scenario-compiler calibrate", *(["--fit"] if options.fit else []), "MAPS"])
+    given = [
+        *(["--fit"] if options.fit else []),
+        *([f"--detector {options.detector}"] if options.detector != "classical" else []),
+    ]
+    command = " ".join(["scenario-compiler calibrate", *given, "MAPS"])
     names = tuple(sorted(gathered.maps))
-    measured = Measured(command, minutes, options.jobs, names, options.clips, options.pictures)
+    measured = Measured(options.detector, command, minutes, options.jobs, names, options.clips, options.pictures)
     write_perception_page(figures, measured, options.output)
     if confidence is not None:
-        (options.output / CONFIDENCE_FILE).write_text(confidence_text(confidence), encoding="utf-8")
+        detector = create_detector(options.detector)
+        text = confidence_text(confidence, detector.features)
+        (options.output / detector.confidence_file).write_text(text, encoding="utf-8")
     driving = figures.driving[-1].outputs[-1]
     put(f"area {driving.area:.3f}, expected error {driving.expected_error:.3f}, largest {driving.largest_error:.3f}")
-    put(f"page: {options.output / PAGE}")
+    put(f"page: {options.output / PAGES[options.detector]}")
     return FINE
 
 

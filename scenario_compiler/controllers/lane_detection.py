@@ -25,6 +25,7 @@ from scenario_compiler.controllers.model import (
     VehicleState,
 )
 from scenario_compiler.controllers.planned_way import LOOKED_AT, shape_of, worth_on_way
+from scenario_compiler.perception.detectors import DetectorName, create_detector
 
 if TYPE_CHECKING:
     import numpy as np
@@ -62,6 +63,7 @@ USUAL_WIDTH = 3.5
 class LaneDetectionParams(ControllerParams):
     """Parameters of the lane-keeping automation."""
 
+    detector: DetectorName = Field("classical", description="The lane detector's name.")
     look_ahead_time: float = Field(0.4, gt=0, le=5, description="Look-ahead of the pure pursuit, s.")
     look_ahead_min: float = Field(3.0, gt=0, le=50, description="Least look-ahead, m.")
     look_ahead_max: float = Field(20.0, gt=0, le=100, description="Greatest look-ahead, m.")
@@ -196,12 +198,12 @@ class LaneDetectionController(ControllerModel):
         return 0.0 if before is None else math.dist(before, self._place)
 
     def _detect(self, sensor_data: SensorData, way: Sequence[Point], travelled: float) -> LaneResult:
-        from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
+        from scenario_compiler.perception.lane_detector import LaneState
         from scenario_compiler.perception.sensor_health import SensorMonitor
 
         if self._detector is None:
             self._camera = sensor_data.camera.camera()
-            self._detector = ClassicalLaneDetector(self._camera)
+            self._detector = create_detector(self.params.detector, self._camera)
             self._monitor = SensorMonitor()
             self._prior = LaneState()
         assert self._prior is not None

@@ -27,9 +27,6 @@ from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit
 
 Floats = NDArray[np.float64]
 
-CONFIDENCE_FILE = "lane_confidence.json"
-"""Where the shipped confidence is kept, beside this module."""
-
 FARTHEST = 4.0
 """Standard deviations from its mean beyond which a feature counts no more."""
 
@@ -80,22 +77,19 @@ class Confidence:
         return np.asarray(1.0 / (1.0 + np.exp(-np.clip(total, -30.0, 30.0))))
 
 
-@lru_cache(maxsize=1)
-def load_confidence() -> Confidence:
-    """Return the confidence that ships with the package."""
-    text = resources.files("scenario_compiler.perception").joinpath(CONFIDENCE_FILE).read_text("utf-8")
-    data = json.loads(text)
-    if tuple(data["features"]) != FEATURES:
-        raise RuntimeError(f"{CONFIDENCE_FILE} was made for other features; run `scenario-compiler calibrate --fit`")
+@lru_cache(maxsize=4)
+def load_confidence(file: str, names: tuple[str, ...]) -> Confidence:
+    """Return a confidence that ships with the package, from its file; it must be for the features of these names."""
+    data = json.loads(resources.files("scenario_compiler.perception").joinpath(file).read_text("utf-8"))
+    if tuple(data["features"]) != names:
+        raise RuntimeError(f"{file} was made for other features; run `scenario-compiler calibrate --fit`")
     return Confidence(*(np.array(data[one.name]) for one in fields(Confidence)))
 
 
-def confidence_text(confidence: Confidence) -> str:
-    """Return the text of the file that a confidence is kept in."""
+def confidence_text(confidence: Confidence, names: tuple[str, ...]) -> str:
+    """Return the text of the file that a confidence over the features of these names is kept in."""
     numbers = {one.name: np.round(getattr(confidence, one.name), 4).tolist() for one in fields(Confidence)}
-    return (
-        json.dumps({"features": FEATURES, **numbers}, indent=None, separators=(",", ":")).replace("],", "],\n") + "\n"
-    )
+    return json.dumps({"features": names, **numbers}, indent=None, separators=(",", ":")).replace("],", "],\n") + "\n"
 
 
 @dataclass(frozen=True)

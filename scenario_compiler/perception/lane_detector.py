@@ -1,7 +1,7 @@
 """Finds the lane's two boundaries in a camera image, each with a probability.
 
-A detector is anything with `detect`; `ClassicalLaneDetector` is the one in the box: it looks at the ground
-from above (`birds_eye`), votes for pairs of arcs (`lane_fit`) and says how far they can be trusted
+A detector is anything with `detect`; `detectors` has the table of those in the box. `ClassicalLaneDetector` looks at
+the ground from above (`birds_eye`), votes for pairs of arcs (`lane_fit`) and says how far they can be trusted
 (`confidence`).
 
 The tilt of the camera against the road ahead is found in the image (`road_plane`) and remembered, unless it is given.
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.birds_eye import PITCH_STEP, X_FROM, BirdsEye, Ridges
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
+    FEATURES,
     Circumstances,
     Confidence,
     features,
@@ -156,8 +157,29 @@ class LaneDetector(Protocol):
         ...
 
 
+class CalibratedDetector(LaneDetector, Protocol):
+    """A detector whose confidence is fitted to what it sees.
+
+    Attributes:
+        features: Names of what the confidence is made from.
+        confidence_file: The file beside the package's modules that it is kept in.
+    """
+
+    features: ClassVar[tuple[str, ...]]
+    confidence_file: ClassVar[str]
+
+    def look(
+        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+    ) -> tuple[LaneResult, tuple[Floats, Floats]]:
+        """Return what `detect` does, and the features of the left and the right side."""
+        ...
+
+
 class ClassicalLaneDetector:
-    """Ridges seen from above, exhaustive voting for pairs of arcs, a calibrated logistic score."""
+    """Ridges seen from above, exhaustive voting for pairs of arcs, a calibrated confidence."""
+
+    features: ClassVar[tuple[str, ...]] = FEATURES
+    confidence_file: ClassVar[str] = "lane_confidence.json"
 
     def __init__(self, camera: Camera | None = None, confidence: Confidence | None = None) -> None:
         """Prepare for one camera.
@@ -167,7 +189,7 @@ class ClassicalLaneDetector:
             confidence: What makes probabilities of features; the shipped calibration when None.
         """
         self.camera = camera if camera is not None else Camera()
-        self.confidence = confidence if confidence is not None else load_confidence()
+        self.confidence = confidence or load_confidence(self.confidence_file, self.features)
         self.birds_eye = BirdsEye(self.camera)
         self.fitter = LaneFitter(self.birds_eye)
 

@@ -26,6 +26,9 @@ STEP, AHEAD, LONGEST, SPEED = 5.0, 25, 300.0, 13.9
 """Distance between places that are looked at, how far ahead of a request paint has to be, the longest drive, m, and the
 speed where no bend is, m/s."""
 
+EVERY = 15
+"""Steps after which it is looked again whether the way is clear."""
+
 SCENARIO = """<scenarios version="1"><scenario name="clear" map="{map}" weather="ClearNoon" duration="{duration}"
   summary="A clear drive" step="0.0333333333" control_every="2">
   <ego speed="{begin}"><start><lane road="{road}" lane="{lane}" s="{s}"/></start>
@@ -108,12 +111,14 @@ def drive(path: str, metres: float) -> Driven:
         requests = [one.t for one in recording.events if one.kind == "request"]
         last = requests[0] if requests else recording.t[-1]
         x, y, road, lane, along = (getattr(recording, one)[:, 0] for one in ("x", "y", "road", "lane", "s"))
+        clear = junction = False
         for k in range(1, len(recording.t)):
             if recording.t[k] > last:
                 break
             if road[k] >= 0:
                 place = LanePosition(recording.roads[road[k]], int(lane[k]), float(along[k]))
-                clear, junction = counts(network, place) if k % 15 == 0 else (True, False)
+                if k % EVERY == 1:
+                    clear, junction = counts(network, place)
                 driven += 0.0 if junction or not clear else math.hypot(x[k] - x[k - 1], y[k] - y[k - 1])
         if requests:
             k = min(int(requests[0] / plan.step), len(recording.t) - 1)
@@ -124,6 +129,10 @@ def drive(path: str, metres: float) -> Driven:
                     outside, near = outside + (not junction), near + junction
                     places.append(f"{place.road}/{place.lane}/{place.s:.0f} at {requests[0]:.1f} s")
     return Driven(total / 1000.0, driven, outside, near, places)
+
+
+def _drive(job: tuple[str, float]) -> tuple[str, Driven]:
+    return job[0], drive(*job)
 
 
 def main() -> None:
@@ -137,9 +146,9 @@ def main() -> None:
     with multiprocessing.get_context("spawn").Pool(options.jobs) as pool:
         print("| map | painted on both sides, km | driven there, m | requests outside junctions | near them |")
         print("|---|---:|---:|---:|---:|")
-        for (path, _), found in zip(jobs, pool.starmap(drive, jobs, chunksize=1), strict=True):
+        for path, found in pool.imap_unordered(_drive, jobs):
             row = (Path(path).stem, f"{found.painted:.1f}", f"{found.metres:.0f}", str(found.outside), str(found.near))
-            print("| " + " | ".join(row) + " |", *found.places)
+            print("| " + " | ".join(row) + " |", *found.places, flush=True)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,10 @@ import pytest
 
 from scenario_compiler.controllers import CameraMounting, Control, SensorData, VehicleState, create_controller
 from scenario_compiler.perception.calibration.scenes import Reference
+from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.roads import Pose
-from scenario_compiler.vocabulary.entities import Controller
+from scenario_compiler.vocabulary.entities import Controller, Property
 from tests.perception.scenery import CLEAR, bend, fork, two_lanes
 
 CAMERA = CameraMounting(512, 256, math.radians(45.0), 0.5, 1.3, math.radians(-5.0))
@@ -125,6 +126,22 @@ def followed(painted: tuple[Reference, ...], meant: Reference) -> tuple[float, f
         heading += SPEED / 2.65 * math.tan(0.7 * command.steer) * PERIOD
         x, y = x + SPEED * math.cos(heading) * PERIOD, y + SPEED * math.sin(heading) * PERIOD
     return farthest, least
+
+
+def test_the_detector_is_chosen_by_name() -> None:
+    image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(20.0, 0.2), [], CLEAR, 0.0, 0)
+    vehicle = VehicleState(0.0, 0.0, 0.0, 2.65, 1.4, 0.7, 3.5, 8.0, 14.0, 0.1)
+    found = []
+    for name in DETECTORS:
+        controller = create_controller(
+            Controller(model="lane_detection", properties=(Property(name="detector", value=name),))
+        )
+        controller.reset(1)
+        command = controller.control(SensorData(0.0, image, CAMERA), 10.0, vehicle)
+        assert min(command.confidence_left, command.confidence_right) > 0.8
+        assert command.steer < 0.0
+        found.append(command.confidence_left)
+    assert len(set(found)) == len(DETECTORS)
 
 
 @pytest.mark.parametrize("meant", [STRAIGHT, TURNING], ids=["straight", "turning"])

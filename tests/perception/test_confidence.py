@@ -18,7 +18,7 @@ def situation(name: str) -> int:
 
 
 def test_the_shipped_confidence_is_for_the_features_there_are() -> None:
-    shipped = load_confidence()
+    shipped = load_confidence("lane_confidence.json", FEATURES)
     assert shipped.middle.shape == shipped.scale.shape == (len(FEATURES),)
     assert shipped.out.shape == (3, len(shipped.hidden) + len(FEATURES) + 1)
     p = shipped.all(np.random.default_rng(1).normal(shipped.middle, shipped.scale, (50, len(FEATURES))))

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.calibration.scenes import Fading, Line, Reference, Strip, make_scene
-from scenario_compiler.perception.calibration.truth import Truth
+from scenario_compiler.perception.calibration.truth import SEEN, Truth
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.scene import Scene
 from scenario_compiler.perception.solids import Box
+from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
 
@@ -131,9 +132,9 @@ def picture(one: Situation, draw: np.random.Generator) -> tuple[NDArray[np.uint8
     others = _others(one, draw, reference, here, width)
     image = camera.frame(pose, others, one.light(pose.heading), one.sigma, 0)
     view, s = camera.view(pose), np.arange(here - 5.0, here + 45.0, 0.5)
-    left, right = (view.world_to_ground(reference.points(s, t)) for t in (0.5 * width, -0.5 * width))
-    seen = 1.0 if one.paint > 0.15 else 0.0
-    return image, Truth.of(left, right, (seen, seen))
+    left, right = (reference.points(s, t) for t in (0.5 * width, -0.5 * width))
+    seen = 1.0 if one.paint * look_of(one.light()).contrast > SEEN else 0.0
+    return image, Truth.of(view, left, right, (seen, seen))
 
 
 def _profile(one: Situation, draw: np.random.Generator, here: float) -> tuple[float, float, float]:

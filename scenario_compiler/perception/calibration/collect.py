@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from scenario_compiler.perception.calibration.bank import BANK, Situation, drawn_situation, picture, pictures
 from scenario_compiler.perception.calibration.maps import Conditions, MapRoads
 from scenario_compiler.perception.calibration.truth import SEEN_SHARE, Truth
-from scenario_compiler.perception.confidence import FEATURES
-from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneDetector, LaneResult, LaneState
+from scenario_compiler.perception.lane_detector import CalibratedDetector, LaneResult, LaneState
 from scenario_compiler.perception.weather_look import look_of
 
 Floats = NDArray[np.float64]
@@ -31,7 +30,7 @@ class Looks:
     """Sides of lanes that were looked at. N of them.
 
     Attributes:
-        rows: (N, features) what the confidence was made from; NaN of a detector that does not tell.
+        rows: (N, features) what the confidence was made from.
         p: (N, 3) what the detector said: that the geometry is right, that paint is there, and of both.
         error: (N,) largest lateral error, m.
         painted: (N,) share of the stretch on which paint is there.
@@ -69,7 +68,7 @@ class Looks:
 class _Taker:
     """Takes down what a detector says."""
 
-    def __init__(self, detector: LaneDetector) -> None:
+    def __init__(self, detector: CalibratedDetector) -> None:
         self.detector = detector
         self.rows: list[Floats] = []
         self.rest: list[tuple[float, ...]] = []
@@ -78,11 +77,7 @@ class _Taker:
         self, image: NDArray[np.uint8], state: LaneState, truth: Truth, clip: int, about: tuple[float, ...]
     ) -> LaneResult:
         """Let the detector look at one image."""
-        if isinstance(self.detector, ClassicalLaneDetector):
-            result, rows = self.detector.look(image, state)
-        else:
-            result = self.detector.detect(image, state)
-            rows = (np.full(len(FEATURES), np.nan),) * 2
+        result, rows = self.detector.look(image, state)
         for side, (row, found) in enumerate(zip(rows, (result.left, result.right), strict=True)):
             self.rows.append(row)
             said = (found.p_geom, found.p_paint, found.p)
@@ -93,11 +88,11 @@ class _Taker:
     def looks(self) -> Looks:
         """What was taken down."""
         rest = np.array(self.rest).reshape(-1, 6 + len(CONDITIONS))
-        rows = np.array(self.rows).reshape(len(rest), len(FEATURES))
+        rows = np.array(self.rows).reshape(len(rest), len(self.detector.features))
         return Looks(rows, rest[:, :3], rest[:, 3], rest[:, 4], rest[:, 5].astype(np.int64), rest[:, 6:])
 
 
-def look_at_map(roads: MapRoads, detector: LaneDetector, seed: int, numbers: range) -> Looks:
+def look_at_map(roads: MapRoads, detector: CalibratedDetector, seed: int, numbers: range) -> Looks:
     """Return the looks at the clips of some numbers, each seen in order with memory."""
     taker = _Taker(detector)
     for clip, conditions, views in roads.clips(seed, numbers):
@@ -108,7 +103,7 @@ def look_at_map(roads: MapRoads, detector: LaneDetector, seed: int, numbers: ran
     return taker.looks
 
 
-def look_at_bank(detector: LaneDetector, situation: int, seed: int, count: int) -> Looks:
+def look_at_bank(detector: CalibratedDetector, situation: int, seed: int, count: int) -> Looks:
     """Return the looks at `count` pictures, without memory, of one situation of the bank."""
     taker = _Taker(detector)
     for number, (image, truth) in enumerate(pictures(BANK[situation], seed, count)):
@@ -116,7 +111,7 @@ def look_at_bank(detector: LaneDetector, situation: int, seed: int, count: int) 
     return taker.looks
 
 
-def look_at_drawn(detector: LaneDetector, seed: int, numbers: range) -> Looks:
+def look_at_drawn(detector: CalibratedDetector, seed: int, numbers: range) -> Looks:
     """Return the looks at pictures, without memory, of situations that are drawn."""
     taker = _Taker(detector)
     for number in numbers:

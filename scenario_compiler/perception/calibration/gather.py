@@ -14,7 +14,8 @@ import cv2
 from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import Looks, look_at_bank, look_at_drawn, look_at_map
 from scenario_compiler.perception.calibration.maps import MapRoads
-from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneDetector
+from scenario_compiler.perception.detectors import DetectorName, create_detector
+from scenario_compiler.perception.lane_detector import CalibratedDetector
 from scenario_compiler.roads import load_network
 
 PART = 24
@@ -39,6 +40,7 @@ class Gathered:
 
 
 class _Job(NamedTuple):
+    detector: DetectorName
     kind: Literal["map", "bank", "drawn"]
     which: str
     first: int
@@ -46,24 +48,26 @@ class _Job(NamedTuple):
 
 
 def gather(
+    detector: DetectorName,
     maps: Sequence[Path],
     clips: int,
     pictures: int,
     processes: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> Gathered:
-    """Let the shipped detector look.
+    """Let a detector look.
 
     Args:
+        detector: Its name.
         maps: Road files; one that has no lane to drive on gives nothing.
         clips: Clips of each map.
         pictures: Pictures of each situation of the bank; fifteen times as many situations are drawn.
         processes: Worker processes.
         progress: Called with the jobs that are done and all of them.
     """
-    jobs = [_Job("bank", str(number), 0, pictures) for number in range(len(BANK))]
-    jobs += [_Job("drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
-    jobs += [_Job("map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
+    jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
+    jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
+    jobs += [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
     done: list[Looks] = []
     with multiprocessing.get_context("spawn").Pool(processes, _begin) as pool:
         for number, looks in enumerate(pool.imap(_do, jobs), 1):
@@ -86,8 +90,8 @@ def _begin() -> None:
 
 
 @lru_cache(maxsize=1)
-def _detector() -> LaneDetector:
-    return ClassicalLaneDetector()
+def _detector(name: DetectorName) -> CalibratedDetector:
+    return create_detector(name)
 
 
 @lru_cache(maxsize=1)
@@ -97,7 +101,7 @@ def _roads(path: str) -> MapRoads:
 
 def _do(job: _Job) -> Looks:
     if job.kind == "bank":
-        return look_at_bank(_detector(), int(job.which), BANK_SEED, job.last)
+        return look_at_bank(_detector(job.detector), int(job.which), BANK_SEED, job.last)
     if job.kind == "drawn":
-        return look_at_drawn(_detector(), DRAWN_SEED, range(job.first, job.last))
-    return look_at_map(_roads(job.which), _detector(), SEED, range(job.first, job.last))
+        return look_at_drawn(_detector(job.detector), DRAWN_SEED, range(job.first, job.last))
+    return look_at_map(_roads(job.which), _detector(job.detector), SEED, range(job.first, job.last))

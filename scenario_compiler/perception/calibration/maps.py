@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from scenario_compiler.perception.calibration.truth import Truth
+from scenario_compiler.perception.calibration.truth import SEEN, Truth
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.roadside import roadside_of
@@ -182,11 +182,10 @@ class MapRoads:
             moved = [box._replace(x=box.x + dx, y=box.y + dy) for box in boxes]
             image = camera.frame(pose, moved, conditions.weather, conditions.sigma, number)
             view = camera.view(pose)
-            left, right = (view.world_to_ground(points) for points in (way.left, way.right))
             distance = way.distance - at - camera.box_offset - self.camera.x
             near = (distance >= 6.0) & (distance <= 18.0)
             painted = [
-                float(np.mean(quality[near] * contrast > 0.15)) if near.any() else 0.0
+                float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0
                 for quality in (way.left_paint(lines), way.right_paint(lines))
             ]
             middle = view.world_to_ground(0.5 * (way.left + way.right))
@@ -196,7 +195,8 @@ class MapRoads:
                 if ahead.sum() >= 5:
                     half, slope, _ = np.polyfit(middle[ahead, 0], middle[ahead, 1], 2)
                     meant = (float(slope), 2.0 * float(half))
-            yield View(image, Truth.of(left, right, (painted[0], painted[1])), meant, number)
+            truth = Truth.of(view, way.left, way.right, (painted[0], painted[1]))
+            yield View(image, truth, meant, number)
 
     def _way(self, here: LanePosition) -> _Way | None:
         """Return the way from behind a place on, None where it is too short."""

@@ -8,22 +8,23 @@ import cv2
 import numpy as np
 
 from scenario_compiler.perception.calibration.bank import BANK, pictures
-from scenario_compiler.perception.lane_detector import ClassicalLaneDetector
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.detectors import DetectorName, create_detector
 from scenario_compiler.perception.overlay import draw_lanes
 
 ACROSS, SCALE, SEED = 4, 0.75, 5
 
 
-def montage(names: Sequence[str]) -> bytes:
-    """Return a JPEG with one picture of each named situation, and the confidence in the left and right boundary."""
-    detector, tiles = ClassicalLaneDetector(), []
-    for name in names:
-        situation = next(one for one in BANK if one.name == name)
+def montage(name: DetectorName, situations: Sequence[str]) -> bytes:
+    """Return a JPEG: a picture of each situation, what the detector finds in it, and its confidence on both sides."""
+    detector, tiles = create_detector(name), []
+    for called in situations:
+        situation = next(one for one in BANK if one.name == called)
         image, _ = next(pictures(situation, SEED, 1))
         found = detector.detect(image)
-        tile = draw_lanes(image, found, detector.camera)
+        tile = draw_lanes(image, found, Camera())
         tile[:24] = tile[:24] // 4
-        text = f"{name}: {found.left.p:.2f} {found.right.p:.2f}"
+        text = f"{called}: {found.left.p:.2f} {found.right.p:.2f}"
         cv2.putText(tile, text, (6, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (255, 255, 255), 1, cv2.LINE_AA)
         tiles.append(tile)
     rows = [np.hstack(tiles[k : k + ACROSS]) for k in range(0, len(tiles), ACROSS)]
