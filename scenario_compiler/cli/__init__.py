@@ -15,6 +15,7 @@ from typing import NoReturn
 
 from scenario_compiler.cli import (
     authoring,
+    calibrate,
     compare,
     coverage,
     editor,
@@ -33,7 +34,21 @@ from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, report, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
+GROUPS = (
+    validate,
+    run,
+    report,
+    compare,
+    sweep,
+    authoring,
+    library,
+    export,
+    maps,
+    calibrate,
+    explain,
+    coverage,
+    editor,
+)
 """Groups of commands, in the order of the help."""
 
 
