@@ -21,6 +21,7 @@ from scenario_compiler.cli import (
     explain,
     export,
     library,
+    live,
     maps,
     report,
     run,
@@ -33,7 +34,7 @@ from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, report, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
+GROUPS = (validate, run, live, report, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
 """Groups of commands, in the order of the help."""
 
 

@@ -171,6 +171,7 @@ OTHERS: dict[type[Word], Execution] = {
         "CAUSE_PATH_BLOCKED",
         "CAUSE_LANE_ENDS",
     ),
+    takeover.Person: _engine("ego.person", "WISH_TAKE_OVER", "WISH_HAND_BACK"),
     takeover.Driver: Execution("expansion", "source.expansion"),
     takeover.DriverModel: _engine("ego.takeover", "DRIVER_LOGNORMAL", "DRIVER_FIXED"),
     takeover.Message: Execution("run", "runtime.messages"),

@@ -320,7 +320,8 @@ def catalog_driver(driver: Driver, catalogs: Catalogs, sink: Diagnostics) -> Dri
         )
     if found is None:
         return driver
-    return found.model_copy(update={"takeover_time": driver.takeover_time}).written_at(driver.origin)
+    changes = {"takeover_time": driver.takeover_time, "by_person": driver.by_person}
+    return found.model_copy(update=changes).written_at(driver.origin)
 
 
 def catalog_vehicles(

@@ -75,6 +75,12 @@ class Cause(Word):
     )
 
 
+class Person(Word):
+    """A person at the wheel, who takes over and drives in the page of `drive`."""
+
+    word: Literal["person"] = "person"
+
+
 class Driver(Word):
     """Who answers a request: a preset of the driver catalog, or a fixed takeover time."""
 
@@ -86,6 +92,9 @@ class Driver(Word):
         default=None,
         quantity="time",
         minimum=0,
+    )
+    by_person: Person | None = child(
+        "A person answers; the preset stands in where nobody can: in sweeps and with --pilot.", default=None
     )
 
 
@@ -106,6 +115,7 @@ class DriverModel(Word):
         quantity="time",
         minimum=0,
     )
+    by_person: Person | None = child("A person answers in place of this model.", default=None)
 
 
 Modality = Literal["text", "audio", "icon"]

@@ -84,6 +84,10 @@ EVENTS: dict[int, tuple[str, str]] = {
         "hazard_lights",
         "`value` 1: on, 0: off.",
     ),
+    op.EVENT_OVERRIDE: (
+        "override",
+        "The person at the wheel takes over without being asked.",
+    ),
     op.EVENT_CONTACT: (
         "contact",
         "Two others touch, one of them for the first time: `entity`, and the one that `message` names.",

@@ -219,6 +219,12 @@ CAUSES = 6
 DRIVER_LOGNORMAL = 0
 DRIVER_FIXED = 1
 
+WISH_NONE = 0
+WISH_TAKE_OVER = 1
+WISH_HAND_BACK = 2
+WISH_LEAVE = 3
+"""What the person at the wheel wants of the automation."""
+
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
 MANOEUVRE_EVADE = 2
@@ -247,6 +253,7 @@ EVENT_FAILURE = 17
 EVENT_FAILURE_END = 18
 EVENT_HAZARD_LIGHTS = 19
 EVENT_CONTACT = 20
+EVENT_OVERRIDE = 21
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 

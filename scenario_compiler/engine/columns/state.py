@@ -403,6 +403,13 @@ class State:
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver answers the present request, FAR for never."""
+    person_throttle: list[float] = column(RUN)
+    """What the person at the wheel does, written between steps: throttle and brake, 0 to 1."""
+    person_brake: list[float] = column(RUN)
+    person_steer: list[float] = column(RUN)
+    """-1 to 1 of the greatest steering angle, positive to the left."""
+    person_wish: list[int] = column(RUN)
+    """What the person wants of the automation, a WISH code."""
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""

@@ -59,7 +59,11 @@ def add_takeover(draft: ProgramBuilder) -> None:
     p.cause_count[0] = len(p.cause_order)
     _add_limits(draft, given)
     driver = takeover.driver
-    if isinstance(driver, DriverModel) and driver.takeover_time is None:
+    if isinstance(driver, DriverModel) and driver.by_person is not None:
+        p.person[0] = 1
+        p.driver_kind[0] = op.DRIVER_FIXED
+        k[slot.K_DRIVER_TIME] = op.FAR
+    elif isinstance(driver, DriverModel) and driver.takeover_time is None:
         p.driver_kind[0] = op.DRIVER_LOGNORMAL
         k[slot.K_DRIVER_MU] = driver.mu
         k[slot.K_DRIVER_SIGMA] = driver.sigma
