@@ -34,9 +34,9 @@ from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
+from scenario_compiler.vocabulary.driver import DriverModel, Person
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
-from scenario_compiler.vocabulary.takeover import DriverModel, Person
 from scenario_compiler.vocabulary.variation import Vary
 
 

@@ -48,6 +48,7 @@ HALL = (
     "legible",
     "marker",
     "outputs",
+    "public",
     "randomness",
     "resources",
     "structure",

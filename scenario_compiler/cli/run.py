@@ -81,7 +81,9 @@ def _add_run(commands: Commands) -> None:
     )
     add_shows(parser)
     parser.add_argument(
-        "--watch", action="store_true", help="show the run as it happens in a page, in step with the clock (the extra study)"
+        "--watch",
+        action="store_true",
+        help="show the run as it happens in a page, in step with the clock (the extra study)",
     )
     add_address(parser)
     parser.add_argument(
@@ -286,7 +288,7 @@ def _recorded_person(options: argparse.Namespace) -> Person | None:
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     """Print what a run came to."""
-    from scenario_compiler.report.wording import summary_of
+    from scenario_compiler.report.wording import broken_criteria, summary_of
 
     summary = summary_of(run)
     of_takeover = (
@@ -297,6 +299,7 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     rows = (
         ("conflict", summary.name),
         ("result", summary.result),
+        *((f"broken: {name}", told_why) for name, told_why in broken_criteria(run.outcome)),
         ("outcome", summary.outcome),
         *(() if run.plan.controller is None else of_takeover),
         ("minimum time to collision", _seconds(summary.minimum_ttc)),

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 Container = TypeVar("Container")
@@ -166,14 +167,25 @@ def _field(declared: ColumnDeclaration) -> Any:
     return field(default_factory=lambda: [declared.start] * size, metadata={"column": declared})
 
 
-def columns_of(container: type[Any]) -> dict[str, ColumnDeclaration]:
+_COLUMNS: dict[type[Any], Mapping[str, ColumnDeclaration]] = {}
+_TYPES: dict[type[Any], Mapping[str, bool]] = {}
+"""What the next two functions have found: the interpreted form asks them for every column of every run."""
+
+
+def columns_of(container: type[Any]) -> Mapping[str, ColumnDeclaration]:
     """Return the declarations of a container's columns by name, in order."""
-    return {one.name: one.metadata["column"] for one in fields(container)}
+    if container not in _COLUMNS:
+        _COLUMNS[container] = MappingProxyType({one.name: one.metadata["column"] for one in fields(container)})
+    return _COLUMNS[container]
 
 
 def column_types(container: type[Any]) -> Mapping[str, bool]:
     """Return for each column, in the order of the slots, whether it holds floats."""
-    return {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
+    if container not in _TYPES:
+        _TYPES[container] = MappingProxyType(
+            {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
+        )
+    return _TYPES[container]
 
 
 def start_of(container: type[Any], name: str) -> float | int:
@@ -230,7 +242,7 @@ def check_columns(program: Any) -> None:
 
 
 def check_values(name: str, values: list[int], allowed: Allowed, program: object) -> None:
-    """Check the values of a column, or some of them; ValueError where one is none of the allowed ones."""
+    """Check the values of a column, or some of them; ValueError where one is not allowed."""
     least, limit = allowed.least, allowed.limit_in(program)
     for value in values:
         if not least <= value < limit:

@@ -111,7 +111,7 @@ class Session(threading.Thread):
             if self.folder is not None:
                 make_folder(self.folder)
             kept = None if self.folder is None else self.folder / "inputs.jsonl"
-            self.wheel = Wheel(math.radians(drive.plan.entities[0].vehicle.max_steer), kept)
+            self.wheel = Wheel(drive.plan, kept)
         self.ended = ""
         self.finished: Run | None = None
         self.latencies: list[float] = []

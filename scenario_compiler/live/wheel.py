@@ -13,14 +13,9 @@ from typing import BinaryIO
 from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.controllers.person import PersonInput, Wish
-from scenario_compiler.engine.ego.controllers import STEERING_RATIO
-
-BRAKE_TAKES_OVER = 0.1
-"""Share of the brake pedal's way from which braking takes over: 10 %, as in Gold et al. 2013 (Human Factors and
-Ergonomics Society, Annual Meeting 57)."""
-
-WHEEL_TAKES_OVER = math.radians(2.0)
-"""Angle of the steering wheel from which steering takes over: 2 degrees, as in the same study, rad."""
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.word import number_value
 
 KEPT_EVERY = 0.5
 """Time after which inputs are on the disk at the latest, s."""
@@ -47,15 +42,18 @@ class Wheel:
     What the run was given is written to a file as it happens, one JSON object a step.
     """
 
-    def __init__(self, max_steer: float, kept: Path | None = None) -> None:
+    def __init__(self, plan: Plan, kept: Path | None = None) -> None:
         """Wait for a person.
 
         Args:
-            max_steer: Greatest angle of the vehicle's front wheels, rad.
+            plan: The plan, which says what of a pedal or the wheel counts as an input, and so takes over.
             kept: File that the inputs are written to; None keeps them in the recording alone.
         """
         self.applied = 0
-        self._takes_over_from = WHEEL_TAKES_OVER / STEERING_RATIO / max(max_steer, 0.01)
+        values, inputs = parameter_values(plan.parameters), plan.takeover.inputs
+        angle = number_value(inputs.steering, values) / number_value(inputs.steering_ratio, values)
+        self._steer_from = angle / max(math.radians(plan.entities[0].vehicle.max_steer), 0.01)
+        self._brake_from = number_value(inputs.brake, values)
         self._lock = threading.Lock()
         self._told = Told(seq=0)
         self._asked: Wish = ""
@@ -92,7 +90,7 @@ class Wheel:
             wish: Wish = self._asked
         if away:
             wish = "leave" if by_hand else ""
-        elif not by_hand and (told.brake >= BRAKE_TAKES_OVER or abs(told.steer) >= self._takes_over_from):
+        elif not by_hand and self._is_input(told):
             wish = "take_over"
         done = PersonInput(told.throttle, told.brake, told.steer, wish)
         self.applied = told.seq
@@ -105,6 +103,9 @@ class Wheel:
             self._sync()
             self._file.close()
             self._file = None
+
+    def _is_input(self, told: Told) -> bool:
+        return told.brake >= self._brake_from or abs(told.steer) >= self._steer_from
 
     def _keep(self, t: float, done: PersonInput) -> None:
         if self._file is None:

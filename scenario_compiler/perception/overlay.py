@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenario_compiler.perception.camera import Camera, View, vehicle_axes
-from scenario_compiler.perception.lane_detector import Boundary, LaneResult
+from scenario_compiler.perception.lane_detector import LaneResult
 from scenario_compiler.roads.positions import Pose
 
 Image = NDArray[np.uint8]
@@ -183,17 +183,14 @@ def encode_png(image: Image) -> bytes:
 
 def _draw_boundaries(image: Image, camera: Camera, lane: LaneResult, shift: tuple[float, float]) -> None:
     for boundary, p in ((lane.left, lane.p_left), (lane.right, lane.p_right)):
-        _boundary(image, camera, boundary, p, shift)
+        x = np.arange(5.0, max(boundary.x_range[1], 12.0) + 0.1, 0.5)
+        colour = GREEN if p >= 0.3 else FAINT
+        _polyline(image, camera, x + shift[0], boundary.y(x) + shift[1], colour, lane.tilt.pitch)
 
 
-def _boundary(image: Image, camera: Camera, boundary: Boundary, p: float, shift: tuple[float, float]) -> None:
-    x = np.arange(5.0, max(boundary.x_range[1], 12.0) + 0.1, 0.5)
-    _polyline(image, camera, x + shift[0], boundary.y(x) + shift[1], GREEN if p >= 0.3 else FAINT)
-
-
-def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: Colour) -> None:
-    """Draw a line that lies on the ground."""
-    u, v = camera.project_ground(x, y)
+def _polyline(image: Image, camera: Camera, x: ArrayLike, y: ArrayLike, colour: Colour, pitch: float = 0.0) -> None:
+    """Draw a line that lies on the ground, against which the camera is tilted up by `pitch`, rad."""
+    u, v = camera.project_ground(x, y, pitch)
     points = np.stack([u, v], axis=1)
     points = points[np.isfinite(points).all(axis=1) & (np.asarray(x, np.float64) > 1.0)]
     fixed = np.clip(np.round(points * 8.0), -(2**18), 2**18).astype(np.int32)

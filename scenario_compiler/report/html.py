@@ -22,6 +22,7 @@ from scenario_compiler.report.wording import (
     command,
     conditions,
     fixed,
+    place_words,
     summary_of,
     unit_words,
 )
@@ -83,6 +84,7 @@ def render(runs: Sequence[Run], *, title: str = "", pictures: Sequence[Sequence[
         lstrip_blocks=True,
     )
     environment.filters["number"] = fixed
+    environment.filters["place"] = place_words
     environment.filters["unit"] = unit_words
     environment.filters["source"] = source_of
     environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))

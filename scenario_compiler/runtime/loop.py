@@ -357,7 +357,7 @@ class Execution:
             self.lanes[column][0] = getattr(boundary, name, math.nan)
 
     def _note_events(self) -> None:
-        """Take down what the engine logged since the last time, and what the driver is told of it."""
+        """Take down what the engine logged since the last time, and the message that the driver gets."""
         for row in self.log.news(self.state):
             self.builder.add(row)
             for told in self.log.messages(row):

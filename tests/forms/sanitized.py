@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = 12
-FLAGS = ("-DENGINE_CHECKED", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+FLAGS = ("-O0", "-DENGINE_CHECKED", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
 def start_with_sanitizer() -> None:

@@ -10,8 +10,11 @@ import pytest
 from pydantic import ValidationError
 
 from scenario_compiler.live.wheel import KEPT_EVERY, Told, Wheel
+from tests.report import made
 
 MAX_STEER = math.radians(40.0)
+CAR = made.plan().entities[0].vehicle.model_copy(update={"max_steer": 40.0})
+PLAN = made.plan().model_copy(update={"entities": (made.plan().entities[0].model_copy(update={"vehicle": CAR}),)})
 
 
 @pytest.mark.parametrize(
@@ -27,13 +30,13 @@ MAX_STEER = math.radians(40.0)
     ],
 )
 def test_braking_steering_and_the_button_take_over(told: Told, wish: str) -> None:
-    wheel = Wheel(MAX_STEER)
+    wheel = Wheel(PLAN)
     wheel.tell(told)
     assert wheel.act(0.0, "request").wish == wish
 
 
 def test_a_button_counts_until_it_has_been_heeded() -> None:
-    wheel = Wheel(MAX_STEER)
+    wheel = Wheel(PLAN)
     wheel.tell(Told(seq=1, take_over=True))
     wheel.tell(Told(seq=2))
     assert [wheel.act(t, "request").wish for t in (0.0, 0.02)] == ["take_over", "take_over"]
@@ -45,7 +48,7 @@ def test_a_button_counts_until_it_has_been_heeded() -> None:
 
 
 def test_who_leaves_lets_the_vehicle_stop_and_may_come_back() -> None:
-    wheel = Wheel(MAX_STEER)
+    wheel = Wheel(PLAN)
     wheel.tell(Told(seq=7, throttle=0.5))
     wheel.leave()
     gone = wheel.act(0.0, "manual")
@@ -59,7 +62,7 @@ def test_who_leaves_lets_the_vehicle_stop_and_may_come_back() -> None:
 
 def test_inputs_are_written_as_they_happen(tmp_path: Path) -> None:
     file = tmp_path / "inputs.jsonl"
-    wheel = Wheel(MAX_STEER, file)
+    wheel = Wheel(PLAN, file)
     wheel.tell(Told(seq=1, throttle=0.25))
     steps = int(1.0 / 0.02) + 1
     for k in range(steps):

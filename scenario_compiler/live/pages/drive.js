@@ -192,7 +192,7 @@ class Page {
     box.hidden = !shown.length && !by("icon").length;
     box.classList.toggle("urgent", urgent);
     box.replaceChildren(...(by("icon").length ? [icon(urgent)] : []), shown.join(". "));
-    if (by("tone").length || by("audio").length) tone(urgent);
+    if (by("tone").length) tone(urgent);
     for (const text of by("speech")) speak(text);
     if (by("vibration").length) vibrate(urgent);
   }

@@ -1,4 +1,4 @@
-"""Loading and locating against CARLA's C++ map library, CPU time, in one run, and the cost on larger networks."""
+"""Loading and locating against CARLA's C++ map library, and the cost on larger networks: ratios of CPU time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_loading_takes_at_most_five_times_carlas_time(
 ) -> None:
     monkeypatch.setenv("SCENARIO_COMPILER_CACHE", str(tmp_path))
     found = loading(corpus / TOWN04, REPEATS)
-    assert found.cached <= 0.05
+    assert found.cached <= 0.2 * found.file
     if found.carla is None:
         pytest.skip("the client of CARLA is not installed")
     assert found.file <= 5.0 * found.carla
