@@ -1,4 +1,4 @@
-"""A limit that the language and the engine share. It is apart from the words, because the engine is built without them."""
+"""A limit that the language and the engine share; apart from the words, because the engine is built without them."""
 
 HORIZON = 30.0
 """Time from which on there is no time to collision, s: nobody keeps speed and path unchanged for so long.
