@@ -179,6 +179,7 @@ OTHERS: dict[type[Word], Execution] = {
     driver.Inputs: _engine("measures.inputs"),
     driver.Effect: _engine("ego.answering"),
     takeover.Message: Execution("run", "runtime.messages"),
+    takeover.Say: Execution("run", "runtime.messages"),
     criteria.NoCollision: _JUDGED,
     criteria.StayOnRoad: _JUDGED,
     criteria.ReachDestination: _JUDGED,

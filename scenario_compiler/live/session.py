@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median, quantiles
-from typing import Any
+from typing import Any, get_args
 
 from scenario_compiler.live.sight import Sight
 from scenario_compiler.live.wheel import DRIVEN_BY_HAND, Wheel
@@ -25,9 +25,10 @@ from scenario_compiler.report.wording import outcome_words
 from scenario_compiler.roads import Network
 from scenario_compiler.runtime import open_world
 from scenario_compiler.runtime.loop import Execution
-from scenario_compiler.runtime.messages import message_text, messages
+from scenario_compiler.runtime.messages import message_text
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.takeover import Told
 from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds import WorldError
 
@@ -43,8 +44,8 @@ BEHIND = 0.1
 GIVEN_UP = 0.5
 """Delay that is not caught up any more: the clock of the run is set back by it, s."""
 
-ASKING = ("warning", "request", "escalation", "minimum_risk")
-"""States that the driver is told of; a message ends with its state."""
+ASKING = get_args(Told)
+"""States that are announced where the policy has no messages of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +206,8 @@ class Session(threading.Thread):
     def _publish(self, execution: Execution, sight: Sight, late: float) -> None:
         snapshot = execution.snapshot()
         mirror = sight.mirror(snapshot) if self._shown % MIRROR_EVERY == 0 else b""
-        picture = Picture(self._about(execution, late), sight.view(snapshot), mirror)
+        marked = any(one.modality == "overlay" for one in execution.messenger.shown)
+        picture = Picture(self._about(execution, late), sight.view(snapshot, marked=marked), mirror)
         self._shown += 1
         if not self._show(picture):
             self._lost += 1
@@ -218,7 +220,7 @@ class Session(threading.Thread):
             [round(st.x[i], 2), round(st.y[i], 2), round(st.h[i], 3), round(st.v[i], 2)] if st.present[i] == 1 else None
             for i in range(len(plan.entities))
         ]
-        told = self._told(state, CAUSES[st.cause[0]])
+        told = self._told(execution, state, CAUSES[st.cause[0]])
         return {
             "run": self.number,
             "k": self._shown,
@@ -236,14 +238,11 @@ class Session(threading.Thread):
             "late": round(1e3 * late, 1) if late > BEHIND else 0,
         }
 
-    def _told(self, state: str, cause: str) -> list[tuple[str, str]]:
-        """Return (modality, text) of what the driver is told in a state, by the scenario's policy; text without one."""
-        if state not in ASKING:
-            return []
-        policy = self.drive.plan.takeover
-        if policy.messages:
-            return messages(policy, state, cause)
-        return [("text", message_text(state, cause, ("what", "why")))]
+    def _told(self, execution: Execution, state: str, cause: str) -> list[tuple[str, str, str]]:
+        """Return (modality, text, language) of the messages now; a text where the policy has none."""
+        if self.drive.plan.takeover.messages:
+            return [(one.modality, one.text, one.language) for one in execution.messenger.shown]
+        return [("text", message_text(state, cause, ("what", "why")), "en")] if state in ASKING else []
 
     def _time_left(self, execution: Execution, state: str) -> float | None:
         """Return the time until the minimum-risk manoeuvre begins at the latest, s; None where nobody was asked."""

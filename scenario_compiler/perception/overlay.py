@@ -117,6 +117,11 @@ def draw_seen(
         _draw_boundaries(image, camera, lane, shift)
 
 
+def draw_on_ground(image: Image, camera: Camera, points: Sequence[tuple[float, float]], colour: Colour) -> None:
+    """Draw a line that lies on the ground, through points (x ahead, y left) of the camera's ground frame, m."""
+    _polyline(image, camera, [x for x, _ in points], [y for _, y in points], colour)
+
+
 def annotate(image: Image, caption: Caption) -> None:
     """Write a caption into a picture."""
     _write(image, None, caption)

@@ -52,6 +52,7 @@ EVENT_TEXTS: dict[EventKind, str] = {
     **{entry.told.event: entry.told.text for entry in ACTIONS if entry.told is not None},
     "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`.",
     "lane_invasion": "The world's own sensor reports that the ego vehicle crosses a mark; `message` is its type.",
+    "message_over": "The reason of a message has ended, and with it the message: `message`; `cause` is the modality.",
     "person_left": "The page of the person at the wheel is gone: the vehicle stops if they were driving.",
     "person_back": "The page of the person at the wheel is there again.",
     "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` says why.",

@@ -65,6 +65,9 @@ FLATNESS = 0.02
 MARGIN = 80.0
 """How far the map reaches beyond the places of the ego vehicle, m."""
 
+LARGEST = 2.0**50
+"""Steps that a number of a page has at most: JavaScript counts exactly up to 2^53."""
+
 HEALTHY = 0.98
 """Sensor health from which on it is not worth a line."""
 
@@ -155,8 +158,11 @@ def _origin(run: Run) -> tuple[float, float]:
 
 
 def _differences(values: NDArray[Any], step: float) -> list[int | None]:
-    """Return values as multiples of a step: each as its difference from the one before that is finite, NaN as null."""
-    finite = np.isfinite(values)
+    """Return values as multiples of a step: each as its difference from the one before that is shown, others as null.
+
+    Shown is what is finite, and not so large that a page could not count it.
+    """
+    finite = np.isfinite(values) & (np.abs(np.nan_to_num(values)) < step * LARGEST)
     whole = np.round(values[finite] / step).astype(np.int64)
     out: list[int | None] = [None] * len(values)
     for at, change in zip(np.nonzero(finite)[0].tolist(), np.diff(whole, prepend=0).tolist(), strict=True):

@@ -32,6 +32,7 @@ from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.failures import ENGINE_BROKE_OFF
 from scenario_compiler.runtime.log import EventLog
+from scenario_compiler.runtime.messages import Messenger
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -176,6 +177,7 @@ class Execution:
         self.state = self.simulation.state
         self.weather_changes = self.program.weather_count[0] > 1
         self.log = EventLog(plan, self.program)
+        self.messenger = Messenger(plan)
         self.controller: ControllerModel | None = None
         self.control: Control | None = None
         self.seen: SensorData | None = None
@@ -358,9 +360,11 @@ class Execution:
 
     def _note_events(self) -> None:
         """Take down what the engine logged since the last time, and the message that the driver gets."""
+        for told in self.messenger.come(self.state.clock[0]):
+            self.builder.add(told)
         for row in self.log.news(self.state):
             self.builder.add(row)
-            for told in self.log.messages(row):
+            for told in self.messenger.heed(row):
                 self.builder.add(told)
             self._picture(row.t, row.kind, row.cause)
 

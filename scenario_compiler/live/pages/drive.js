@@ -193,7 +193,7 @@ class Page {
     box.classList.toggle("urgent", urgent);
     box.replaceChildren(...(by("icon").length ? [icon(urgent)] : []), shown.join(". "));
     if (by("tone").length) tone(urgent);
-    for (const text of by("speech")) speak(text);
+    for (const [modality, text, language] of about.told) if (modality === "speech") speak(text, language);
     if (by("vibration").length) vibrate(urgent);
   }
 
