@@ -22,6 +22,7 @@ from scenario_compiler.cli import (
     explain,
     export,
     library,
+    live,
     maps,
     report,
     run,
@@ -37,6 +38,7 @@ from scenario_compiler.trust import ConfigurationError
 GROUPS = (
     validate,
     run,
+    live,
     report,
     compare,
     sweep,

@@ -438,6 +438,13 @@ class State:
     """Time at which it did so last."""
     evaded: list[int] = column(RUN, op.NONE)
     """Moving entity that the driver goes around, NONE without one."""
+    person_throttle: list[float] = column(RUN)
+    """What the person at the wheel does, written between steps: throttle and brake, 0 to 1."""
+    person_brake: list[float] = column(RUN)
+    person_steer: list[float] = column(RUN)
+    """-1 to 1 of the greatest steering angle, positive to the left."""
+    person_wish: list[int] = column(RUN)
+    """What the person wants of the automation, a WISH code."""
     eyes_on_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver will look at the road, FAR where that is not to come."""
     hands_on_at: list[float] = column(RUN, op.FAR)
