@@ -118,6 +118,8 @@ class State:
     """Speed that it aims for while it follows."""
     ended: list[int] = column(ENTITY)
     """1 when the entity stands at the end of its road."""
+    lights: list[int] = column(ENTITY)
+    """Lights that actions have switched on, as bits: the first of `moves.appearance.LIGHTS` is the lowest."""
     visible: list[int] = column(ENTITY, op.SEEN_BY_ALL)
     """Who minds the entity, by SEEN_... bits."""
     towed: list[int] = column(ENTITY, op.NONE)
@@ -317,6 +319,8 @@ class State:
     command_throttle: list[float] = column(ENTITY)
     command_steer: list[float] = column(ENTITY)
     command_brake: list[float] = column(ENTITY)
+    command_reverse: list[int] = column(ENTITY)
+    """1 where the throttle drives the vehicle backwards."""
     pedal: list[float] = column(RUN)
     """Acceleration asked for at the last control step, for limiting jerk."""
     shift_begin: list[float] = column(RUN)
