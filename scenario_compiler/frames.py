@@ -11,7 +11,11 @@ Angles are intrinsic in the order heading, pitch, roll on both sides.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class CarlaTransform(NamedTuple):
@@ -96,3 +100,55 @@ def pose_from_carla(transform: tuple[float, ...], center: float = 0.0, up: float
     x, y, z, pitch, yaw, roll = transform
     turned = (heading_from_carla(yaw), -math.radians(pitch), math.radians(roll))
     return Placement(*_moved((x, -y, z, *turned), -center, -up), *turned)
+
+
+def carla_rows(poses: NDArray[np.float64], center: NDArray[np.float64], up: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return what `carla_from_pose` does of many entities at once.
+
+    Args:
+        poses: (6, entities) columns in the order of `Placement`.
+        center: (entities,) see `carla_from_pose`.
+        up: (entities,) likewise.
+
+    Returns:
+        (entities, 6), in the order of `CarlaTransform`.
+    """
+    import numpy as np
+
+    x, y, z, heading, pitch, roll = poses
+    ch, sh, cp, sp = np.cos(heading), np.sin(heading), np.cos(pitch), np.sin(pitch)
+    cr, sr = np.cos(roll), np.sin(roll)
+    rows = np.empty((len(x), 6))
+    rows[:, 0] = x + center * ch * cp + up * (ch * sp * cr + sh * sr)
+    rows[:, 1] = -(y + center * sh * cp + up * (sh * sp * cr - ch * sr))
+    rows[:, 2] = z - center * sp + up * cp * cr
+    rows[:, 3] = -np.degrees(pitch)
+    rows[:, 4] = (180.0 - np.degrees(heading)) % 360.0 - 180.0
+    rows[:, 5] = np.degrees(roll)
+    return rows
+
+
+def carla_axes(pitch: float, yaw: float, roll: float) -> tuple[tuple[float, float, float], ...]:
+    """Return the directions ahead, right and up of a CARLA rotation in degrees, in CARLA's axes."""
+    cp, sp = math.cos(math.radians(pitch)), math.sin(math.radians(pitch))
+    cy, sy = math.cos(math.radians(yaw)), math.sin(math.radians(yaw))
+    cr, sr = math.cos(math.radians(roll)), math.sin(math.radians(roll))
+    return (
+        (cp * cy, cp * sy, sp),
+        (cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, -cp * sr),
+        (-cy * sp * cr - sy * sr, -sy * sp * cr + cy * sr, cp * cr),
+    )
+
+
+def carla_attached(parent: tuple[float, ...], relative: tuple[float, ...]) -> CarlaTransform:
+    """Return the transform in CARLA's world of what is attached to a parent; all in the order of `CarlaTransform`."""
+    ahead, right, up = carla_axes(*parent[3:])
+    x, y, z = (parent[k] + relative[0] * ahead[k] + relative[1] * right[k] + relative[2] * up[k] for k in range(3))
+    if relative[3] == relative[5] == 0.0 == parent[3] == parent[5]:
+        return CarlaTransform(x, y, z, 0.0, (parent[4] + relative[4] + 180.0) % 360.0 - 180.0, 0.0)
+    own = carla_axes(*relative[3:])
+    turned = [[sum(axis[k] * one[c] for k, one in enumerate((ahead, right, up))) for c in range(3)] for axis in own]
+    pitch = math.asin(min(max(turned[0][2], -1.0), 1.0))
+    yaw = math.atan2(turned[0][1], turned[0][0])
+    roll = math.atan2(-turned[1][2], turned[2][2])
+    return CarlaTransform(x, y, z, math.degrees(pitch), math.degrees(yaw), math.degrees(roll))

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
+from scenario_compiler.carla_server.matrix import calls_page
 from scenario_compiler.cli.reference import commands_page
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
 from scenario_compiler.coverage.openscenario import openscenario_table
@@ -71,12 +72,13 @@ def _openscenario_with_tests() -> Table:
 
 
 PAGES: dict[str, Callable[[], str]] = {
+    "carla-calls.md": calls_page,
     "commands.md": commands_page,
     "coverage.md": coverage_page,
     "language.md": language_reference,
     "run-folder.md": run_folder_page,
 }
-"""The same for pages of docs/: the commands, what of each language is executed, the language, what a run leaves."""
+"""The same for pages of docs/, by their names."""
 
 
 def main() -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from hypothesis import strategies as st
 
 from scenario_compiler.frames import (
     Placement,
+    carla_attached,
     carla_from_pose,
+    carla_rows,
     heading_from_carla,
     pose_from_carla,
     vector_from_carla,
@@ -72,3 +75,28 @@ def test_an_uphill_road_is_a_positive_pitch_in_carla() -> None:
     assert carla_from_pose(Placement(0, 0, 0, math.pi / 2, -0.1, 0.0)) == pytest.approx(
         (0, 0, 0, 5.7296, -90.0, 0.0), abs=1e-3
     )
+
+
+@given(st.lists(placements, min_size=1, max_size=5), st.floats(-3, 3), st.floats(0, 2))
+def test_many_are_converted_as_one_is(poses: list[Pose], center: float, up: float) -> None:
+    columns = np.array(poses, np.float64).T
+    count = len(poses)
+    rows = carla_rows(columns, np.full(count, center), np.full(count, up))
+    assert np.allclose(rows, [carla_from_pose(pose, center, up) for pose in poses], atol=1e-9)
+
+
+transforms = st.tuples(*(st.floats(-50, 50) for _ in range(3)), *(st.floats(-80, 80) for _ in range(3)))
+
+
+@given(transforms, transforms, st.tuples(*(st.floats(-5, 5) for _ in range(3))))
+def test_what_is_attached_is_where_carlas_client_has_it(
+    parent: tuple[float, ...], relative: tuple[float, ...], point: tuple[float, ...]
+) -> None:
+    carla = pytest.importorskip("carla", reason="the CARLA client has no wheel for this Python")
+
+    def made(one: tuple[float, ...]) -> Any:
+        return carla.Transform(carla.Location(*one[:3]), carla.Rotation(*one[3:]))
+
+    expected = made(parent).transform(made(relative).transform(carla.Location(*point)))
+    found = made(carla_attached(parent, relative)).transform(carla.Location(*point))
+    assert np.allclose((found.x, found.y, found.z), (expected.x, expected.y, expected.z), atol=1e-3)

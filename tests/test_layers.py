@@ -81,6 +81,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "lsprotocol": ("editor.server",),
+    "msgpack": ("carla_server",),
     "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview", "report.lettering"),
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),

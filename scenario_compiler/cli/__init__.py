@@ -15,6 +15,7 @@ from typing import NoReturn
 
 from scenario_compiler.cli import (
     authoring,
+    carla,
     compare,
     coverage,
     editor,
@@ -32,7 +33,7 @@ from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
+GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor, carla)
 """Groups of commands, in the order of the help."""
 
 

@@ -12,7 +12,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.declaration import at_start
 from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.columns.state import State, new_state
+from scenario_compiler.engine.columns.state import STEER_RATE, State, new_state
 from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals
 from scenario_compiler.engine.columns.trace import trace_width
 from scenario_compiler.engine.forms.compiled import Compiled, MachineCode, library
@@ -138,7 +138,16 @@ class Simulation:
         """Set the length of the time steps from the next one on, s."""
         self.form.program.const[slot.K_STEP] = step
 
-    def spawn(self, entity: int, vehicle: Vehicle, pose: Pose, speed: float = 0.0, *, posed: bool = False) -> None:
+    def spawn(
+        self,
+        entity: int,
+        vehicle: Vehicle,
+        pose: Pose,
+        speed: float = 0.0,
+        *,
+        posed: bool = False,
+        steer_rate: float = STEER_RATE,
+    ) -> None:
         """Let an entity appear as a vehicle, at the height and the slope of the road where it stands on one.
 
         Args:
@@ -147,12 +156,14 @@ class Simulation:
             pose: Pose of its reference point, OpenDRIVE axes.
             speed: Its speed, m/s.
             posed: Whether it is moved by `pose`, not by commands.
+            steer_rate: Greatest rate of its front wheels' angle, rad/s.
         """
         program = self.form.program
         block = program.entity_const[entity]
         for k, number in enumerate(vehicle_numbers(vehicle)):
             program.const[block + k] = number
         self.let_pose(entity, posed=posed)
+        self.state.steer_rate[entity] = steer_rate
         self.form.enter("spawn_entity", entity, pose.x, pose.y, pose.z, pose.heading, speed)
 
     def let_pose(self, entity: int, *, posed: bool) -> None:
@@ -195,6 +206,11 @@ class Simulation:
         made = np.frombuffer(values, np.dtype(values.typecode)) if isinstance(values, array) else np.array(values)
         made.flags.writeable = False
         return made
+
+    def touched(self, entity: int) -> int | None:
+        """Return an entity whose box overlaps another's where both are now, None where there is none."""
+        found: int = self.form.enter("find_touched", entity)
+        return None if found == op.NONE else found
 
     def contacts(self) -> list[tuple[int, int]]:
         """Return the pairs of entities whose boxes overlap, lower number first, each pair once."""

@@ -36,6 +36,11 @@ FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
+STEER_RATE = 0.7
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
+driver's.
+"""
+
 
 @dataclass(slots=True)
 class State:
@@ -68,6 +73,8 @@ class State:
     a: list[float] = column(ENTITY)
     steer: list[float] = column(ENTITY)
     """Angle of the front wheels, positive to the left."""
+    steer_rate: list[float] = column(ENTITY, STEER_RATE)
+    """Greatest rate of that angle, rad/s."""
     throttle: list[float] = column(ENTITY)
     brake: list[float] = column(ENTITY)
     road: list[int] = column(ENTITY)

@@ -163,6 +163,16 @@ def find_contacts(p: Program, st: State, pairs: list[int]) -> int:
 
 
 @compiled
+def find_touched(p: Program, st: State, i: int) -> int:
+    """Return an entity whose box overlaps that of entity i where both are now, NONE where there is none."""
+    update_boxes(p, st)
+    for j in range(p.entity_count[0]):
+        if j != i and overlap(p, st, i, j) == 1:
+            return j
+    return op.NONE
+
+
+@compiled
 def measure_reach(p: Program, st: State, i: int) -> None:
     """Write half the diagonal of an entity's box."""
     base = p.entity_const[i]

@@ -35,11 +35,6 @@ from scenario_compiler.roads.lanes import (
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance, stretch_at
 
-STEER_RATE = 0.7
-"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
-driver's.
-"""
-
 
 @compiled
 def look_here(n: RoadTables, st: State, i: int) -> None:
@@ -210,7 +205,7 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
     loss = st.brake[i] * grip(st, p.const[base + slot.E_MAX_DECELERATION])
     speed = next_speed(p, st, i, gain, loss, dt)
     wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + slot.E_MAX_STEER]
-    st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -STEER_RATE * dt, STEER_RATE * dt)
+    st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -st.steer_rate[i] * dt, st.steer_rate[i] * dt)
     swing = speed * tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1) * dt
     middle = st.h[i] + 0.5 * swing
     st.x[i] += speed * dt * cos(middle)
