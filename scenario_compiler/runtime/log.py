@@ -1,4 +1,4 @@
-"""The engine's log as rows of events: whom each concerns, why it happened, and what the driver is told of it."""
+"""The engine's log as rows of events: whom each concerns, why it happened, and the message that the driver gets."""
 
 from __future__ import annotations
 
@@ -79,6 +79,8 @@ class EventLog:
         told = ACTIONS[NUMBERS[word.tag()]].told
         if isinstance(word, MessageAction):
             for modality in word.modality:
+                if modality == "none":
+                    continue
                 yield EventRow(t=t, kind="message", cause=modality, message=word.text)
         elif told is not None:
             about, what = told.words(word)

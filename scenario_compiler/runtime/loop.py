@@ -19,11 +19,11 @@ from scenario_compiler.controllers import (
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
-from scenario_compiler.engine.forms.failure import EngineError
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
 from scenario_compiler.engine.moves.appearance import LIGHTS
 from scenario_compiler.engine.program.build import lowered
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
 from scenario_compiler.recording.names import STOP_REASONS, StopReason
@@ -297,9 +297,10 @@ class _Execution:
         st = self.state
         reason = self.broken or STOP_REASONS[st.stop[0]]
         if st.flag[0]:
-            columns = {name: getattr(st, name) for name in QUANTITIES}
+            at = st.flag_at[0]
             ids = [entity.id for entity in self.plan.entities]
-            why = break_off_text(st.flag[0], st.flag_at[0], ids, columns, st.clock[0])
+            values = {name: getattr(st, name)[at] for name in QUANTITIES} if 0 <= at < len(ids) else {}
+            why = break_off_text(st.flag[0], at, ids, values, st.clock[0])
             self.builder.event(st.clock[0], "broken_off", cause=BROKE_OFF.id, message=why)
         self.builder.event(st.clock[0], "stop", message=reason)
         return self.builder.finish(reason, st.flag[0])
@@ -343,7 +344,7 @@ class _Execution:
             self.lanes[column][0] = getattr(boundary, name, math.nan)
 
     def _note_events(self) -> None:
-        """Take down what the engine logged since the last time, and what the driver is told of it."""
+        """Take down what the engine logged since the last time, and the message that the driver gets."""
         for row in self.log.news(self.state):
             self.builder.add(row)
             for told in self.log.messages(row):

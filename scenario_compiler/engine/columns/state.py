@@ -1,6 +1,6 @@
 """State: everything that changes during a run, as flat columns of a fixed size.
 
-`clear_state` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
+`put_to_start` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import RUN, Of, at_start, column, fixed, put_to_start
 from scenario_compiler.engine.columns.program import (
     ACTION,
     CAUSE,
@@ -16,6 +15,7 @@ from scenario_compiler.engine.columns.program import (
     ELEMENT,
     ENTITY,
     FAILURE,
+    PIECE,
     POSITION,
     RING,
     SIGNAL,
@@ -24,8 +24,8 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.marker import compiled
-from scenario_compiler.randomness import hash_bits, normal, uniform
+from scenario_compiler.forms.declaration import RUN, Of, at_start, column, container, fixed
+from scenario_compiler.randomness import hash_bits, normal
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
 WAY = fixed("stretch of the way ahead", op.WAY_SIZE)
@@ -42,6 +42,7 @@ driver's.
 """
 
 
+@container("st", 2, written=True)
 @dataclass(slots=True)
 class State:
     """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
@@ -58,7 +59,7 @@ class State:
     flag_at: list[int] = column(RUN, op.NONE)
     """The entity, condition or action that the fault is about."""
     draw: list[float] = column(DRAW, kept=True)
-    """Draws made before the run: normal and uniform ones of four requests, then the seed of the counter hash."""
+    """Draws made before the run: DRAW_PERSON and DRAW_SEED."""
 
     # Entities.
     present: list[int] = column(ENTITY)
@@ -68,6 +69,9 @@ class State:
     z: list[float] = column(ENTITY)
     h: list[float] = column(ENTITY)
     pitch: list[float] = column(ENTITY)
+    """Of the road below and of the body on its springs."""
+    body_pitch: list[float] = column(ENTITY)
+    """What the body adds to the pitch of the road, of a vehicle that is driven by commands."""
     roll: list[float] = column(ENTITY)
     v: list[float] = column(ENTITY)
     a: list[float] = column(ENTITY)
@@ -90,8 +94,10 @@ class State:
     turn: list[float] = column(ENTITY)
     """Heading relative to `facing` along the lane."""
     kept_lane: list[int] = column(ENTITY)
-    """Lane that a scripted entity is led by: its own, or the target of a lane change."""
+    """Lane that a scripted entity is led by: the one it belongs to, or the target of a lane change."""
     kept_off: list[float] = column(ENTITY)
+    changing: list[int] = column(ENTITY)
+    """1 where a lane change leads the entity, until it settles: it belongs to the lane that its point is in."""
     here_road: list[int] = column(ENTITY, op.NONE)
     """Where the lane's row and the road's piece below were found last: road and lane."""
     here_lane: list[int] = column(ENTITY)
@@ -210,13 +216,22 @@ class State:
     action_span: list[float] = column(ACTION)
     action_from: list[float] = column(ACTION)
     action_change: list[float] = column(ACTION)
+    action_phase: list[int] = column(ACTION)
+    """Phase that an action is in, of those that go through several."""
     action_a: list[float] = column(ACTION)
     """Free memory of whoever executes the action; so is `action_b`."""
     action_b: list[float] = column(ACTION)
+    piece_time: list[float] = column(PIECE)
+    """Plans of speed profiles: from when a piece holds, its speed and acceleration then, and its jerk."""
+    piece_speed: list[float] = column(PIECE)
+    piece_slope: list[float] = column(PIECE)
+    piece_jerk: list[float] = column(PIECE)
     track_x: list[float] = column(VERTEX)
     """Vertices of trajectories, as they lay when their action began last."""
     track_y: list[float] = column(VERTEX)
     track_h: list[float] = column(VERTEX)
+    track_z: list[float] = column(VERTEX)
+    track_pitch: list[float] = column(VERTEX)
     track_s: list[float] = column(VERTEX)
     track_time: list[float] = column(VERTEX)
     track_v: list[float] = column(VERTEX)
@@ -371,6 +386,10 @@ class State:
     border_left: list[float] = column(ENTITY)
     """Left border of the lane at the entity, relative to its centre."""
     border_right: list[float] = column(ENTITY)
+    ahead_is: list[int] = column(ENTITY)
+    """AHEAD_...: what the entity is to the ego."""
+    red_line: list[float] = column(RUN, op.FAR)
+    """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
     """From the front bumper to where the path is blocked, FAR when it is free."""
     blocked_far: list[float] = column(RUN, op.FAR)
@@ -410,13 +429,25 @@ class State:
     time_response: list[float] = column(RUN, -1.0)
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
+    time_no_progress: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver answers the present request, FAR for never."""
+    eyes_on_at: list[float] = column(RUN, op.FAR)
+    """Time at which the driver will look at the road, FAR where that is not to come."""
+    hands_on_at: list[float] = column(RUN, op.FAR)
+    time_eyes_on: list[float] = column(RUN, -1.0)
+    """When the driver's eyes were on the road first after a request, and the hands on the wheel; -1 before."""
+    time_hands_on: list[float] = column(RUN, -1.0)
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""
+    held_up_since: list[float] = column(RUN, -1.0)
+    """Time since which the automated ego stands without a reason, -1 while it does not."""
+    held_up: list[int] = column(RUN)
+    """1 where it has done so for too long; and where this stop has been logged."""
+    held_up_logged: list[int] = column(RUN)
     hazard_lights: list[int] = column(RUN)
     trusted_steer: list[float] = column(RUN)
     """Last steering command that the automation could rely on."""
@@ -439,23 +470,9 @@ def new_state(program: Program) -> State:
     return at_start(State, program)
 
 
-@compiled
-def clear_state(st: State) -> None:
-    """Put every column to its declared start, but those that are kept."""
-    put_to_start(st)
-
-
-REQUESTS_DRAWN = 4
-
-
 def make_draws(seed: int, variant: int = 0) -> list[float]:
-    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone.
-
-    A normal and a uniform one for each of four requests, and the seed of the counter hash.
-    """
-    drawn: list[float] = []
-    for k in range(REQUESTS_DRAWN):
-        drawn.append(normal(seed, variant, f"driver/takeover_time/{k}"))
-        drawn.append(uniform(seed, variant, f"driver/lapse/{k}"))
-    drawn.append(float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF))
+    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone."""
+    drawn = [0.0] * op.DRAWS_PER_RUN
+    drawn[op.DRAW_PERSON] = normal(seed, variant, "driver/person")
+    drawn[op.DRAW_SEED] = float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF)
     return drawn

@@ -38,6 +38,7 @@ def lead_along(n: RoadTables, st: State, i: int, road: int, lane: int, s: float,
     st.s[i] = s
     st.kept_lane[i] = lane
     st.kept_off[i] = offset
+    st.changing[i] = 0
     st.facing[i] = direction
     st.turn[i] = away
     if cos(away) < 0.0:
@@ -58,6 +59,7 @@ def stand_free(st: State, i: int, x: float, y: float, z: float, h: float) -> Non
     st.z[i] = z
     st.h[i] = heading_in_circle(h)
     st.pitch[i] = 0.0
+    st.body_pitch[i] = 0.0
     st.roll[i] = 0.0
 
 
@@ -157,6 +159,7 @@ def spawn_entity(
     st.lights[i] = 0
     st.contact[i] = 0
     st.struck[i] = 0
+    st.body_pitch[i] = 0.0
     measure_reach(p, st, i)
     stand_free(st, i, x, y, z, h)
     place_free(n, st, i)
@@ -165,10 +168,11 @@ def spawn_entity(
 
 @compiled
 def delete_entity(p: Program, st: State, i: int) -> None:
-    """Let an entity disappear; what it tows stays behind."""
+    """Let an entity disappear; what it tows stays behind.
+
+    It keeps its speed, which its running actions go on changing, for when it appears again (esmini 3.6).
+    """
     st.present[i] = 0
-    st.v[i] = 0.0
-    st.a[i] = 0.0
     if st.towed[i] >= 0:
         st.towed_by[st.towed[i]] = op.NONE
         st.towed[i] = op.NONE

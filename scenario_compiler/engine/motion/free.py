@@ -22,6 +22,7 @@ def place_free(n: RoadTables, st: State, i: int) -> None:
     lane = st.lane[i]
     st.kept_lane[i] = lane
     st.kept_off[i] = st.off[i]
+    st.changing[i] = 0
     _, _, _, along, _, _ = lane_pose(n, road, lane, st.s[i], st.off[i])
     direction = lane_direction(n, road, lane)
     away = angle_between(st.h[i], along if direction > 0 else along + pi)

@@ -97,7 +97,13 @@ def _add_entity(draft: ProgramBuilder, entity: Entity, posed: bool, touched: set
     p.entity_seed.append(op.NONE if entity.seed is None else entity.seed)
     p.entity_const.append(
         draft.block(
-            *vehicle_numbers(vehicle), entity.speed, entity.desired_speed, *follow, entity.share, *_towing(vehicle)
+            *vehicle_numbers(vehicle),
+            entity.speed,
+            entity.desired_speed,
+            *follow,
+            entity.share,
+            *_towing(vehicle),
+            radians(vehicle.pitch_gradient),
         )
     )
 

@@ -8,7 +8,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.motion.watching import WATCH_MOTION
 from scenario_compiler.engine.program.checking import check_program
 
-BLOCK = slot.E_COUPLER + 1
+BLOCK = slot.E_PITCH_GRADIENT + 1
 """Numbers of an entity's block."""
 
 
