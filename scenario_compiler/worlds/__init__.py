@@ -17,10 +17,12 @@ from scenario_compiler.worlds.model import (
     World,
     WorldError,
     WorldEvent,
+    WorldFinding,
     WorldOptions,
 )
 
 WORLDS: dict[str, str] = {
+    "carla": "scenario_compiler.worlds.carla:CarlaWorld",
     "kinematic": "scenario_compiler.worlds.kinematic:KinematicWorld",
 }
 """Name of a world to its class; the modules are imported only when a world is opened."""
@@ -36,5 +38,6 @@ __all__ = [
     "World",
     "WorldError",
     "WorldEvent",
+    "WorldFinding",
     "WorldOptions",
 ]

@@ -203,6 +203,21 @@ class EgoState:
 
 
 @dataclass(frozen=True, slots=True)
+class WorldFinding:
+    """Something of a plan that a world does otherwise than it is written.
+
+    Attributes:
+        code: What it is.
+        message: What is done instead.
+        part: The part of the plan that it is about, as `plan.provenance.place_of` names parts.
+    """
+
+    code: Code
+    message: str
+    part: str
+
+
+@dataclass(frozen=True, slots=True)
 class WorldEvent:
     """Something that a world's own sensors noticed.
 
@@ -227,6 +242,11 @@ class World(Protocol):
     moves_ego: bool
     """Whether the world's own physics moves the ego vehicle."""
     network: Network
+
+    @property
+    def findings(self) -> Sequence[WorldFinding]:
+        """What of the plan the world does otherwise than it is written, as far as it is known."""
+        ...
 
     @property
     def versions(self) -> dict[str, str]:
