@@ -11,11 +11,12 @@ from scenario_compiler import Outcome, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.lower import Perception
+from scenario_compiler.plan.painted import covered_pieces
 from scenario_compiler.recording.events import write_events
 from scenario_compiler.runtime.log import NAMED
 from scenario_compiler.runtime.messages import TEXTS
 from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot
-from scenario_compiler.worlds.kinematic import KinematicWorld, covered_pieces
+from scenario_compiler.worlds.kinematic import KinematicWorld
 
 FILE = """<scenarios version="1">
   <scenario name="made" map="highway_loop" duration="{duration}" step="0.05" control_every="2">

@@ -72,7 +72,8 @@ KEPT_APART = {
     "runtime": ("languages", "openscenario", "source"),  # a plan that comes from JSON runs without a front end
     "worlds": ("openscenario", "source"),
     "controllers": ("openscenario", "source"),
-    "report": ("languages", "openscenario", "source"),
+    "report": ("languages", "openscenario", "source", "worlds"),
+    "batch": ("worlds",),
 }
 """Rooms below that a room may not import all the same."""
 

@@ -53,7 +53,7 @@ class Distribution:
 
 
 def parse_distribution(text: str) -> Distribution:
-    """Parse the spelling of a distribution; SweepError when it is none."""
+    """Parse the spelling of a distribution; SweepError when it is not one."""
     match = re.fullmatch(r"\s*([a-z]+)\s*\((.*)\)\s*", text, re.DOTALL)
     if match is None or match.group(1) not in DISTRIBUTIONS:
         raise SweepError(f"'{text}' is no distribution; known are {', '.join(DISTRIBUTIONS)}")

@@ -13,7 +13,7 @@ import numpy as np
 
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.break_off import break_off_text
+from scenario_compiler.recording.break_off import QUANTITIES, break_off_text
 from scenario_compiler.recording.criteria import fails, limit_of
 from scenario_compiler.recording.measures import MEASURES, measures_of
 from scenario_compiler.recording.names import CAUSES, STOP_REASONS
@@ -38,9 +38,7 @@ def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[s
         parameters: Each run's values of the plan's parameters.
     """
     stops = [str(STOP_REASONS[code]) for code in totals.code("stop")]
-    flags, flagged, ends = totals.code("flag"), totals.code("flag_at"), totals.last_time.tolist()
-    ids = [entity.id for entity in plan.entities]
-    errors = [break_off_text(code, at, ids, {}, t) for code, at, t in zip(flags, flagged, ends, strict=True)]
+    errors = _errors(plan, totals)
     reached = np.array([stop == "destination" for stop in stops])
     failed: list[list[str]] = [[] for _ in parameters]
     for criterion in plan.criteria:
@@ -66,6 +64,17 @@ def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[s
         values = np.where(sound, measure.total(totals), np.nan) if measure in measured else np.full(len(stops), np.nan)
         columns[measure.name] = [value if math.isfinite(value) else None for value in values.tolist()]
     return columns
+
+
+def _errors(plan: Plan, totals: RunTotals) -> list[str]:
+    """Return why each run broke off; empty for one that did not."""
+    ids = [entity.id for entity in plan.entities]
+    times = totals.raw("flag_time").tolist()
+    values = np.stack([totals.raw(f"flag_{name}") for name in QUANTITIES], axis=1).tolist()
+    return [
+        break_off_text(code, at, ids, dict(zip(QUANTITIES, of_entity, strict=True)), t) if code else ""
+        for code, at, of_entity, t in zip(totals.code("flag"), totals.code("flag_at"), values, times, strict=True)
+    ]
 
 
 def row_of_recording(plan: Plan, recording: Recording) -> Columns:

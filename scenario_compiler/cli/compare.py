@@ -68,7 +68,7 @@ def compare_command(options: argparse.Namespace) -> int:
 
 
 def read_run(path: Path) -> tuple[Recording, Outcome | None]:
-    """Return the recording of a run and, where there is one, its outcome; WrongUse when it is none."""
+    """Return the recording of a run and, where there is one, its outcome; WrongUse when it is not a run."""
     from scenario_compiler.recording.outcome import OutcomeError, read_outcome
     from scenario_compiler.recording.store import RecordingError, read_recording
     from scenario_compiler.recording.trajectory import TrajectoryError, read_trajectory

@@ -109,7 +109,7 @@ class Simulation:
         return bool(self.form.enter("step"))
 
     def look_out(self) -> Outlook:
-        """Return what lies ahead of the ego, as its controller is told."""
+        """Return what lies ahead of the ego, as its controller gets it."""
         out = array("d", bytes(8 * op.OUTLOOK_SIZE))
         count = self.form.enter("look_out", out)
         points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))

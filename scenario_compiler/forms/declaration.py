@@ -242,7 +242,7 @@ def check_columns(program: Any) -> None:
 
 
 def check_values(name: str, values: list[int], allowed: Allowed, program: object) -> None:
-    """Check the values of a column, or some of them; ValueError where one is none of the allowed ones."""
+    """Check the values of a column, or some of them; ValueError where one is not allowed."""
     least, limit = allowed.least, allowed.limit_in(program)
     for value in values:
         if not least <= value < limit:

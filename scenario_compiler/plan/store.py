@@ -57,7 +57,7 @@ def _plain(value: BaseModel | Expression) -> dict[str, Any]:
 
 
 def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
-    """Read a plan; None and a diagnostic for each fault when it is none."""
+    """Read a plan; None and a diagnostic for each fault when it is not a plan."""
     try:
         raw = read_file(path)
     except OSError as error:

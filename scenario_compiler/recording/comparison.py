@@ -90,7 +90,7 @@ class EventPair:
         kind: What happened.
         entity: Id of the entity concerned.
         cause: Why.
-        message: What the driver was told, or a name.
+        message: The message to the driver, or a name.
         first: When, in the first run, s; None where it is not in it.
         second: When, in the second run, s; None where it is not in it.
     """

@@ -27,12 +27,16 @@ class RunTotals:
 
     def column(self, name: str) -> Floats:
         """Return a total of each run, (runs,), NaN where it still has its start value: what it measures was not."""
-        values = self.summaries[:, SUMMARY.index(name)]
+        values = self.raw(name)
         return np.where(values == columns_of(Totals)[name].start, np.nan, values)
+
+    def raw(self, name: str) -> Floats:
+        """Return a total of each run, (runs,), as it stands."""
+        return np.asarray(self.summaries[:, SUMMARY.index(name)])
 
     def code(self, name: str) -> list[int]:
         """Return a code or number of each run."""
-        return [int(value) for value in self.summaries[:, SUMMARY.index(name)]]
+        return [int(value) for value in self.raw(name)]
 
     @cached_property
     def times(self) -> Mapping[EventKind, Floats]:
@@ -42,4 +46,4 @@ class RunTotals:
     @property
     def last_time(self) -> Floats:
         """Time of each run's last row, s, (runs,)."""
-        return np.asarray(self.summaries[:, SUMMARY.index("row_time")])
+        return self.raw("row_time")

@@ -15,11 +15,10 @@ import numpy as np
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan, StartPose
+from scenario_compiler.plan.painted import lines_beside
 from scenario_compiler.report.preview import start_of, way_ahead
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose
-from scenario_compiler.worlds.kinematic import KinematicWorld
-from scenario_compiler.worlds.model import EntityState, Snapshot
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -75,19 +74,17 @@ def start_picture(plan: Plan, network: Network) -> bytes:
     Raises:
         ValueError: No entity has a place before the run.
     """
-    from scenario_compiler.perception.overlay import encode_png
+    from scenario_compiler.perception.overlay import DRIVER, encode_png
+    from scenario_compiler.perception.road_camera import RoadCamera
+    from scenario_compiler.perception.stage import Stage
 
     shown = plan.model_copy(update={"entities": tuple(one for one in plan.entities if one.id in plan.derived)})
-    poses = [_viewpoint(plan, network), *(plan.derived[one.id] for one in shown.entities[1:])]
-    world = KinematicWorld(shown, network)
-    snapshot = Snapshot(
-        t=0.0,
-        frame=0,
-        entities=tuple(EntityState(True, True, Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0)) for one in poses),
-    )
-    world.reset(snapshot, 1)
-    picture = world.picture(snapshot)
-    world.close()
+    starts = [_viewpoint(plan, network), *(plan.derived[one.id] for one in shown.entities[1:])]
+    poses = [Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0) for one in starts]
+    stage = Stage(shown, network, lines_beside(shown, network, poses))
+    boxes = stage.boxes((number, pose, False) for number, pose in enumerate(poses) if number > 0)
+    camera = RoadCamera(stage.scene, DRIVER, 1, plan.ego.vehicle.center)
+    picture = camera.frame(poses[0], boxes, plan.weather, 0.0, 0)
     return encode_png(shrunk(picture, SHRINK))
 
 

@@ -18,6 +18,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from scenario_compiler.plan.painted import mark_stretches
 from scenario_compiler.recording.boxes import corners
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import traces_of
@@ -44,7 +45,6 @@ from scenario_compiler.report.palette import (
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.surroundings import Surroundings, Window, surroundings
 from scenario_compiler.vocabulary.word import number_value
-from scenario_compiler.worlds.kinematic import mark_stretches
 
 STYLE: Any = {
     **LETTERING,

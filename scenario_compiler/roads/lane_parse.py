@@ -45,7 +45,7 @@ BAD_SECTION = Code(
 UNKNOWN_LANE_WORD = Code(
     "SC312",
     "unknown-lane-word",
-    "A lane type, mark type, mark colour or direction is none that OpenDRIVE knows. A default is used in its place."
+    "OpenDRIVE does not define this lane type, mark type, mark colour or direction. A default is used in its place."
     '\n\n    <roadMark sOffset="0" type="dashed" .../>     broken'
     "\n\nWrite a word of the standard.",
     Severity.WARNING,

@@ -1,4 +1,4 @@
-"""The engine's log as rows of events: whom each concerns, why it happened, and what the driver is told of it."""
+"""The engine's log as rows of events: whom each concerns, why it happened, and the message that the driver gets."""
 
 from __future__ import annotations
 

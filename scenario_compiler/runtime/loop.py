@@ -267,9 +267,10 @@ class _Execution:
         st = self.state
         reason = self.broken or STOP_REASONS[st.stop[0]]
         if st.flag[0]:
-            columns = {name: getattr(st, name) for name in QUANTITIES}
+            at = st.flag_at[0]
             ids = [entity.id for entity in self.plan.entities]
-            why = break_off_text(st.flag[0], st.flag_at[0], ids, columns, st.clock[0])
+            values = {name: getattr(st, name)[at] for name in QUANTITIES} if 0 <= at < len(ids) else {}
+            why = break_off_text(st.flag[0], at, ids, values, st.clock[0])
             self.builder.event(st.clock[0], "broken_off", cause=BROKE_OFF.id, message=why)
         self.builder.event(st.clock[0], "stop", message=reason)
         return self.builder.finish(reason, st.flag[0])
@@ -313,7 +314,7 @@ class _Execution:
             self.lanes[column][0] = getattr(boundary, name, math.nan)
 
     def _note_events(self) -> None:
-        """Take down what the engine logged since the last time, and what the driver is told of it."""
+        """Take down what the engine logged since the last time, and the message that the driver gets."""
         for row in self.log.news(self.state):
             self.builder.add(row)
             for told in self.log.messages(row):

@@ -1,4 +1,4 @@
-"""What the driver is told, by language, event, cause and content: one table of texts."""
+"""The messages to the driver, by language, event, cause and content: one table of texts."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ STEP, CONTROL_EVERY = 1.0 / 30.0, 2
 """The toolkit's time step, s, and the number of steps between two control steps."""
 
 MESSAGE = Message.model_construct(modality=("text", "audio"), content=("what", "why"))
-"""How the driver is told: the toolkit writes on the screen and, with --audio, speaks."""
+"""How the driver is informed: the toolkit writes on the screen and, with --audio, speaks."""
 
 DURATION = 60.0
 """Length of a run, s; the toolkit runs until its window is closed."""
@@ -291,7 +291,7 @@ def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: Re
 
 
 def _pose(name: str, text: str) -> Waypoint | None:
-    """Return the pose X,Y or X,Y,YAW, degrees; None when the text is none."""
+    """Return the pose X,Y or X,Y,YAW, degrees; None when the text is not a pose."""
     try:
         x, y, *rest = (float(part) for part in text.split(","))
     except ValueError:

@@ -70,7 +70,7 @@ def _counts(axis: Axis) -> bool:
 
 
 def _check_constraint(constraint: Constraint, declared: Declared, sink: Diagnostics) -> None:
-    """Report a constraint that cannot be read or names parameters that there are none."""
+    """Report a constraint that cannot be read or names parameters that are not declared."""
     place = constraint.place_of("holds")
     try:
         expression = parse_expression(constraint.holds)

@@ -28,7 +28,7 @@ INTEGER = r"[+\-]?[0-9]{1,9}"
 """A whole number as XML writes it."""
 
 EXPRESSION = r"[$][A-Za-z_][A-Za-z0-9_.]*|[$]\{[ \t\r\n]*[^{} \t\r\n][^{}]*\}"
-"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal; `${}` is none.
+"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal; `${}` is not an expression.
 
 What an expression comes to is no matter of form: a schema takes any for any value, and the reader judges the value.
 """

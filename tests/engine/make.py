@@ -328,6 +328,7 @@ class Draft:
         p.action_point.append(0)
         p.action_points.append(0)
         p.action_drives_on.append(0)
+        p.action_piece.append(p.piece_count[0])
         p.action_count[0] += 1
         return p.action_count[0] - 1
 

@@ -52,6 +52,7 @@ SIGNAL_CONTROLLER = Of("controller of signals", lambda p: p.controller_count[0])
 PHASE = Of("phase", lambda p: len(p.phase_name))
 LIGHT = Of("state of a signal", lambda p: len(p.light_signal))
 ACTION = Of("action", lambda p: p.action_count[0])
+PIECE = Of("piece of a plan of speeds", lambda p: p.piece_count[0])
 POINT = Of("point of a path", lambda p: len(p.point_position))
 INIT = Of("action of the init", lambda p: p.init_count[0])
 CAUSE = fixed("cause", op.CAUSES)
@@ -101,6 +102,7 @@ class Program:
     action_count: list[int] = column(RUN, 0, COUNT)
     init_count: list[int] = column(RUN, 0, COUNT)
     vertex_count: list[int] = column(RUN, 0, COUNT)
+    piece_count: list[int] = column(RUN, 0, COUNT)
     span_count: list[int] = column(RUN, 0, COUNT)
     traffic_count: list[int] = column(RUN, 0, COUNT)
     """Number of entities that are background traffic."""
@@ -136,6 +138,8 @@ class Program:
     track_kind: list[int] = column(TRACK, 0, codes(op.TRACK_NURBS + 1))
     track_closed: list[int] = column(TRACK, 0, FLAG)
     """1 where a trajectory goes on at its begin."""
+    track_raised: list[int] = column(TRACK, 0, FLAG)
+    """1 where positions of a trajectory give heights."""
     track_order: list[int] = column(TRACK, 0, whole(0, 1000))
     """Order of a NURBS."""
     track_corner: list[int] = row_starts(TRACK, CORNER)
@@ -257,6 +261,8 @@ class Program:
     """Number of its points."""
     action_drives_on: list[int] = column(ACTION, 0, FLAG)
     """1 where the entity goes on along the lane at the end of its path."""
+    action_piece: list[int] = row_starts(ACTION, PIECE)
+    """Pieces of the plan of a speed profile."""
     point_position: list[int] = column(POINT, 0, index(POSITION))
     point_const: list[int] = column(POINT, 0, SLOT)
     init_action: list[int] = column(INIT, 0, index(ACTION))

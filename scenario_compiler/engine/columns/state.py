@@ -15,6 +15,7 @@ from scenario_compiler.engine.columns.program import (
     ELEMENT,
     ENTITY,
     FAILURE,
+    PIECE,
     POSITION,
     RING,
     SIGNAL,
@@ -83,8 +84,10 @@ class State:
     turn: list[float] = column(ENTITY)
     """Heading relative to `facing` along the lane."""
     kept_lane: list[int] = column(ENTITY)
-    """Lane that a scripted entity is led by: its own, or the target of a lane change."""
+    """Lane that a scripted entity is led by: the one it belongs to, or the target of a lane change."""
     kept_off: list[float] = column(ENTITY)
+    changing: list[int] = column(ENTITY)
+    """1 where a lane change leads the entity, until it settles: it belongs to the lane that its point is in."""
     here_road: list[int] = column(ENTITY, op.NONE)
     """Where the lane's row and the road's piece below were found last: road and lane."""
     here_lane: list[int] = column(ENTITY)
@@ -201,13 +204,22 @@ class State:
     action_span: list[float] = column(ACTION)
     action_from: list[float] = column(ACTION)
     action_change: list[float] = column(ACTION)
+    action_phase: list[int] = column(ACTION)
+    """Phase that an action is in, of those that go through several."""
     action_a: list[float] = column(ACTION)
     """Free memory of whoever executes the action; so is `action_b`."""
     action_b: list[float] = column(ACTION)
+    piece_time: list[float] = column(PIECE)
+    """Plans of speed profiles: from when a piece holds, its speed and acceleration then, and its jerk."""
+    piece_speed: list[float] = column(PIECE)
+    piece_slope: list[float] = column(PIECE)
+    piece_jerk: list[float] = column(PIECE)
     track_x: list[float] = column(VERTEX)
     """Vertices of trajectories, as they lay when their action began last."""
     track_y: list[float] = column(VERTEX)
     track_h: list[float] = column(VERTEX)
+    track_z: list[float] = column(VERTEX)
+    track_pitch: list[float] = column(VERTEX)
     track_s: list[float] = column(VERTEX)
     track_time: list[float] = column(VERTEX)
     track_v: list[float] = column(VERTEX)

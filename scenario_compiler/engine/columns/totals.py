@@ -27,6 +27,13 @@ class Totals:
     stop: list[int] = column(RUN, op.STOP_NONE)
     flag: list[int] = column(RUN, op.FAULT_NONE)
     flag_at: list[int] = column(RUN, op.NONE)
+    flag_time: list[float] = column(RUN, -1.0)
+    flag_x: list[float] = column(RUN)
+    """Of the entity that the fault is about, at that time: its place, heading, speed and steering angle."""
+    flag_y: list[float] = column(RUN)
+    flag_h: list[float] = column(RUN)
+    flag_v: list[float] = column(RUN)
+    flag_steer: list[float] = column(RUN)
     time_warning: list[float] = column(RUN, -1.0)
     time_request: list[float] = column(RUN, -1.0)
     time_escalation: list[float] = column(RUN, -1.0)

@@ -1,4 +1,4 @@
-"""What the ego's controller is told of the way ahead: the leader that the sensor sees, and the planned way.
+"""What the ego's controller knows of the way ahead: the leader that the sensor sees, and the planned way.
 
 The way is the middle of the lanes that the plan's route leads over; without a route, and off it, of those that go on
 straight. It ends where the lanes do.

@@ -46,13 +46,27 @@ def judge_row(st: State, m: Totals) -> None:
 
 
 @compiled
+def note_fault(st: State, m: Totals) -> None:
+    """Take over what broke the run off, and the numbers of the entity that it is about."""
+    m.flag[0] = st.flag[0]
+    m.flag_at[0] = st.flag_at[0]
+    m.flag_time[0] = st.clock[0]
+    at = st.flag_at[0]
+    if st.flag[0] != op.FAULT_NONE and 0 <= at < len(st.x):
+        m.flag_x[0] = st.x[at]
+        m.flag_y[0] = st.y[at]
+        m.flag_h[0] = st.h[at]
+        m.flag_v[0] = st.v[at]
+        m.flag_steer[0] = st.steer[at]
+
+
+@compiled
 def finish_totals(st: State, m: Totals) -> None:
     """Add the last row, after which none follows, and how the run ended."""
     judge_row(st, m)
     add_keeping(m, 0)
     m.stop[0] = st.stop[0]
-    m.flag[0] = st.flag[0]
-    m.flag_at[0] = st.flag_at[0]
+    note_fault(st, m)
     asked = first_logged(st, op.EVENT_REQUEST)
     if asked >= 0:
         m.asked_for[0] = st.log_value[asked]

@@ -95,7 +95,7 @@ MESSAGE = Entry(
     ("message",),
     message_row,
     whose="ego",
-    told=Told("message", "The driver is told `message`; `cause` is the modality."),
+    told=Told("message", "The driver gets `message`; `cause` is the modality."),
 )
 STOP = Entry(("stop",), stop_row, start_stop, whose="run")
 COMMAND = Entry(

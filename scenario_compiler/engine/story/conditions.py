@@ -1,7 +1,7 @@
 """When a condition fires: its value for its triggering entities, then its edge and its delay.
 
 A condition is evaluated on the states before the step. Edges need an earlier evaluation that is forgotten whenever the
-edge fires, and a delay shifts the record of the edge's results in time: all as in esmini 3.6.
+trigger fires, and a delay shifts the record of the edge's results in time: all as in esmini 3.6.
 """
 
 from __future__ import annotations
@@ -25,10 +25,7 @@ def edge_of(p: Program, st: State, c: int, now: int) -> int:
         return 0
     before = st.condition_before[c]
     st.condition_before[c] = now
-    if before == 1 - now and edge != (op.EDGE_FALLING if now == 1 else op.EDGE_RISING):
-        st.condition_before[c] = op.NONE
-        return 1
-    return 0
+    return 1 if before == 1 - now and edge != (op.EDGE_FALLING if now == 1 else op.EDGE_RISING) else 0
 
 
 @compiled

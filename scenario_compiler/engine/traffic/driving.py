@@ -163,7 +163,7 @@ def choose_turn(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def acceleration_behind(p: Program, i: int, v: float, wish: float, gap: float, lead: float) -> float:
-    """Return the acceleration of a driver behind a vehicle; a gap that is none asks for the full brake."""
+    """Return the acceleration of a driver behind a vehicle; a gap that is negative or NaN asks for the full brake."""
     if gap < 0.1:
         return idm_acceleration(p, i, v, wish, 0.1, lead)
     return idm_acceleration(p, i, v, wish, gap, lead)

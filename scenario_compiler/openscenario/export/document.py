@@ -57,14 +57,14 @@ _TRAFFIC = ("traffic", "walker")
 def export_openscenario(
     plan: Plan, network: Network, road_file: str, version: Version, sink: Diagnostics, scenario: Scenario | None = None
 ) -> etree._Element:
-    """Return a plan as the <OpenSCENARIO> element of a version; what cannot be said is told.
+    """Return a plan as the <OpenSCENARIO> element of a version; what OpenSCENARIO cannot express is reported.
 
     Args:
         plan: The plan.
         network: Its map.
         road_file: The OpenDRIVE file, as the file is to name it.
         version: The version.
-        sink: Where it is told what cannot be said.
+        sink: Where what OpenSCENARIO cannot express is reported.
         scenario: What the plan was made from, where it is at hand: a plan has lost what its traffic came from.
     """
     values = parameter_values(plan.parameters)
@@ -145,7 +145,7 @@ class _Export:
                 kept += self.writer.kept
             element.append(scenario_object(entity, kept, self.output))
         if not self.entities and self.writer.kept:
-            message = "a scenario without entities has no place for what OpenSCENARIO cannot say"
+            message = "a scenario without entities has no place for what OpenSCENARIO cannot express"
             self.output.sink.add(LOST, message, FilePlace(self.plan.name))
         return element
 

@@ -39,7 +39,7 @@ UNKNOWN_VARIABLE = Code(
 WRONG_VALUE = Code(
     "SC276",
     "variable-value",
-    "A value is none of the variable's type: a text where a number is due, or a sum with a text."
+    "A value is not of the variable's type: a text where a number is due, or a sum with a text."
     '\n\n    <variable name="open" type="boolean" value="false"/>'
     '\n    <do><set_variable variable="open" value="yes"/></do>     booleans are true or false',
 )

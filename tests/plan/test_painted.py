@@ -13,10 +13,10 @@ from scenario_compiler.compiler import Compilation, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.perception.road_camera import RoadCamera, scene_of
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.painted import lines_beside, mark_stretches, secondary_lines
 from scenario_compiler.roads import MarkStretch, Pose, SecondaryLine
 from scenario_compiler.vocabulary.markings import SecondaryMarkings
 from scenario_compiler.worlds import EntityState, Snapshot
-from scenario_compiler.worlds.kinematic import lines_beside, mark_stretches, secondary_lines
 
 HEAD = """<scenarios version="1"><scenario name="paint" map="town_grid" duration="5">
 <parameter name="side" type="length" default="-1.5"/>
