@@ -13,6 +13,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from scenario_compiler.cli.reference import commands_page
+from scenario_compiler.controllers.reference import controllers_page
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
 from scenario_compiler.coverage.openscenario import openscenario_table
 from scenario_compiler.coverage.table import Table, as_markdown
@@ -72,11 +73,12 @@ def _openscenario_with_tests() -> Table:
 
 PAGES: dict[str, Callable[[], str]] = {
     "commands.md": commands_page,
+    "controllers.md": controllers_page,
     "coverage.md": coverage_page,
     "language.md": language_reference,
     "run-folder.md": run_folder_page,
 }
-"""The same for pages of docs/: the commands, what of each language is executed, the language, what a run leaves."""
+"""The same for pages of docs/."""
 
 
 def main() -> int:

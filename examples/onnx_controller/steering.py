@@ -2,8 +2,8 @@
 
 scenario-compiler run examples/onnx_controller/keep_lane.xml --trust examples/onnx_controller/steering.py
 
-The network sees the lower half of the image as 48 x 16 grey levels and says how far to the left the middle of the lane is,
-8, 14 and 22 m ahead of the rear axle. `train.py` makes it.
+The network sees the lower half of the image as 48 x 16 grey levels and says how far to the left the middle of the lane
+is, 8, 14 and 22 m ahead of the rear axle. `train.py` makes it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ def network_input(image: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Return the lower half of a BGR image as (1, 1, HEIGHT, WIDTH) float32, of mean 0 and deviation 1."""
     grey = cv2.cvtColor(image[image.shape[0] // 2 :], cv2.COLOR_BGR2GRAY)
     small = cv2.resize(grey, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA).astype(np.float32)
-    return ((small - small.mean()) / (small.std() + 1.0))[None, None]
+    normal: NDArray[np.float32] = (small - small.mean()) / (small.std() + 1.0)
+    return normal[None, None]
 
 
 class NetworkSteering(ControllerModel):

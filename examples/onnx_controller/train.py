@@ -2,8 +2,8 @@
 
 python examples/onnx_controller/train.py [FILE]          (FILE is lane_ahead.onnx beside this script unless given)
 
-It needs `onnx` (`pip install scenario-compiler[examples]`); the controller does not. One hidden layer, trained with Adam
-(Kingma and Ba 2015) in numpy: 40 s on one core.
+It needs `onnx` (`pip install scenario-compiler[examples]`); the controller does not. The network has one hidden layer
+and is trained with Adam (Kingma and Ba 2015) in numpy.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 import onnx
 from numpy.typing import NDArray
 from onnx import TensorProto, helper, numpy_helper
-from steering import DISTANCES, HEIGHT, WIDTH, network_input
+from steering import DISTANCES, HEIGHT, WIDTH, network_input  # type: ignore[import-not-found]
 
 from scenario_compiler import Network, Weather, find_map, load_network, weather_preset
 from scenario_compiler.perception import RoadCamera, scene_of
@@ -111,7 +111,7 @@ def main() -> None:
     """Train, say how far off the network is on pictures that it has not seen, write it."""
     parser = argparse.ArgumentParser(description="Train the network of steering.py and write it as ONNX.")
     parser.add_argument("file", nargs="?", type=Path, default=Path(__file__).with_name("lane_ahead.onnx"))
-    parser.add_argument("--pictures", type=int, default=4000, help="pictures that it is trained on")
+    parser.add_argument("--pictures", type=int, default=5000, help="pictures that it is trained on")
     parser.add_argument("--rounds", type=int, default=60, help="how often each picture is shown")
     options = parser.parse_args()
     draw = np.random.default_rng(1)
