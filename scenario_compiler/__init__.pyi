@@ -123,6 +123,8 @@ from scenario_compiler.vocabulary.criteria import ReachDestination as ReachDesti
 from scenario_compiler.vocabulary.criteria import Requested as Requested
 from scenario_compiler.vocabulary.criteria import StayOnRoad as StayOnRoad
 from scenario_compiler.vocabulary.criteria import TakeoverWithin as TakeoverWithin
+from scenario_compiler.vocabulary.driver import Driver as Driver
+from scenario_compiler.vocabulary.driver import DriverModel as DriverModel
 from scenario_compiler.vocabulary.entities import Controller as Controller
 from scenario_compiler.vocabulary.entities import Dynamic as Dynamic
 from scenario_compiler.vocabulary.entities import Ego as Ego
@@ -193,8 +195,6 @@ from scenario_compiler.vocabulary.storyboard import Trigger as Trigger
 from scenario_compiler.vocabulary.storyboard import TriggerCondition as TriggerCondition
 from scenario_compiler.vocabulary.storyboard import When as When
 from scenario_compiler.vocabulary.takeover import Cause as Cause
-from scenario_compiler.vocabulary.takeover import Driver as Driver
-from scenario_compiler.vocabulary.takeover import DriverModel as DriverModel
 from scenario_compiler.vocabulary.takeover import Message as Message
 from scenario_compiler.vocabulary.takeover import Takeover as Takeover
 from scenario_compiler.vocabulary.variables import Variable as Variable

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from scenario_compiler.batch.codebook import OUTCOME
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import QUANTITIES, break_off_text
@@ -24,9 +25,6 @@ from scenario_compiler.recording.totals import RunTotals
 
 Columns = dict[str, list[Any]]
 """Rows by column."""
-
-OUTCOME = ("result", "error", "stop_reason", "duration", "resolution", "cause", "collision_with", "failed")
-"""Columns of the outcome, before the measures."""
 
 
 def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[str, Value]]) -> Columns:

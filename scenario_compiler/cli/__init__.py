@@ -22,6 +22,7 @@ from scenario_compiler.cli import (
     export,
     library,
     maps,
+    report,
     run,
     sweep,
     validate,
@@ -32,7 +33,7 @@ from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
+GROUPS = (validate, run, report, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
 """Groups of commands, in the order of the help."""
 
 

@@ -22,7 +22,7 @@ from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin,
 from scenario_compiler.plan.paint import check_paint
 from scenario_compiler.plan.places import rooms_needed, spans_of
 from scenario_compiler.plan.provenance import origin_at
-from scenario_compiler.plan.standing import Standing, after_init, stands_at
+from scenario_compiler.plan.standing import Standing, after_init, standings_of, stands_at
 from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
@@ -91,7 +91,6 @@ class PlanDraft:
     whole: bool
     entities: list[Entity] = field(default_factory=list)
     standings: dict[str, Standing] = field(default_factory=dict)
-    unresolved: set[str] = field(default_factory=set)
     destination: LanePositionWord | None = None
     route: tuple[RouteLeg, ...] = ()
     storyboard: Storyboard = field(default_factory=Storyboard.model_construct)
@@ -136,6 +135,9 @@ def lower(
         control_every=scenario.control_every,
         duration=draft.duration,
         parameters=draft.parameters,
+        limits=tuple(
+            limit for limit in scenario.limits if parameters_in(limit) <= {one.name for one in draft.parameters}
+        ),
         weather=scenario.weather,
         entities=tuple(draft.entities),
         camera=Camera.model_construct() if ego is None else ego.camera,
@@ -172,9 +174,9 @@ def bind_entities(draft: PlanDraft) -> None:
         if start is not None:
             starts[entity.id] = start
         draft.entities.append(make_entity(entity, start or written, vehicle))
-    resolve_starts(draft, starts)
+    draft.standings, circular = standings_of(draft.binder, starts)
     for name in starts:
-        if name in draft.unresolved:
+        if name in circular:
             message = f"the start of '{name}' depends on itself"
             draft.sink.add(POSITION_CYCLE, message, starts[name].origin)
 
@@ -182,21 +184,6 @@ def bind_entities(draft: PlanDraft) -> None:
 def written_entities(scenario: Scenario) -> tuple[Ego | Static | Dynamic, ...]:
     """Return the entities as they were written, an automated vehicle first."""
     return scenario.actors if scenario.ego is None else (scenario.ego, *scenario.actors)
-
-
-def resolve_starts(draft: PlanDraft, starts: Mapping[str, BoundPosition]) -> None:
-    """Find every start's lane and pose, those that stand relative to another entity after that one."""
-    waiting = dict(starts)
-    while waiting:
-        ready = {name: start for name, start in waiting.items() if getattr(start, "entity", None) not in waiting}
-        if not ready:
-            draft.unresolved.update(waiting)
-            return
-        for name, start in ready.items():
-            del waiting[name]
-            found = stands_at(draft.binder, start, draft.standings)
-            if found is not None:
-                draft.standings[name] = found
 
 
 def start_of(entity: Ego | Static | Dynamic) -> Position | None:

@@ -18,11 +18,20 @@ from scenario_compiler.engine.measures.lane_keeping import JUMP, SETTLING
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
+from scenario_compiler.recording.inputs import (
+    braking_time,
+    braking_total,
+    input_time,
+    input_total,
+    steering_time,
+    steering_total,
+)
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.on_path import least_time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
+from scenario_compiler.vocabulary.criteria import HORIZON
 
 
 class Timed(Protocol):
@@ -71,6 +80,16 @@ def total(name: str) -> Callable[[RunTotals], Floats]:
 def takeover_time(runs: Timed) -> Floats:
     """Time from the request to the driver's response."""
     return _after_request(runs, runs.times["response"])
+
+
+def eyes_on_time(runs: Timed) -> Floats:
+    """Time from the request until the driver's eyes are on the road."""
+    return _after_request(runs, runs.times["eyes_on"])
+
+
+def hands_on_time(runs: Timed) -> Floats:
+    """Time from the request until the driver's hands are on the wheel."""
+    return _after_request(runs, runs.times["hands_on"])
 
 
 def first_brake_time(traces: Traces) -> Floats:
@@ -265,6 +284,51 @@ MEASURES: tuple[Measure, ...] = (
         takeover_time,
     ),
     Measure(
+        "eyes_on_time",
+        "s",
+        "Time from the request until the driver's eyes are on the road.",
+        "no request, or a driver who never answers",
+        eyes_on_time,
+        eyes_on_time,
+    ),
+    Measure(
+        "hands_on_time",
+        "s",
+        "Time from the request until the driver's hands are on the wheel.",
+        "no request, or a driver who never answers",
+        hands_on_time,
+        hands_on_time,
+    ),
+    Measure(
+        "steering_time",
+        "s",
+        "Time from the request to the first row from the response on in which the steering wheel has been turned "
+        "since the response by more than `steering` of <inputs>: 2 degrees, with a steering ratio of 16, by default.",
+        "no response, or no steering after it",
+        steering_time,
+        steering_total,
+        "after Gold et al. 2013, not verified",
+    ),
+    Measure(
+        "braking_time",
+        "s",
+        "Time from the request to the first row from the response on in which the brake is pressed by more than "
+        "`brake` of <inputs>: 10 % by default.",
+        "no response, or no braking after it",
+        braking_time,
+        braking_total,
+        "after Gold et al. 2013, not verified",
+    ),
+    Measure(
+        "input_time",
+        "s",
+        "Time from the request to the first steering or braking: the lesser of steering_time and braking_time.",
+        "no response, or no input after it",
+        input_time,
+        input_total,
+        "after Gold et al. 2013, not verified",
+    ),
+    Measure(
         "first_brake_time",
         "s",
         "Time from the request to the first row from the response on in which the brake is pressed by more than "
@@ -305,8 +369,8 @@ MEASURES: tuple[Measure, ...] = (
         "s",
         "Least over the run of gap over closing speed to any entity whose box lies across the path ahead: as wide as "
         "the vehicle, with the curvature it drives at that moment, which is known from the second row on. The gap is "
-        "to the part of the box within the path; 0 while boxes overlap.",
-        "nothing in the path is ever closed in on",
+        f"to the part of the box within the path; 0 while boxes overlap. {HORIZON:g} s or more counts as none.",
+        f"nothing in the path would ever be reached within {HORIZON:g} s",
         minimum_time_to_collision,
         total("least_time_to_collision"),
         of_takeover=False,

@@ -44,6 +44,7 @@ CAUSES: dict[int, str] = {
     opcodes.CAUSE_LANE_CONFIDENCE: "lane_confidence",
     opcodes.CAUSE_PATH_BLOCKED: "path_blocked",
     opcodes.CAUSE_LANE_ENDS: "lane_ends",
+    opcodes.CAUSE_NO_PROGRESS: "no_progress",
 }
 
 EVENT_TEXTS: dict[EventKind, str] = {

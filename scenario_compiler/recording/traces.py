@@ -12,17 +12,22 @@ from numpy.typing import NDArray
 
 from scenario_compiler.engine.measures.rows import STILL
 from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Booleans, Floats, Integers, Recording
+from scenario_compiler.vocabulary.word import number_value
 
 TIMED_EVENTS: tuple[EventKind, ...] = (
     "warning",
     "request",
     "escalation",
+    "eyes_on",
+    "hands_on",
     "response",
     "minimum_risk",
     "standstill",
+    "no_progress",
     "collision",
 )
 """Events whose first time counts in a measure."""
@@ -35,6 +40,27 @@ SINGLE = 1e-5
 
 ROUNDING = 1e-4
 """Slack of bounds of distances besides, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class InputLimits:
+    """What counts as an input of the driver.
+
+    Attributes:
+        steering: Change of the angle of the steering wheel, rad, that is more than none.
+        brake: Position of the brake pedal that is more than none.
+        steering_ratio: Angle of the steering wheel over that of the front wheels.
+    """
+
+    steering: float
+    brake: float
+    steering_ratio: float
+
+
+def input_limits(plan: Plan, parameters: Mapping[str, Value]) -> InputLimits:
+    """Return what counts as an input of the driver, at values of the plan's parameters."""
+    said = plan.takeover.inputs
+    return InputLimits(*(number_value(one, parameters) for one in (said.steering, said.brake, said.steering_ratio)))
 
 
 @dataclass(frozen=True)
@@ -83,6 +109,7 @@ class Traces:
         lane: (..., n, m), lane id, 0 off the lanes.
         s: (..., n, m), m.
         off: (..., n, m), m left of the lane's centre in the road's s direction.
+        steer: (..., n, m), rad, of the front wheels, positive to the left.
         brake: (..., n, m), 0 to 1.
         cause: (..., n), code.
         confidence_left: (..., n); confidence_right likewise.
@@ -93,6 +120,7 @@ class Traces:
         width: (m,), m.
         height: (m,), m.
         center: (m,), m from the reference point forward to the box's centre.
+        inputs: What counts as the driver's input.
         times: First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened.
     """
 
@@ -108,6 +136,7 @@ class Traces:
     lane: Integers
     s: Floats
     off: Floats
+    steer: Floats
     brake: Floats
     cause: Integers
     confidence_left: Floats
@@ -118,6 +147,7 @@ class Traces:
     width: Floats
     height: Floats
     center: Floats
+    inputs: InputLimits
     times: Mapping[EventKind, Floats]
 
     def between(self, begin: Floats, end: Floats | None = None) -> Booleans:
@@ -183,7 +213,7 @@ class Traces:
 def traces_of(plan: Plan, recording: Recording) -> Traces:
     """Return the arrays of one run, without leading axes."""
     same = (
-        *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "brake", "cause"),
+        *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "lane_end_distance"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
@@ -193,6 +223,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         width=np.array([vehicle.width for vehicle in vehicles]),
         height=np.array([vehicle.height for vehicle in vehicles]),
         center=np.array([vehicle.center for vehicle in vehicles]),
+        inputs=input_limits(plan, recording.header.parameters),
         times={kind: np.asarray(_first(recording, kind)) for kind in TIMED_EVENTS},
     )
 

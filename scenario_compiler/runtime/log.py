@@ -79,6 +79,8 @@ class EventLog:
         told = ACTIONS[NUMBERS[word.tag()]].told
         if isinstance(word, MessageAction):
             for modality in word.modality:
+                if modality == "none":
+                    continue
                 yield EventRow(t=t, kind="message", cause=modality, message=word.text)
         elif told is not None:
             about, what = told.words(word)

@@ -35,6 +35,7 @@ TEXTS: dict[Language, Texts] = {
             "sensor_health": "the camera is failing",
             "path_blocked": "the path ahead is blocked",
             "lane_ends": "the lane ends and the lane beside is not free",
+            "no_progress": "the car does not get on",
             "controller": "the automation asks for it",
         },
         next={
@@ -42,6 +43,7 @@ TEXTS: dict[Language, Texts] = {
             "sensor_health": "steer and keep the lane",
             "path_blocked": "brake or go around",
             "lane_ends": "find a gap or stop before the end",
+            "no_progress": "find a way on",
             "controller": "steer and mind the road",
         },
     ),
@@ -57,6 +59,7 @@ TEXTS: dict[Language, Texts] = {
             "sensor_health": "die Kamera fällt aus",
             "path_blocked": "der Weg voraus ist versperrt",
             "lane_ends": "der Fahrstreifen endet, und der Nachbarstreifen ist nicht frei",
+            "no_progress": "das Fahrzeug kommt nicht weiter",
             "controller": "die Automation fordert es an",
         },
         next={
@@ -64,6 +67,7 @@ TEXTS: dict[Language, Texts] = {
             "sensor_health": "lenken und den Fahrstreifen halten",
             "path_blocked": "bremsen oder ausweichen",
             "lane_ends": "eine Lücke suchen oder vor dem Ende anhalten",
+            "no_progress": "einen Weg weiter suchen",
             "controller": "lenken und auf die Straße achten",
         },
     ),
@@ -88,10 +92,11 @@ def message_text(event: str, cause: str, content: tuple[Content, ...], language:
 
 
 def messages(policy: Takeover, event: str, cause: str) -> list[tuple[str, str]]:
-    """Return (modality, text) of every message that a policy gives at an event."""
+    """Return (modality, text) of every message that a policy gives at an event; the modality `none` gives none."""
     told = [
         (modality, message_text(event, cause, message.content, message.language))
         for message in policy.messages
         for modality in message.modality
+        if modality != "none"
     ]
     return [(modality, text) for modality, text in told if text]

@@ -5,6 +5,12 @@ from typing import Literal
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
+HORIZON = 30.0
+"""Time from which on there is no time to collision, s: nobody keeps speed and path unchanged for so long.
+
+The number is our own choice. Speeds that are almost equal would otherwise give times of hours, which say nothing.
+"""
+
 
 class NoCollision(Word):
     """The ego vehicle touches no other entity."""
@@ -29,7 +35,7 @@ class MinimumTimeToCollision(Word):
 
     word: Literal["minimum_time_to_collision"] = "minimum_time_to_collision"
 
-    at_least: Number = attribute("Least time to collision, s.", quantity="time", minimum=0)
+    at_least: Number = attribute("Least time to collision, s.", quantity="time", minimum=0, maximum=HORIZON)
 
 
 class TakeoverWithin(Word):
@@ -54,6 +60,16 @@ class NoMinimumRisk(Word):
     word: Literal["no_minimum_risk"] = "no_minimum_risk"
 
 
+class MakesProgress(Word):
+    """The automated vehicle never stands without a reason for as long as the cause `no_progress` allows (5 s).
+
+    Reasons are a leader that moves or a queue behind one, a red signal, a stop that an action orders, and a
+    minimum-risk stop.
+    """
+
+    word: Literal["makes_progress"] = "makes_progress"
+
+
 class MaximumLateralOffset(Word):
     """The ego vehicle's reference point stays near the middle of a lane."""
 
@@ -70,5 +86,6 @@ Criterion = (
     | TakeoverWithin
     | Requested
     | NoMinimumRisk
+    | MakesProgress
     | MaximumLateralOffset
 )

@@ -13,7 +13,16 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program import build_program
 from scenario_compiler.engine.simulation import Simulation
-from tests.conformance.esmini import FEATURES, STEP, Comparison, RecordedRun, compare, recorded, recorded_runs, simulated
+from tests.conformance.esmini import (
+    FEATURES,
+    STEP,
+    Comparison,
+    RecordedRun,
+    compare,
+    recorded,
+    recorded_runs,
+    simulated,
+)
 from tests.conformance.explained import DECISIONS, EXPLAINED
 from tests.conformance.matrix import backings, laws_stated
 from tests.conformance.page import matrix_lines
@@ -47,7 +56,7 @@ def test_decisions_and_laws_are_of_variants_that_there_are() -> None:
 
 
 def test_a_road_file_with_an_offset_is_met_on_its_road(golden: Path) -> None:
-    folder = golden.parent / FEATURES
+    folder = golden / FEATURES
     sink = Diagnostics()
     overrides = Overrides(perception="ideal", step=STEP)
     done = compile_target(folder / "header_offset_world.xosc", {}, sink, overrides=overrides)

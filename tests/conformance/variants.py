@@ -58,8 +58,9 @@ def _gap(action: str) -> Iterator[tuple[str, str]]:
     for continuous in ("true", "false"):
         yield ("continuous" if continuous == "true" else "once"), f"//{action}[@continuous='{continuous}']"
     for freespace in ("true", "false"):
-        yield ("between boxes" if freespace == "true" else "between reference points"), (
-            f"//{action}[@freespace='{freespace}']"
+        yield (
+            ("between boxes" if freespace == "true" else "between reference points"),
+            (f"//{action}[@freespace='{freespace}']"),
         )
     sides = ("trailing", "leading") if action == "LongitudinalDistanceAction" else ("leftTo", "rightTo")
     for side in sides:
@@ -122,8 +123,9 @@ def _distance_condition(condition: str) -> Iterator[tuple[str, str]]:
     for kind in ("longitudinal", "lateral", "euclidianDistance", "cartesianDistance"):
         yield kind, f"//{condition}[@relativeDistanceType='{kind}']"
     for freespace in ("true", "false"):
-        yield ("between boxes" if freespace == "true" else "between reference points"), (
-            f"//{condition}[@freespace='{freespace}']"
+        yield (
+            ("between boxes" if freespace == "true" else "between reference points"),
+            (f"//{condition}[@freespace='{freespace}']"),
         )
 
 

@@ -84,6 +84,8 @@ CAR = (4.5, 1.8, 1.5, 2.7, 1.4, 0.6, 3.5, 8.0, 60.0)
 FOLLOW = (1.5, 2.0, 1.5, 2.0)
 TOWING = (-1.0, 3.0)
 """x of hitch and coupler."""
+PITCHING = (0.0035,)
+"""Pitch of the body in braking, rad per m/s2."""
 USUAL = {
     slots.K_STEP: 0.05,
     slots.K_DURATION: 30.0,
@@ -109,6 +111,13 @@ USUAL = {
     slots.K_GAP_FRONT: 1.0,
     slots.K_GAP_REAR: 2.0,
     slots.K_DRIVER_TIME: 2.0,
+    slots.K_NO_PROGRESS_AFTER: 5.0,
+    slots.K_EYES_ON: 0.3,
+    slots.K_HANDS_ON: 0.4,
+    slots.K_STAGE_SPREAD: 0.4,
+    slots.K_INPUT_STEERING: 0.035,
+    slots.K_INPUT_BRAKE: 0.1,
+    slots.K_STEERING_RATIO: 16.0,
 }
 
 
@@ -128,6 +137,7 @@ class Draft:
             op.CAUSE_LANE_CONFIDENCE,
             op.CAUSE_PATH_BLOCKED,
             op.CAUSE_LANE_ENDS,
+            op.CAUSE_NO_PROGRESS,
         )
 
     def causes(self, *codes: int) -> None:
@@ -188,7 +198,9 @@ class Draft:
         p.entity_guide.append(op.NONE)
         p.entity_seed.append(op.NONE)
         p.entity_present.append(1)
-        p.entity_const.append(self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING))
+        p.entity_const.append(
+            self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING, *PITCHING)
+        )
         if motion in (op.MOTION_BICYCLE, op.MOTION_POSED):
             p.ego[0] = at
         return at

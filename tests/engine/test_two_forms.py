@@ -91,16 +91,30 @@ def random_draft(number: int) -> Draft:
     for slot, low, high in (
         (slots.K_DURATION, 5.0, 25.0),
         (slots.K_NOISE, 0.0, 60.0),
-        (slots.K_DRIVER_TIME, 0.0, 14.0),
+        (slots.K_DRIVER_TIME, 0.0, 8.0),
         (slots.K_BUDGET, 2.0, 9.0),
         (slots.K_SENSOR_RANGE, 20.0, 160.0),
         (slots.K_FIELD_OF_VIEW, 0.2, 6.0),
         (slots.K_HAND_BACK_AFTER, -1.0, 3.0),
+        (slots.K_DRIVER_MU, 0.0, 1.0),
         (slots.K_DRIVER_SIGMA, 0.0, 0.5),
         (slots.K_DRIVER_LAPSE, -0.5, 0.5),
+        (slots.K_DRIVER_PERSON, 0.0, 1.0),
+        (slots.K_DRIVER_LATE, -0.5, 0.5),
+        (slots.K_DRIVER_LATEST, 0.0, 12.0),
+        (slots.K_EYES_ON, 0.05, 0.9),
+        (slots.K_HANDS_ON, 0.05, 0.9),
+        (slots.K_STAGE_SPREAD, 0.0, 1.0),
+        (slots.K_EFFECT_REQUEST, -2.0, 2.0),
+        (slots.K_EFFECT_REPETITION, -2.0, 0.0),
+        (slots.K_EFFECT_BUDGET, -0.5, 0.5),
+        (slots.K_REFERENCE_BUDGET, -5.0, 10.0),
+        (slots.K_INPUT_STEERING, 0.0, 0.1),
+        (slots.K_INPUT_BRAKE, 0.0, 0.3),
+        (slots.K_STEERING_RATIO, 8.0, 20.0),
     ):
         p.const[slot] = dice.between(low, high)
-    p.driver_kind[0] = dice.pick(op.DRIVER_FIXED, op.DRIVER_LOGNORMAL)
+    p.driver_kind[0] = dice.pick(op.DRIVER_FIXED, op.DRIVER_LOGNORMAL, op.DRIVER_NORMAL, op.DRIVER_SUMO)
     p.perception[0] = dice.pick(op.PERCEPTION_IDEAL, op.PERCEPTION_IDEAL, op.PERCEPTION_CAMERA)
     p.control_every[0] = dice.pick(1, 2, 3)
     right = [-1] if number % 5 in (1, 3) else [-2] if number % 10 == 2 else [-1, -2]
@@ -110,7 +124,7 @@ def random_draft(number: int) -> Draft:
     if alone:
         draft.parked(900.0)
     if number % 10 == 2:
-        p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1], [op.CAUSE_LANE_ENDS], [1]
+        p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1, 0], [op.CAUSE_LANE_ENDS], [1]
     for _ in range(0 if alone else dice.pick(1, 2, 5)):
         add_other(draft, dice, right)
     p.stretch_road, p.stretch_count, p.stretch_lane = [0], [1], [(op.ALL_MARKS, op.ALL_MARKS, -1)[number % 3]]
@@ -323,7 +337,7 @@ def variants_of(draft: Draft, number: int) -> list[list[float]]:
     scaled = [value * 1.03125 for value in usual]
     scaled[slots.K_STEP] = usual[slots.K_STEP]
     broken = list(usual)
-    where = slots.K_BUDGET + number % (len(usual) - slots.K_BUDGET)
+    where = slots.K_BUDGET + 17 * number % (len(usual) - slots.K_BUDGET)
     broken[where] = (math.nan, math.inf, 0.0, -1.0e300)[number % 4]
     return [usual, scaled, broken]
 

@@ -125,7 +125,7 @@ def test_exported_file_runs_as_the_plan_does(target: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("target", EITHER)
 def test_no_text_looks_like_a_parameter(target: str, tmp_path: Path) -> None:
-    """esmini 3.6 evaluates `$` in the text of a CustomCommandAction, and ends where it has no meaning."""
+    """Esmini 3.6 evaluates `$` in the text of a CustomCommandAction, and ends where it has no meaning."""
     compilation = compiled(LIBRARY / target)
     for version in VERSIONS:
         root = etree.parse(str(exported(compilation, tmp_path, version))).getroot()

@@ -153,7 +153,7 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
     one = traces_of(plan_of(*ids), record(ids, 1, lambda _: {"x": (0.0,) * entities}))
     nothing = {
         name: np.broadcast_to(getattr(one, name), (runs, rows, *getattr(one, name).shape[1:]))
-        for name in ("a", "road", "lane", "s", "off", "brake", "cause", "confidence_left", "confidence_right")
+        for name in ("a", "road", "lane", "s", "off", "steer", "brake", "cause", "confidence_left", "confidence_right")
     }
     nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance")}
     sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
@@ -181,19 +181,22 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
     count = runs.x.shape[-1]
     program = Program()
     program.entity_count[:], program.ego[:] = [count], [0]
-    program.entity_const[:] = [i * BLOCK for i in range(count)]
-    program.const[:] = [0.0] * (count * BLOCK)
+    program.entity_const[:] = [slots.K_ENTITIES + i * BLOCK for i in range(count)]
+    program.const[:] = [0.0] * (slots.K_ENTITIES + count * BLOCK)
+    program.const[slots.K_INPUT_STEERING] = runs.inputs.steering
+    program.const[slots.K_INPUT_BRAKE] = runs.inputs.brake
+    program.const[slots.K_STEERING_RATIO] = runs.inputs.steering_ratio
     sizes = {slots.E_LENGTH: runs.length, slots.E_WIDTH: runs.width, slots.E_HEIGHT: runs.height}
     for place, values in (*sizes.items(), (slots.E_CENTER, runs.center)):
-        program.const[place::BLOCK] = values.tolist()
+        program.const[slots.K_ENTITIES + place :: BLOCK] = values.tolist()
     st, totals = new_state(program), at_start(Totals, program)
     st.reach[:] = (0.5 * np.hypot(runs.length, runs.width)).tolist()
     st.order[:] = range(count)
     for row in range(int((~np.isnan(runs.t[index])).sum())):
         if row:
-            judge_row(st, totals)
+            judge_row(program, st, totals)
         st.clock[0] = float(runs.t[index][row])
-        for name in ("x", "y", "z", "h", "v", "a", "s", "off", "brake"):
+        for name in ("x", "y", "z", "h", "v", "a", "s", "off", "steer", "brake"):
             getattr(st, name)[:] = np.nan_to_num(getattr(runs, name)[index][row]).tolist()
         for name in ("road", "lane"):
             getattr(st, name)[:] = getattr(runs, name)[index][row].tolist()
@@ -214,7 +217,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
                 st.log_time[0], st.log_kind[0] = time, opcodes.EVENT_COLLISION
             elif time <= st.clock[0] + SAME_TIME and kind != "collision":
                 getattr(st, f"time_{kind}")[0] = time
-    finish_totals(st, totals)
+    finish_totals(program, st, totals)
     out = [0.0] * SUMMARY_SIZE
     write_first(totals, SUMMARY, out, 0)
     return out

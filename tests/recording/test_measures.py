@@ -13,7 +13,8 @@ from scenario_compiler.recording.boxes import distance_at, least_box_distance, t
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
 from scenario_compiler.recording.recording import Floats, Recording
-from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
+from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
+from scenario_compiler.vocabulary.criteria import HORIZON
 from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
 IDS = ("ego", "parked")
@@ -54,6 +55,10 @@ def answered() -> Recording:
     [
         ("takeover_time", 2.0),
         ("first_brake_time", 2.1),
+        ("braking_time", 2.1),
+        ("input_time", 2.1),
+        ("steering_time", math.nan),
+        ("eyes_on_time", math.nan),
         ("limit_distance", 49.0),
         ("time_budget", 4.9),
         ("takeover_buffer", 2.9),
@@ -77,6 +82,32 @@ def test_an_answered_request_before_a_parked_car(answered: Recording, name: str,
     assert value(name, answered) == pytest.approx(expected, abs=1e-9, nan_ok=True)
 
 
+def _turning(t: float) -> Row:
+    """Return rows that drive on, the front wheels turning by 0.001 rad a row, and the brake by a fiftieth."""
+    k = round(t / STEP)
+    return {
+        "x": (float(k), 90.0),
+        "v": (10.0, 0.0),
+        "steer": (0.001 * k, 0.0),
+        "brake": (0.02 * (k - 10) * (k > 10), 0.0),
+    }
+
+
+def test_steering_counts_from_the_angle_at_the_response_by_the_steering_wheel() -> None:
+    events = [(1.0, "request", "path_blocked"), (1.2, "eyes_on", ""), (1.5, "hands_on", ""), (2.0, "response", "")]
+    recording = record(IDS, 51, _turning, events)
+    assert value("eyes_on_time", recording) == pytest.approx(0.2)
+    assert value("hands_on_time", recording) == pytest.approx(0.5)
+    assert value("steering_time", recording) == pytest.approx(1.3)  # 0.0349 rad / 16 = 0.0022 rad: 3 rows after 2.0 s
+    assert value("braking_time", recording) == pytest.approx(1.0)  # the brake is past a tenth before the response
+    assert value("input_time", recording) == pytest.approx(1.0)
+    runs = dataclasses.replace(traces(recording), inputs=InputLimits(math.radians(4), 0.5, 8.0))
+    later = BY_NAME["steering_time"]
+    assert float(later.compute(runs)) == pytest.approx(1.9)  # 0.0698 rad / 8 = 0.0087 rad: 9 rows after 2.0 s
+    same("steering_time", np.array([later.compute(runs)]), later.total(added_up(runs)))
+    assert float(BY_NAME["braking_time"].compute(runs)) == pytest.approx(2.6)
+
+
 def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
     assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {"final_speed"}
@@ -97,6 +128,21 @@ def test_a_car_beside_the_path_gives_no_time_to_collision_but_a_distance() -> No
     run = record(IDS, 80, row)
     assert math.isnan(value("minimum_time_to_collision", run))
     assert value("minimum_distance", run) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("closing", "expected"),
+    [(2.5, 24.0), (2.0625, 60.0 / 2.0625), (2.0, math.nan), (1.75, math.nan), (0.0009765625, math.nan)],
+)
+def test_beyond_the_horizon_there_is_no_time_to_collision(closing: float, expected: float) -> None:
+    def row(t: float) -> Row:
+        return {"x": (0.0, 64.0), "y": (0.0, 0.0), "h": (0.0, 0.0), "v": (20.0, 20.0 - closing)}
+
+    run = record(IDS, 3, row)
+    assert value("minimum_time_to_collision", run) == pytest.approx(expected, nan_ok=True)
+    rows = traces(run)
+    in_time = time_to_collision(rows, np.asarray(math.inf))
+    assert in_time[1:].tolist() == pytest.approx([expected] * 2, nan_ok=True)
 
 
 def test_time_to_collision_follows_the_curve_that_is_driven() -> None:
@@ -192,9 +238,9 @@ def test_measures_of_many_runs_at_once_equal_those_of_each() -> None:
 
 def _stacked(parts: list[Traces]) -> Traces:
     rows = max(len(part.t) for part in parts)
-    columns = {}
+    columns: dict[str, Any] = {}
     for field in dataclasses.fields(Traces):
-        if field.name in ("length", "width", "height", "center", "times"):
+        if field.name in ("length", "width", "height", "center", "inputs", "times"):
             continue
         arrays = [getattr(part, field.name) for part in parts]
         padded = []
@@ -253,7 +299,7 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     np.minimum.at(least_distance, places[1], distance)
     np.minimum.at(least_time, places[1], time)
     assert np.isfinite(least_time).any()
-    expected = np.where(touched, 0.0, least_time)
+    expected = np.where(touched, 0.0, np.where(least_time < HORIZON, least_time, np.inf))
     for found, exact in (
         (least_box_distance(runs), np.where(touched, 0.0, least_distance)),
         (least_time_to_collision(runs), expected),

@@ -216,10 +216,24 @@ CAUSE_SENSOR_HEALTH = 2
 CAUSE_LANE_CONFIDENCE = 3
 CAUSE_PATH_BLOCKED = 4
 CAUSE_LANE_ENDS = 5
-CAUSES = 6
+CAUSE_NO_PROGRESS = 6
+CAUSES = 7
+
+# What the state of a traffic signal says.
+ASPECT_NONE = 0
+"""Nothing: dark, or not known; and green."""
+ASPECT_CAUTION = 1
+ASPECT_STOP = 2
+
+# What an object ahead is.
+AHEAD_NOTHING = 0
+AHEAD_FOLLOWED = 1
+AHEAD_BLOCKING = 2
 
 DRIVER_LOGNORMAL = 0
 DRIVER_FIXED = 1
+DRIVER_NORMAL = 2
+DRIVER_SUMO = 3
 
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
@@ -249,6 +263,9 @@ EVENT_FAILURE = 17
 EVENT_FAILURE_END = 18
 EVENT_HAZARD_LIGHTS = 19
 EVENT_CONTACT = 20
+EVENT_NO_PROGRESS = 21
+EVENT_EYES_ON = 22
+EVENT_HANDS_ON = 23
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 
@@ -295,6 +312,7 @@ STREAM_PLACE = 2
 STREAM_TURN = 3
 STREAM_FAILURE = 4
 STREAM_TRAFFIC = 5
+STREAM_DRIVER = 6
 
 # Sizes of scratch columns.
 BUCKETS = 128
@@ -317,5 +335,7 @@ OUTLOOK_HEAD = 3
 
 OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
 
-DRAWS_PER_RUN = 9
-"""Takeover time and lapse of up to four requests, and the seed of the counter hash."""
+DRAW_PERSON = 0
+DRAW_SEED = 1
+DRAWS_PER_RUN = 2
+"""The standard normal number of the driver as a person, and the seed of the counter hash."""

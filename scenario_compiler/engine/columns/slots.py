@@ -36,7 +36,26 @@ K_DRIVER_TIME = 27
 K_DRIVER_MU = 28
 K_DRIVER_SIGMA = 29
 K_DRIVER_LAPSE = 30
-K_ENTITIES = 31
+K_NO_PROGRESS_AFTER = 31
+K_DRIVER_PERSON = 32
+K_DRIVER_LATE = 33
+K_DRIVER_LATEST = 34
+K_EYES_ON = 35
+K_HANDS_ON = 36
+K_STAGE_SPREAD = 37
+K_EFFECT_TASK = 38
+K_EFFECT_MEASURED_TASK = 39
+K_EFFECT_EYES_CLOSED = 40
+K_EFFECT_REQUEST = 41
+K_EFFECT_REPETITION = 42
+K_EFFECT_BUDGET = 43
+K_REFERENCE_BUDGET = 44
+K_EFFECT_DENSITY = 45
+K_DENSITY = 46
+K_INPUT_STEERING = 47
+K_INPUT_BRAKE = 48
+K_STEERING_RATIO = 49
+K_ENTITIES = 50
 """First slot after those of the run."""
 
 # An entity's block.
@@ -60,6 +79,8 @@ E_SHARE = 15
 E_HITCH = 16
 """x of the hitch ahead of the reference point, and of the trailer's coupler."""
 E_COUPLER = 17
+E_PITCH_GRADIENT = 18
+"""How far the body pitches in braking, rad per m/s2."""
 
 # A position's block: s, the distance ahead or the least distance to others, the lateral offset and the heading, in the
 # world or relative to what the position gives. Of a point of the world x, y and z take their places.

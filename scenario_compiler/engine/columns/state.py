@@ -25,7 +25,7 @@ from scenario_compiler.engine.columns.program import (
     Program,
 )
 from scenario_compiler.forms.declaration import RUN, Of, at_start, column, container, fixed
-from scenario_compiler.randomness import hash_bits, normal, uniform
+from scenario_compiler.randomness import hash_bits, normal
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
 WAY = fixed("stretch of the way ahead", op.WAY_SIZE)
@@ -54,7 +54,7 @@ class State:
     flag_at: list[int] = column(RUN, op.NONE)
     """The entity, condition or action that the fault is about."""
     draw: list[float] = column(DRAW, kept=True)
-    """Draws made before the run: normal and uniform ones of four requests, then the seed of the counter hash."""
+    """Draws made before the run: DRAW_PERSON and DRAW_SEED."""
 
     # Entities.
     present: list[int] = column(ENTITY)
@@ -64,6 +64,9 @@ class State:
     z: list[float] = column(ENTITY)
     h: list[float] = column(ENTITY)
     pitch: list[float] = column(ENTITY)
+    """Of the road below and of the body on its springs."""
+    body_pitch: list[float] = column(ENTITY)
+    """What the body adds to the pitch of the road, of a vehicle that is driven by commands."""
     roll: list[float] = column(ENTITY)
     v: list[float] = column(ENTITY)
     a: list[float] = column(ENTITY)
@@ -372,6 +375,10 @@ class State:
     border_left: list[float] = column(ENTITY)
     """Left border of the lane at the entity, relative to its centre."""
     border_right: list[float] = column(ENTITY)
+    ahead_is: list[int] = column(ENTITY)
+    """AHEAD_...: what the entity is to the ego."""
+    red_line: list[float] = column(RUN, op.FAR)
+    """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
     """From the front bumper to where the path is blocked, FAR when it is free."""
     blocked_far: list[float] = column(RUN, op.FAR)
@@ -411,13 +418,25 @@ class State:
     time_response: list[float] = column(RUN, -1.0)
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
+    time_no_progress: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver answers the present request, FAR for never."""
+    eyes_on_at: list[float] = column(RUN, op.FAR)
+    """Time at which the driver will look at the road, FAR where that is not to come."""
+    hands_on_at: list[float] = column(RUN, op.FAR)
+    time_eyes_on: list[float] = column(RUN, -1.0)
+    """When the driver's eyes were on the road first after a request, and the hands on the wheel; -1 before."""
+    time_hands_on: list[float] = column(RUN, -1.0)
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""
+    held_up_since: list[float] = column(RUN, -1.0)
+    """Time since which the automated ego stands without a reason, -1 while it does not."""
+    held_up: list[int] = column(RUN)
+    """1 where it has done so for too long; and where this stop has been logged."""
+    held_up_logged: list[int] = column(RUN)
     hazard_lights: list[int] = column(RUN)
     trusted_steer: list[float] = column(RUN)
     """Last steering command that the automation could rely on."""
@@ -440,17 +459,9 @@ def new_state(program: Program) -> State:
     return at_start(State, program)
 
 
-REQUESTS_DRAWN = 4
-
-
 def make_draws(seed: int, variant: int = 0) -> list[float]:
-    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone.
-
-    A normal and a uniform one for each of four requests, and the seed of the counter hash.
-    """
-    drawn: list[float] = []
-    for k in range(REQUESTS_DRAWN):
-        drawn.append(normal(seed, variant, f"driver/takeover_time/{k}"))
-        drawn.append(uniform(seed, variant, f"driver/lapse/{k}"))
-    drawn.append(float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF))
+    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone."""
+    drawn = [0.0] * op.DRAWS_PER_RUN
+    drawn[op.DRAW_PERSON] = normal(seed, variant, "driver/person")
+    drawn[op.DRAW_SEED] = float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF)
     return drawn

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
 from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
+from scenario_compiler.vocabulary.criteria import HORIZON
 
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
@@ -37,9 +38,12 @@ class Totals:
     time_warning: list[float] = column(RUN, -1.0)
     time_request: list[float] = column(RUN, -1.0)
     time_escalation: list[float] = column(RUN, -1.0)
+    time_eyes_on: list[float] = column(RUN, -1.0)
+    time_hands_on: list[float] = column(RUN, -1.0)
     time_response: list[float] = column(RUN, -1.0)
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
+    time_no_progress: list[float] = column(RUN, -1.0)
     time_collision: list[float] = column(RUN, -1.0)
     collision_with: list[float] = column(RUN, -1.0)
     """First entity that the ego hit."""
@@ -50,7 +54,7 @@ class Totals:
 
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)
-    least_time_to_collision: list[float] = column(RUN, op.FAR)
+    least_time_to_collision: list[float] = column(RUN, HORIZON)
     touched: list[int] = column(RUN)
     """1 from when the ego's box has overlapped that of another entity; both least values are 0 then."""
     least_confidence: list[float] = column(RUN, op.FAR)
@@ -66,6 +70,12 @@ class Totals:
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
     time_first_brake: list[float] = column(RUN, -1.0)
+    response_seen: list[int] = column(RUN)
+    """1 from the first row from the response on, with the angle of the front wheels in it, rad."""
+    response_steer: list[float] = column(RUN)
+    time_steered: list[float] = column(RUN, -1.0)
+    """Time of the driver's first steering and of the first braking."""
+    time_braked: list[float] = column(RUN, -1.0)
     greatest_longitudinal: list[float] = column(RUN, -1.0)
     """Acceleration or deceleration along the heading, m/s2, and the lateral one."""
     greatest_lateral: list[float] = column(RUN, -1.0)
@@ -89,6 +99,7 @@ class Totals:
     row_lane: list[int] = column(RUN)
     row_s: list[float] = column(RUN)
     row_off: list[float] = column(RUN)
+    row_steer: list[float] = column(RUN)
     row_brake: list[float] = column(RUN)
     row_cause: list[int] = column(RUN)
     row_confidence: list[float] = column(RUN)

@@ -9,10 +9,13 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.driver import SIGHT, VIEW, drive_by_hand
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.merging import consider_merge
-from scenario_compiler.engine.ego.sensor import find_block, find_lane_end, look_ahead
+from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
+from scenario_compiler.engine.ego.progress import watch_progress
+from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import budget_distance, step_takeover
-from scenario_compiler.engine.motion.following import idm_acceleration, leader_gap
+from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.engine.motion.path import take_present_lane
+from scenario_compiler.engine.motion.signals_ahead import red_ahead
 from scenario_compiler.engine.motion.steering import come_to_rest, command_acceleration, command_angle, pursuit_angle
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
@@ -35,6 +38,8 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
         look_ahead(n, p, st, i, SIGHT, VIEW)
     else:
         look_ahead(n, p, st, i, p.const[slot.K_SENSOR_RANGE], p.const[slot.K_FIELD_OF_VIEW])
+    st.red_line[0] = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
+    judge_objects(p, st, i)
     return find_block(p, st, i)
 
 
@@ -62,9 +67,9 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Keep lane and distance by the map, or pass on the controller's commands."""
     steer_automated(n, p, st, i)
     if p.perception[0] == op.PERCEPTION_IDEAL:
-        gap, lead = leader_gap(p, st, i, 0.0, 1, -op.FAR)
+        gap, lead = gap_to_keep(p, st, i)
         wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], gap, lead)
-        if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
+        if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0 and minds_limit(p, st, op.CAUSE_LANE_ENDS) == 1:
             rest = st.lane_end_distance[0]
             wanted = min(wanted, idm_acceleration(p, i, st.v[i], st.target_speed[0], rest, 0.0))
         command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
@@ -107,7 +112,8 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     find_lane_end(n, p, st, i)
     merge_if_due(n, p, st, i)
     blocker = sense(n, p, st, i)
-    step_takeover(p, st, i)
+    watch_progress(p, st, i)
+    step_takeover(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:
         st.command_steer[i] = 0.0

@@ -12,6 +12,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.sensor import gap_between, gap_is_free, look_ahead
 from scenario_compiler.engine.motion.beside import neighbour_lane
@@ -93,7 +94,7 @@ def steering_sway(st: State) -> float:
     place = clip((st.clock[0] - st.manual_since[0]) / SWAY_INTERVAL, 0.0, 1.0e6)
     k = int(place)
     share = place - k
-    seed = int(clip(st.draw[8], 0.0, 4294967295.0))
+    seed = run_seed(st, -1)
     before = random_unit(seed, op.STREAM_STEERING, st.requests[0], k)
     after = random_unit(seed, op.STREAM_STEERING, st.requests[0], k + 1)
     drawn = 2.0 * (before + share * (after - before)) - 1.0
@@ -274,6 +275,10 @@ def press_pedals(p: Program, st: State, i: int) -> None:
         wanted = min(wanted, stop_within(p, st, i, st.blocked_distance[0], STANDOFF))
     if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
         wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0], 0.0))
+    if st.red_line[0] < op.FAR:
+        base = p.entity_const[i]
+        front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+        wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))
     step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
     wanted = clip(wanted, max(-HARDEST_BRAKE, st.pedal[0] - step), st.pedal[0] + step)
     command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))

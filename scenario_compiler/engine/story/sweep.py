@@ -66,13 +66,13 @@ def run_variant(
     if every > 0 and at + size <= len(trace):
         at = trace_row(p, st, trace, at)
     while st.stop[0] == op.STOP_NONE and m.rows[0] <= limit and begin_step(n, p, st) == 1:
-        judge_row(st, m)
+        judge_row(p, st, m)
         move_step(n, p, st)
         end_step(n, p, st)
         if every > 0 and m.rows[0] % every == 0 and at + size <= len(trace):
             at = trace_row(p, st, trace, at)
         take_row(p, st, m)
-    finish_totals(st, m)
+    finish_totals(p, st, m)
 
 
 @compiled

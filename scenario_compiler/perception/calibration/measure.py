@@ -13,6 +13,7 @@ from scenario_compiler.perception.birds_eye import X_FROM
 from scenario_compiler.perception.calibration.frames import CLEAR_DAY, Wanted, random_frame
 from scenario_compiler.perception.confidence import FEATURES
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector
+from scenario_compiler.perception.lane_fit import arc_y
 from scenario_compiler.vocabulary.weather import weather_preset
 
 Floats = NDArray[np.float64]
@@ -42,10 +43,10 @@ def collect(frames: int, seed: int) -> tuple[Floats, Floats, NDArray[np.int64]]:
     rows, outcomes = [], []
     for number in range(frames):
         frame = random_frame(np.random.default_rng([seed, number]), Wanted())
-        fits, found = detector.examine(frame.image)
+        fits, found, _ = detector.examine(frame.image)
         d = frame.x - X_FROM
         for side, (fit, row) in enumerate(zip(fits, found, strict=True)):
-            y = fit.curve[0] + fit.curve[1] * d + 0.5 * fit.curve[2] * d * d
+            y = arc_y(fit.curve, d)
             rows.append(row)
             outcomes.append(float(frame.right(side, y)))
     return np.array(rows), np.array(outcomes), np.arange(2 * frames) // 2
