@@ -18,7 +18,6 @@ from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
-    HORIZON,
     Criterion,
     MakesProgress,
     MaximumLateralOffset,
@@ -30,6 +29,7 @@ from scenario_compiler.vocabulary.criteria import (
     StayOnRoad,
     TakeoverWithin,
 )
+from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.word import number_value
 
 

@@ -31,7 +31,7 @@ from scenario_compiler.recording.on_path import least_time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
-from scenario_compiler.vocabulary.criteria import HORIZON
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 
 class Timed(Protocol):

@@ -14,7 +14,7 @@ from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
-from scenario_compiler.vocabulary.criteria import HORIZON
+from scenario_compiler.vocabulary.horizon import HORIZON
 from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
 IDS = ("ego", "parked")
