@@ -1,17 +1,20 @@
-"""Write what is made from the models: this folder's files and pages of docs/; with `--check`, say which are stale.
+"""Write what is made from the code: this folder's files, pages of docs/, a stub; with `--check`, say which are stale.
 
 Run `python schemas/generate.py`, or `make generate`.
 """
 
 from __future__ import annotations
 
+import importlib
 import json
+import pkgutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 from pydantic import BaseModel
 
+from scenario_compiler import vocabulary
 from scenario_compiler.cli.reference import commands_page
 from scenario_compiler.controllers.reference import controllers_page
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
@@ -20,12 +23,14 @@ from scenario_compiler.coverage.table import Table, as_markdown
 from scenario_compiler.coverage.uses import files_naming, files_with
 from scenario_compiler.openscenario.structure.elements import elements
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.public import public_names
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.reference import run_folder_page
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
 from scenario_compiler.source.form import conflict_xsd, language_reference
+from scenario_compiler.vocabulary.word import Word
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -81,11 +86,46 @@ PAGES: dict[str, Callable[[], str]] = {
 """The same for pages of docs/."""
 
 
+STUB = FOLDER.parent / "scenario_compiler" / "__init__.pyi"
+
+
+def stub() -> str:
+    """Return the stub that lists the package's public names: what stands in it, and every word of the vocabulary."""
+    listed = {name: home for name, home in public_names("scenario_compiler").items() if not _is_word(home, name)}
+    listed.update((word.__name__, word.__module__) for word in words())
+    lines = [f"from {home} import {name} as {name}" for name, home in listed.items()]
+    lines.sort(key=lambda line: (line.split()[1], line))
+    folded = [line if len(line) <= 120 else line.replace("import ", "import (\n    ") + ",\n)" for line in lines]
+    head = '"""What programs import from `scenario_compiler`; see `scenario_compiler.public`."""'
+    return "\n".join((head, "", *folded, ""))
+
+
+def words() -> list[type[Word]]:
+    """Return all words of the vocabulary."""
+    modules = [one.name for one in pkgutil.walk_packages(vocabulary.__path__, f"{vocabulary.__name__}.")]
+    declared = [vars(importlib.import_module(name)).values() for name in modules]
+    return [
+        one
+        for name, values in zip(modules, declared, strict=True)
+        for one in values
+        if isinstance(one, type) and issubclass(one, Word) and one is not Word
+        if one.__module__ == name and not one.__name__.startswith("_")
+    ]
+
+
+def _is_word(home: str, name: str) -> bool:
+    if not home.startswith(f"{vocabulary.__name__}."):
+        return False
+    named = getattr(importlib.import_module(home), name, Word)
+    return isinstance(named, type) and issubclass(named, Word)
+
+
 def main() -> int:
     """Write the files, or with `--check` compare them; return 1 when one is stale."""
     files = {
         **{PAGES_FOLDER / name: text for name, text in PAGES.items()},
         **{FOLDER / name: text for name, text in GENERATED.items()},
+        STUB: stub,
     }
     stale = [path for path, text in files.items() if not _is_fresh(path, text())]
     if "--check" in sys.argv[1:]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import compileall
 import shutil
 import signal
 import subprocess
@@ -10,6 +11,8 @@ import tempfile
 from pathlib import Path
 
 import pytest
+
+import scenario_compiler
 
 CONFLICT = """\
 <scenarios version="1">
@@ -105,6 +108,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of a run."""
     from tests.command import call
 
+    compileall.compile_dir(str(Path(scenario_compiler.__file__).parent), quiet=1)  # writing byte code would be events
     folder = tmp_path_factory.mktemp("run")
     (folder / "mine.xml").write_text(CONFLICT)
     assert call("run", folder / "mine.xml", "--perception", "ideal", "-o", folder / "made") == 0

@@ -76,7 +76,8 @@ def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
 
 def test_the_workflow_makes_what_the_makefile_has_on_every_supported_python() -> None:
     jobs = read(".github/workflows/check.yml")["jobs"]
-    made = [word for job in jobs.values() for step in job["steps"] for word in re.findall(r"make (\S+)", str(step))]
+    steps = [step.get("run", "") for job in jobs.values() for step in job["steps"]]
+    made = [word for step in steps for word in re.findall(r"make (\S+)", step)]
     assert {"setup", "check", "test", "site", "wheel-test"} <= set(made)
     assert [name for name in made if not re.search(rf"^{name}:", MAKEFILE, re.MULTILINE)] == []
     versions = jobs["linux"]["strategy"]["matrix"]["python"]
