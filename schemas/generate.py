@@ -20,6 +20,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+from scenario_compiler.carla_server.matrix import calls_page
 from scenario_compiler.cli.reference import commands_page
 from scenario_compiler.controllers import CONTROLLERS, controller_class
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
@@ -173,6 +174,7 @@ def _number(kind: CauseKind, name: str) -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
+    "carla-calls.md": calls_page,
     "commands.md": commands_page,
     "coverage.md": coverage_page,
     "language.md": language_page,
@@ -180,6 +182,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "run-folder.md": run_folder_page,
 }
 """The same for pages of docs/: commands, what of each language is executed, the language, names, what a run leaves."""
+"""The same for pages of docs/, by their names."""
 
 
 def main() -> int:

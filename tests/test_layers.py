@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / NAME
 ROWS = (
     ("__main__",),
     ("cli",),
-    ("batch", "study", "carla_server", "editor", "survey"),
+    ("batch", "live", "carla_server", "editor", "survey"),
     ("report", "validation", "listing"),
     ("runtime", "compiler", "coverage"),
     ("languages",),
@@ -84,6 +84,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "lsprotocol": ("editor.server",),
+    "msgpack": ("carla_server",),
     "mcap": ("report.mcap_file",),
     "matplotlib": (
         "report.plots",
@@ -101,8 +102,8 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),
     "scipy": ("batch.sampling", "batch.search", "perception.calibration.fit"),
-    "starlette": ("study.server",),
-    "uvicorn": ("study.server",),
+    "starlette": ("live.server",),
+    "uvicorn": ("live.server",),
 }
 """Packages that cost start-up time or are extras, and the module (or package) that alone imports each."""
 

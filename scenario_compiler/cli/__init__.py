@@ -16,12 +16,14 @@ from typing import NoReturn
 from scenario_compiler.cli import (
     authoring,
     calibrate,
+    carla,
     compare,
     coverage,
     editor,
     explain,
     export,
     library,
+    live,
     maps,
     report,
     run,
@@ -37,6 +39,7 @@ from scenario_compiler.trust import ConfigurationError
 GROUPS = (
     validate,
     run,
+    live,
     report,
     compare,
     sweep,
@@ -48,6 +51,7 @@ GROUPS = (
     explain,
     coverage,
     editor,
+    carla,
 )
 """Groups of commands, in the order of the help."""
 

@@ -247,6 +247,12 @@ STYLE_BRAKES = 0
 STYLE_STEERS = 1
 STYLE_BOTH = 2
 
+WISH_NONE = 0
+WISH_TAKE_OVER = 1
+WISH_HAND_BACK = 2
+WISH_LEAVE = 3
+"""What the person at the wheel wants of the automation."""
+
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
 MANOEUVRE_EVADE = 2
@@ -278,6 +284,7 @@ EVENT_CONTACT = 20
 EVENT_NO_PROGRESS = 21
 EVENT_EYES_ON = 22
 EVENT_HANDS_ON = 23
+EVENT_OVERRIDE = 24
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 

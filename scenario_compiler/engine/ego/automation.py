@@ -12,6 +12,7 @@ from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.lane_memory import remember_lane, remembered_angle, steers_by_memory
 from scenario_compiler.engine.ego.merging import consider_merge
 from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
+from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
 from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import budget_distance, step_takeover
@@ -87,7 +88,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
         return
     state = st.takeover_state[0]
     if driven_by_hand(st) == 1:
-        if st.manoeuvre[0] != op.MANOEUVRE_EVADE:
+        if p.person[0] == 0 and st.manoeuvre[0] != op.MANOEUVRE_EVADE:
             consider_merge(n, p, st, i, SIGHT)
     elif state not in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL) and p.cause_on[op.CAUSE_LANE_ENDS] == 1:
         consider_merge(n, p, st, i, budget_distance(p, st, i))
@@ -107,6 +108,8 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     blocker = sense(n, p, st, i)
     watch_progress(p, st, i)
     notice(p, st, i, blocker)
+    if p.person[0] == 1:
+        heed_person(p, st)
     step_takeover(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:
@@ -114,7 +117,8 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         st.command_throttle[i] = 0.0
         st.command_brake[i] = 1.0
     elif driven_by_hand(st) == 1:
-        drive_by_hand(n, p, st, i, blocker)
+        if p.person[0] == 0:
+            drive_by_hand(n, p, st, i, blocker)
     elif state == op.TAKEOVER_MINIMUM_RISK:
         drive_to_stop(n, p, st, i)
     else:

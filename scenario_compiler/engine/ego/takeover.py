@@ -195,6 +195,16 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
+def hand_back(st: State) -> None:
+    """Let the automation take the wheel again."""
+    st.takeover_state[0] = op.TAKEOVER_HAND_BACK
+    st.cause[0] = op.CAUSE_NONE
+    for c in range(op.CAUSES):
+        st.history[c] = 0
+    log_event(st, op.EVENT_HAND_BACK, 0.0)
+
+
+@compiled
 def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Manual: hand back after the given time where nothing asks; a control step later the automation drives."""
     cause = asking_cause(n, p, st, i)
@@ -207,11 +217,7 @@ def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
     if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != op.CAUSE_NONE:
         return
     if warning_cause(p, st) == op.CAUSE_NONE and st.manoeuvre[0] == op.MANOEUVRE_KEEP and st.crashed[0] == 0:
-        st.takeover_state[0] = op.TAKEOVER_HAND_BACK
-        st.cause[0] = op.CAUSE_NONE
-        for c in range(op.CAUSES):
-            st.history[c] = 0
-        log_event(st, op.EVENT_HAND_BACK, 0.0)
+        hand_back(st)
 
 
 @compiled

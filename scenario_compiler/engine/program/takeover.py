@@ -91,6 +91,10 @@ def _add_driver(draft: ProgramBuilder) -> None:
     if driver.takeover_time is not None:
         draft.program.driver_kind[0] = op.DRIVER_FIXED
         k[slot.K_DRIVER_TIME] = driver.takeover_time
+    if driver.by_person is not None:  # who answers when they like, and is never drawn
+        draft.program.person[0] = 1
+        draft.program.driver_kind[0] = op.DRIVER_FIXED
+        k[slot.K_DRIVER_TIME] = op.FAR
     k[slot.K_DRIVER_MU] = driver.mu
     k[slot.K_DRIVER_SIGMA] = driver.sigma if driver.law != "sumo" else 1.0 / NormalDist().inv_cdf(1.0 - driver.missed)
     k[slot.K_DRIVER_LAPSE] = driver.lapse
