@@ -44,6 +44,7 @@ HALL = (
     "expressions",
     "files",
     "frames",
+    "horizon",
     "interruption",
     "legible",
     "marker",

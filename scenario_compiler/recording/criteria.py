@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.expressions import Value
+from scenario_compiler.horizon import HORIZON
 from scenario_compiler.recording.durations import Timed
 from scenario_compiler.recording.measures import cause_of_request
 from scenario_compiler.recording.names import CAUSES, EventKind
@@ -19,7 +20,6 @@ from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
-    HORIZON,
     Criterion,
     MakesProgress,
     MaximumLateralOffset,

@@ -2,14 +2,9 @@
 
 from typing import Literal
 
+from scenario_compiler.horizon import HORIZON
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
-
-HORIZON = 30.0
-"""Time from which on there is no time to collision, s: nobody keeps speed and path unchanged for so long.
-
-The number is our own choice. Speeds that are almost equal would otherwise give times of hours, which say nothing.
-"""
 
 
 class NoCollision(Word):

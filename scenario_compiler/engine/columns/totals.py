@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
 from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
-from scenario_compiler.vocabulary.criteria import HORIZON
+from scenario_compiler.horizon import HORIZON
 
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
@@ -59,12 +59,16 @@ class Totals:
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)
     least_time_to_collision: list[float] = column(RUN, HORIZON)
+    least_headway: list[float] = column(RUN, HORIZON)
+    least_room: list[float] = column(RUN, op.FAR)
+    """Twice the gap over the square of the closing speed, s2/m: the inverse of the deceleration that would do."""
     touched: list[int] = column(RUN)
-    """1 from when the ego's box has overlapped that of another entity; both least values are 0 then."""
+    """1 from when the ego's box has overlapped that of another entity; all these least values are 0 then."""
     least_confidence: list[float] = column(RUN, op.FAR)
     greatest_offset: list[float] = column(RUN, -1.0)
     """Distance from the lane's centre, m."""
     time_off_lanes: list[float] = column(RUN, -1.0)
+    rows_off_lanes: list[int] = column(RUN)
     speed_before_collision: list[float] = column(RUN, op.FAR)
 
     # From the first request on.
@@ -87,6 +91,9 @@ class Totals:
     greatest_lateral: list[float] = column(RUN, -1.0)
     greatest_offset_after: list[float] = column(RUN, -1.0)
     """Distance from the centre of the lane at the request, m."""
+
+    offset_at_response: list[float] = column(RUN, op.FAR)
+    """Distance to the left of the centre of the lane at the request, m."""
 
     # The takeovers, each by its request.
     requests: list[int] = column(RUN)
@@ -149,6 +156,8 @@ class Totals:
     before_after: list[int] = column(RUN)
     """1 where it lies behind the request."""
     added_after: list[int] = column(RUN)
+    before_answered: list[int] = column(RUN)
+    """1 where it lies behind the response."""
     added_count: list[int] = column(RUN)
     added_step: list[float] = column(RUN)
     """Change of the offset from one row to the next, the last that was no change of lane."""
