@@ -44,6 +44,7 @@ from scenario_compiler.recording.on_path import (
     least_time_to_collision,
 )
 from scenario_compiler.recording.recording import Booleans, Floats
+from scenario_compiler.recording.reversals import LEAST, coarse_rate, coarse_total, fine_rate, fine_total
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 
@@ -404,6 +405,25 @@ MEASURES: tuple[Measure, ...] = (
         "no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),
+    ),
+    Measure(
+        "steering_reversal_rate",
+        "1/min",
+        "Reversals of the steering wheel a minute, by at least 3 degrees after a low-pass of 0.6 Hz (Butterworth, "
+        "second order, forwards), in the rows that the driver drives from the response until control is handed back.",
+        f"the driver drove for less than {LEAST:g} s",
+        coarse_rate,
+        coarse_total,
+        "after Markkula and Engstrom 2006, not verified",
+    ),
+    Measure(
+        "fine_steering_reversal_rate",
+        "1/min",
+        "The same by at least 0.1 degrees after a low-pass of 2 Hz.",
+        f"the driver drove for less than {LEAST:g} s",
+        fine_rate,
+        fine_total,
+        "after Markkula and Engstrom 2006, not verified",
     ),
     Measure(
         "lateral_offset_at_response",

@@ -451,16 +451,28 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
         np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape) + dice.choice([0.0, 1.5], runs.off.shape), 0.0),
         np.nan,
     )
+    steer = np.where(runs.present, np.cumsum(dice.normal(0.0, 0.01, runs.steer.shape), axis=1), np.nan)
     brake = np.where(runs.present, dice.random(runs.brake.shape) ** 8, np.nan)
     a = np.where(runs.present, dice.normal(0.0, 2.0, runs.a.shape), np.nan)
     states = np.repeat(dice.choice([1, 2, opcodes.TAKEOVER_MANUAL, opcodes.TAKEOVER_HAND_BACK], (6, 12)), 10, axis=-1)
+    states[::2] = opcodes.TAKEOVER_MANUAL
     runs = dataclasses.replace(
-        runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a, takeover_state=states, requests=np.ones(6)
+        runs,
+        times=times,
+        road=road,
+        lane=lane,
+        brake=brake,
+        off=off,
+        a=a,
+        takeover_state=states,
+        requests=np.ones(6),
+        steer=steer,
     )
     totals = added_up(runs)
     for measure in MEASURES:
         same(measure.name, measure.compute(runs), measure.total(totals))
     assert np.isfinite(totals.column("least_time_to_collision")).any()
+    assert (totals.raw("fine_reversals") > totals.raw("coarse_reversals")).any()
 
 
 def test_every_measure_says_how_it_is_made_and_when_it_is_not_defined() -> None:

@@ -16,6 +16,8 @@ from scenario_compiler.horizon import HORIZON
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
+VARIANT = fixed("variant of the steering reversal rate", 2)
+
 TAKEOVERS = 8
 """Takeovers of a run that are kept, the first ones; all are counted."""
 TAKEOVER = fixed("takeover", TAKEOVERS)
@@ -94,6 +96,22 @@ class Totals:
 
     offset_at_response: list[float] = column(RUN, op.FAR)
     """Distance to the left of the centre of the lane at the request, m."""
+
+    # The steering wheel while the driver drives who took over first: coarse reversals, and fine ones.
+    driven_rows: list[int] = column(RUN)
+    coarse_reversals: list[float] = column(RUN)
+    fine_reversals: list[float] = column(RUN)
+    wheel_before: list[float] = column(VARIANT)
+    """Angle in the row before, and in the one before that, rad, as it was and filtered."""
+    wheel_long_before: list[float] = column(VARIANT)
+    smooth_before: list[float] = column(VARIANT)
+    smooth_long_before: list[float] = column(VARIANT)
+    wheel_high: list[float] = column(VARIANT)
+    """Greatest and least filtered angle since the last reversal, rad."""
+    wheel_low: list[float] = column(VARIANT)
+    wheel_sense: list[int] = column(VARIANT)
+    """1 where the wheel is turned to the left, -1 to the right, 0 before it was turned by the gap."""
+    wheel_count: list[float] = column(VARIANT)
 
     # The takeovers, each by its request.
     requests: list[int] = column(RUN)

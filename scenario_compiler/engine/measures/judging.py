@@ -9,6 +9,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.inputs import add_inputs
 from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping
+from scenario_compiler.engine.measures.reversals import add_steering
 from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover
 from scenario_compiler.engine.measures.takeovers import add_takeovers
 from scenario_compiler.marker import compiled
@@ -52,6 +53,7 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
     add_takeover(m)
     add_takeovers(st, m)
     add_inputs(p, m)
+    add_steering(p, m)
     add_to_keeping(m)
 
 
