@@ -15,7 +15,6 @@ import numpy as np
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
 from scenario_compiler.engine.measures.lane_keeping import SETTLING
 from scenario_compiler.engine.measures.takeover import BRAKING
-from scenario_compiler.horizon import HORIZON
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.durations import Timed, after_request, whole_steps
@@ -47,6 +46,7 @@ from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.reversals import LEAST, coarse_rate, coarse_total, fine_rate, fine_total
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from scenario_compiler.engine.columns import opcodes
-from scenario_compiler.horizon import HORIZON
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import (
@@ -24,6 +23,7 @@ from scenario_compiler.recording.on_path import (
 )
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
+from scenario_compiler.vocabulary.horizon import HORIZON
 from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
 IDS = ("ego", "parked")

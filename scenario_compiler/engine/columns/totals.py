@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
 from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
-from scenario_compiler.horizon import HORIZON
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)

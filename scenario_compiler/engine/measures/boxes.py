@@ -15,8 +15,8 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.motion.collision import is_above, overlap
-from scenario_compiler.horizon import HORIZON
 from scenario_compiler.marker import compiled
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 STRAIGHT = 1e-6
 """Curvature below which a path counts as straight, 1/m."""

@@ -1,4 +1,4 @@
-"""How far ahead in time a prediction by unchanged speed and path still says something."""
+"""A limit that the language and the engine share; apart from the words, because the engine is built without them."""
 
 HORIZON = 30.0
 """Time from which on there is no time to collision, s: nobody keeps speed and path unchanged for so long.
