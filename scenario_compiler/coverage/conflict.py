@@ -185,6 +185,7 @@ OTHERS: dict[type[Word], Execution] = {
     criteria.TakeoverWithin: _JUDGED,
     criteria.Requested: _JUDGED,
     criteria.NoMinimumRisk: _JUDGED,
+    criteria.NoAvoidableCollision: Execution("judgement", "engine.reference_runs"),
     criteria.MaximumLateralOffset: _JUDGED,
     variation.Vary: Execution("sweep", "batch.sampling"),
     variation.Uniform: _SAMPLED,

@@ -23,6 +23,7 @@ from scenario_compiler.report.palette import WORDS
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.report.wording import decimal, unit_words, with_unit
+from scenario_compiler.vocabulary.criteria import references_in
 
 TEMPLATE = "sweep.html.jinja"
 
@@ -120,6 +121,12 @@ class SweepPage:
         return all(case.run is None or case.run.plan.criteria for case in self.cases)
 
     @property
+    def references(self) -> tuple[str, ...]:
+        """The reference drivers of the shown cases' criteria, whose collisions are drawn beside those of the runs."""
+        plans = [case.run.plan for case in self.cases if case.run is not None]
+        return tuple(dict.fromkeys(name for plan in plans for name in references_in(plan.criteria)))
+
+    @property
     def automated(self) -> bool:
         """Whether an automated vehicle drives, whose takeover requests count; so unless a shown case has none."""
         return all(case.run is None or case.run.plan.controller is not None for case in self.cases)
@@ -206,13 +213,18 @@ def _pictures(page: SweepPage) -> dict[str, Any]:
     collided = np.array([time is not None for time in rows["collision_time"]], dtype=np.float64)[sound]
     requested = np.array([end != "no_request" for end in rows["resolution"]], dtype=np.float64)[sound]
     closest = _numbers(rows["minimum_time_to_collision"])[sound]
+    asked = [row if row is not None else "" for row in np.array(rows["avoided_by"], dtype=object)[sound]]
+    references = [
+        (f"collision of {name}", np.array([name not in row.split() for row in asked], dtype=np.float64))
+        for name in page.references
+    ]
     axes = {}
     for name in page.parameters:
         taken = rows[f"parameter.{name}"]
         if all(isinstance(value, float) for value in taken) and sound.any() and len(set(taken)) > 1:
             axes[name] = _numbers(taken)[sound]
     for name, values in axes.items():
-        hits = [("collision", collided), *([("takeover request", requested)] if page.automated else [])]
+        hits = [("collision", collided), *([("takeover request", requested)] if page.automated else []), *references]
         pictures["along"].append((name, sweep_plots.rate_plot((page.titled(name), values), hits, f"rate-{name}")))
     for first, second in list(combinations(axes, 2))[:MOST_MAPS]:
         both = (page.titled(first), axes[first]), (page.titled(second), axes[second])

@@ -68,7 +68,7 @@ def rate_plot(x: tuple[str, Floats], hits: Sequence[tuple[str, Floats]], prefix:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH * 0.62, 2.4), layout="constrained")
         axis = figure.subplots()
-        for (label, hit), colour in zip(hits, (VERMILION, BLUE, ORANGE, QUIET), strict=False):
+        for (label, hit), colour in zip(hits, (VERMILION, BLUE, ORANGE, QUIET, INK, SKY), strict=False):
             found, _ = np.histogram(x[1], bins=edges, weights=hit)
             rate = np.where(count > 0, found / np.maximum(count, 1), np.nan)
             axis.plot(middle, rate, color=colour, marker="o", markersize=3, label=label)

@@ -10,6 +10,7 @@ from scenario_compiler.engine.ego.driver import SIGHT, VIEW, drive_by_hand
 from scenario_compiler.engine.ego.foresight import notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.merging import consider_merge
+from scenario_compiler.engine.ego.reference import drive_by_reference
 from scenario_compiler.engine.ego.sensor import find_block, find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import budget_distance, step_takeover
 from scenario_compiler.engine.motion.following import idm_acceleration, leader_gap
@@ -98,6 +99,10 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 @compiled
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
+    if p.replaced_by[0] != op.REFERENCE_NONE:
+        look_ahead(n, p, st, i, SIGHT, VIEW)
+        drive_by_reference(n, p, st, i, p.replaced_by[0])
+        return
     if p.perception[0] == op.PERCEPTION_IDEAL:
         if (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
             ideal_confidence(n, p, st)
@@ -116,7 +121,10 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         st.command_throttle[i] = 0.0
         st.command_brake[i] = 1.0
     elif driven_by_hand(st) == 1:
-        drive_by_hand(n, p, st, i, blocker)
+        if p.driver_reference[0] != op.REFERENCE_NONE:
+            drive_by_reference(n, p, st, i, p.driver_reference[0])
+        else:
+            drive_by_hand(n, p, st, i, blocker)
     elif state == op.TAKEOVER_MINIMUM_RISK:
         drive_to_stop(n, p, st, i)
     else:
