@@ -115,6 +115,7 @@ from scenario_compiler.vocabulary.conditions.by_value import (
 )
 from scenario_compiler.vocabulary.conditions.by_value import UserDefinedValueCondition as UserDefinedValueCondition
 from scenario_compiler.vocabulary.conditions.by_value import VariableCondition as VariableCondition
+from scenario_compiler.vocabulary.criteria import MakesProgress as MakesProgress
 from scenario_compiler.vocabulary.criteria import MaximumLateralOffset as MaximumLateralOffset
 from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision as MinimumTimeToCollision
 from scenario_compiler.vocabulary.criteria import NoAvoidableCollision as NoAvoidableCollision
@@ -176,10 +177,12 @@ from scenario_compiler.vocabulary.positions.routes import Waypoint as Waypoint
 from scenario_compiler.vocabulary.positions.spawn_points import NamedPosition as NamedPosition
 from scenario_compiler.vocabulary.positions.spawn_points import SpawnPoints as SpawnPoints
 from scenario_compiler.vocabulary.scenario import Classification as Classification
+from scenario_compiler.vocabulary.scenario import NumberLimit as NumberLimit
 from scenario_compiler.vocabulary.scenario import Parameter as Parameter
 from scenario_compiler.vocabulary.scenario import Scenario as Scenario
 from scenario_compiler.vocabulary.sensors import Camera as Camera
 from scenario_compiler.vocabulary.sensors import Failure as Failure
+from scenario_compiler.vocabulary.sensors import Odometry as Odometry
 from scenario_compiler.vocabulary.signals import SignalController as SignalController
 from scenario_compiler.vocabulary.signals import SignalPhase as SignalPhase
 from scenario_compiler.vocabulary.signals import SignalState as SignalState

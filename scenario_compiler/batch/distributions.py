@@ -14,7 +14,7 @@ from statistics import NormalDist
 from typing import Literal
 
 from scenario_compiler.expressions import Value, format_value
-from scenario_compiler.markup.values import outside
+from scenario_compiler.vocabulary.grammar import outside
 from scenario_compiler.vocabulary.scenario import ParameterKind
 from scenario_compiler.vocabulary.word import AttributeSpelling
 

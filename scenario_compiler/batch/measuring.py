@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from scenario_compiler.batch.codebook import OUTCOME
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import QUANTITIES, break_off_text
@@ -20,24 +21,15 @@ from scenario_compiler.recording.names import CAUSES, STOP_REASONS
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import resolutions
+from scenario_compiler.recording.takeovers import takeovers_of_totals
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.vocabulary.driver import ReferenceName
 
 Columns = dict[str, list[Any]]
 """Rows by column."""
 
-OUTCOME = (
-    "result",
-    "error",
-    "stop_reason",
-    "duration",
-    "resolution",
-    "cause",
-    "collision_with",
-    "failed",
-    "avoided_by",
-)
-"""Columns of the outcome, before the measures."""
+TAKEOVERS = "takeovers"
+"""Column of the takeovers of each run, which have a table of their own."""
 
 
 def rows_of_totals(
@@ -76,6 +68,7 @@ def rows_of_totals(
         "failed": [" ".join(names) for names in failed],
         "avoided_by": [_avoiders(verdicts) for verdicts in avoided],
     }
+    columns[TAKEOVERS] = [[vars(one) for one in some] for some in takeovers_of_totals(totals)]
     sound = np.array([not error for error in errors])
     measured = measures_of(plan)
     for measure in MEASURES:
@@ -110,6 +103,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
         "failed": [" ".join(one.criterion for one in outcome.criteria if not one.passed)],
         "avoided_by": [_avoiders(recording.header.avoided)],
     }
+    columns[TAKEOVERS] = [[vars(one) for one in outcome.takeovers]]
     values = {} if broken else {name: measure.value for name, measure in outcome.measures.items()}
     return columns | {measure.name: [values.get(measure.name)] for measure in MEASURES}
 
@@ -117,7 +111,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
 def error_columns(count: int, error: str) -> Columns:
     """Return the outcome of variants that have no run."""
     columns: Columns = {name: [None] * count for name in (*OUTCOME, *(measure.name for measure in MEASURES))}
-    return columns | {"result": ["error"] * count, "error": [error] * count}
+    return columns | {"result": ["error"] * count, "error": [error] * count, TAKEOVERS: [[] for _ in range(count)]}
 
 
 def _avoiders(verdicts: Mapping[ReferenceName, bool]) -> str | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import cv2
@@ -14,12 +13,15 @@ from scenario_compiler.perception.camera import Camera
 Map = NDArray[np.float32]
 
 X_FROM, X_TO, X_STEP = 5.0, 30.0, 0.25
-Y_FROM, Y_TO, Y_STEP = 6.0, -6.0, 0.05
+Y_FROM, Y_TO, Y_STEP = 8.0, -8.0, 0.05
 """Extent of the map: rows ahead of the camera, columns from left to right, m. 30 m is where a mark of 0.12 m
 is two pixels wide in an image of 512 columns."""
 
 SIDE = 0.22
 """Distance, m, at which the ground on both sides of a mark is compared with it; widest marks are 0.3 m."""
+
+PITCH_STEP = 0.002
+"""Lookups are prepared for whole steps of the pitch, rad: half a step moves a boundary 18 m ahead by 0.03 m."""
 
 STRONGEST = 8.0
 """Response at which a ridge counts no more, in units of the row's own deviation."""
@@ -47,6 +49,23 @@ class Ridges:
     green: Map
 
 
+@dataclass(frozen=True, eq=False)
+class Lookup:
+    """Where the map's cells lie in the image, for one pitch.
+
+    Attributes:
+        column: (rows, columns) u, pixels; -1 behind the camera.
+        row: (rows, columns) v, pixels; -1 behind the camera.
+        seen: (rows, columns) 1 where a cell and its sides lie in the image, else 0.
+        count: (rows,) number of the cells that are seen, and 1.
+    """
+
+    column: Map
+    row: Map
+    seen: Map
+    count: Map
+
+
 class BirdsEye:
     """Looks at the ground from above through one camera (inverse perspective mapping of a plane)."""
 
@@ -57,47 +76,50 @@ class BirdsEye:
         self.x = (X_FROM + (np.arange(rows) + 0.5) * X_STEP).astype(np.float32)
         self.y = (Y_FROM - (np.arange(columns) + 0.5) * Y_STEP).astype(np.float32)
         self.side = round(SIDE / Y_STEP)
-        self._pitch = math.nan
-        self._tilt(0.0)
+        self._lookups: dict[int, Lookup] = {}
+        self.seen = self.lookup(0.0).seen
 
-    def _tilt(self, pitch: float) -> None:
-        """Prepare the lookup for a camera tilted by `pitch`, rad, beyond its mounting."""
-        if pitch == self._pitch:
-            return
+    def lookup(self, pitch: float) -> Lookup:
+        """Return the lookup for a camera tilted up by `pitch`, rad, beyond its mounting, to the nearest step."""
+        step = round(pitch / PITCH_STEP)
+        if step not in self._lookups:
+            self._lookups[step] = self._tilted(step * PITCH_STEP)
+        return self._lookups[step]
+
+    def _tilted(self, pitch: float) -> Lookup:
         x, y = np.meshgrid(self.x, self.y, indexing="ij")
         u, v = self.camera.project_ground(x, y, pitch)
         width, height = self.camera.width, self.camera.height
-        seen = ((u >= 1) & (u < width - 2) & (v >= 0) & (v < height - 1)).astype(np.float32)
-        self.column = np.nan_to_num(u, nan=-1.0).astype(np.float32)
-        self.row = np.nan_to_num(v, nan=-1.0).astype(np.float32)
-        self.seen: Map = np.asarray(cv2.erode(seen, np.ones((1, 2 * self.side + 1), np.uint8)), np.float32)
-        self.count = self.seen.sum(axis=1) + 1.0
-        self._pitch = pitch
+        inside = ((u >= 1) & (u < width - 2) & (v >= 0) & (v < height - 1)).astype(np.float32)
+        seen: Map = np.asarray(cv2.erode(inside, np.ones((1, 2 * self.side + 1), np.uint8)), np.float32)
+        column, row = (np.nan_to_num(pixel, nan=-1.0).astype(np.float32) for pixel in (u, v))
+        return Lookup(column, row, seen, seen.sum(axis=1) + np.float32(1.0))
 
     def ridges(self, image: NDArray[np.uint8], pitch: float = 0.0) -> Ridges:
         """Return the ridges of a BGR image; white and yellow both show in the larger of green and red."""
-        self._tilt(pitch)
+        lookup = self.lookup(pitch)
         bright = cv2.max(image[:, :, 1], image[:, :, 2])
         if self.camera.width > 700:
             bright = cv2.GaussianBlur(bright, (3, 3), 0)
-        above = cv2.remap(bright, self.column, self.row, cv2.INTER_LINEAR).astype(np.float32)
+        above = cv2.remap(bright, lookup.column, lookup.row, cv2.INTER_LINEAR).astype(np.float32)
         above = np.asarray(cv2.blur(above, (2, 3)), np.float32)
         left, right = self._shifted(above, self.side), self._shifted(above, -self.side)
         curve = 2.0 * above - left - right
-        contrast = np.maximum(curve - np.abs(left - right), 0.0) * self.seen
-        scale = self._deviation(np.abs(curve) * self.seen)
-        return Ridges(np.minimum(contrast / scale[:, None], STRONGEST), contrast, scale, self._green(image))
+        contrast = np.maximum(curve - np.abs(left - right), 0.0) * lookup.seen
+        scale = self._deviation(np.abs(curve) * lookup.seen, lookup.count)
+        return Ridges(np.minimum(contrast / scale[:, None], STRONGEST), contrast, scale, self._green(image, lookup))
 
-    def _green(self, image: NDArray[np.uint8]) -> Map:
+    def _green(self, image: NDArray[np.uint8], lookup: Lookup) -> Map:
         tone = cv2.transform(image, _GREENNESS)
-        above = cv2.remap(tone, self.column, self.row, cv2.INTER_LINEAR).astype(np.float32)
+        above = cv2.remap(tone, lookup.column, lookup.row, cv2.INTER_LINEAR).astype(np.float32)
         above = np.asarray(cv2.blur(above, (5, 15)), np.float32)
         return np.maximum(self._shifted(above, self.side), self._shifted(above, -self.side)) - np.float32(64.0)
 
-    def _deviation(self, response: Map) -> Map:
+    @staticmethod
+    def _deviation(response: Map, count: Map) -> Map:
         """Return each row's mean response without its outliers (the marks), smoothed along the road, at least 2."""
-        mean = response.sum(axis=1) / self.count
-        trimmed = np.minimum(response, 2.5 * mean[:, None]).sum(axis=1) / self.count
+        mean = response.sum(axis=1) / count
+        trimmed = np.minimum(response, 2.5 * mean[:, None]).sum(axis=1) / count
         smooth = cv2.blur(trimmed[:, None].astype(np.float32), (1, 9))
         return np.asarray(smooth[:, 0] + np.float32(2.0), np.float32)
 

@@ -1,32 +1,34 @@
 """Finds the lane's two boundaries in a camera image, each with a probability.
 
-A detector is anything with `detect`; `ClassicalLaneDetector` is the one in the box: it looks at the ground
-from above (`birds_eye`), votes for pairs of parabolas (`lane_fit`) and says how far they can be trusted
+A detector is anything with `detect`; `detectors` has the table of those in the box. `ClassicalLaneDetector` looks at
+the ground from above (`birds_eye`), votes for pairs of arcs (`lane_fit`) and says how far they can be trusted
 (`confidence`).
 
-What the probabilities do not cover: a camera that is pitched otherwise than it was mounted (one degree moves
-the boundaries by more than 0.25 m and the score does not see it; `detect` takes the pitch where it is
-known), and anything that is not a line (a car ahead, an obstacle).
+The tilt of the camera against the road ahead is found in the image (`road_plane`) and remembered, unless it is given.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenario_compiler.engine.ego.camera_health import noise_health
-from scenario_compiler.perception.birds_eye import X_FROM, BirdsEye, Ridges
+from scenario_compiler.perception.birds_eye import PITCH_STEP, X_FROM, BirdsEye, Ridges
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
+    FEATURES,
+    Circumstances,
+    Confidence,
     features,
-    load_calibration,
+    load_confidence,
     noise_of,
-    probability,
 )
-from scenario_compiler.perception.lane_fit import CURVATURES, LEFT, RIGHT, Fit, LaneFitter
+from scenario_compiler.perception.lane_fit import CURVATURES, LEFT, RIGHT, Fit, LaneFitter, arc_y
+from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, tilt_beyond
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -36,6 +38,22 @@ USUAL_WIDTH, USUAL_SPREAD = 3.45, 0.5
 
 TRACKED_SPREAD = 0.25
 """Deviation of the width once it is known, m."""
+
+MOST_ROUNDS = 3
+"""How often an image is looked at with a better pitch at most; in driving once is mostly enough."""
+
+STARTS, COST_OF_PITCH = (0.0, math.radians(1.5), math.radians(-1.5)), 1.5
+"""Pitches that are tried where none is known, rad, and what the square of one in usual ones costs in votes."""
+
+FORGOTTEN = 0.7
+"""Deviation of the tilt, in usual ones, from which it counts as not known."""
+
+NEARBY = np.arange(5.0, 19.5, 1.0)
+TO_PARABOLA = np.linalg.pinv(np.vander(NEARBY, 3))
+"""Distances ahead of the camera, m, and what takes values there to the coefficients of the nearest parabola."""
+
+MIDDLE = np.array(12.0)
+"""Distance ahead of the camera at which a boundary is compared with where it was, m."""
 
 REMEMBERED = 0.5
 """Probability over which a boundary is looked for again where it was."""
@@ -49,7 +67,9 @@ class Boundary:
         y0: Offset below the camera, m, left positive.
         slope: dy/dx there.
         curvature: 1/m, left turns positive.
-        p_geom: Probability that it is right and painted, 0-1: by the image alone as the detector has it.
+        p_geom: Probability that it lies within 0.25 m of the true boundary from 6 to 18 m ahead.
+        p_paint: Probability that most of that stretch is painted, however little of it the camera sees.
+        p: Confidence, the probability of both: without paint a right guess is luck.
         x_range: Nearest and farthest x at which paint was seen, m.
     """
 
@@ -57,6 +77,8 @@ class Boundary:
     slope: float
     curvature: float
     p_geom: float
+    p_paint: float
+    p: float
     x_range: tuple[float, float]
 
     def y(self, x: ArrayLike) -> Floats:
@@ -74,9 +96,10 @@ class LaneResult:
         right: Right boundary.
         sensor_health: 1 well, 0 broken; it multiplies both probabilities.
         sigma_hat: Measured noise, grey levels.
-        p_left: left.p_geom * sensor_health.
-        p_right: right.p_geom * sensor_health.
+        p_left: left.p * sensor_health.
+        p_right: right.p * sensor_health.
         lane_width: Distance between the boundaries 10 m ahead, m.
+        tilt: How far the camera is tilted against the ground ahead, beyond its mounting.
     """
 
     left: Boundary
@@ -86,6 +109,7 @@ class LaneResult:
     p_left: float
     p_right: float
     lane_width: float
+    tilt: Tilt = LEVEL
 
 
 @dataclass(frozen=True)
@@ -99,77 +123,129 @@ class LaneState:
             one.
         way: Slope below the camera and curvature, 1/m, of the way that the car is to go, where others branch off:
             the search begins with boundaries that go that way.
+        tilt: How far the camera was tilted against the ground ahead, beyond its mounting.
     """
 
     left: Boundary | None = None
     right: Boundary | None = None
     width: float | None = None
     way: tuple[float, float] | None = None
+    tilt: Tilt = LEVEL
 
     def after(self, result: LaneResult) -> LaneState:
         """Return the state after one more image."""
         width = self.width
-        if min(result.left.p_geom, result.right.p_geom) > 0.8:
+        if min(result.left.p, result.right.p) > 0.8:
             width = result.lane_width if width is None else 0.9 * width + 0.1 * result.lane_width
-        left = result.left if result.left.p_geom > REMEMBERED else None
-        right = result.right if result.right.p_geom > REMEMBERED else None
-        return LaneState(left, right, width)
+        left = result.left if result.left.p > REMEMBERED else None
+        right = result.right if result.right.p > REMEMBERED else None
+        return LaneState(left, right, width, tilt=result.tilt.later())
 
 
 class LaneDetector(Protocol):
     """Finds the lane in an image."""
 
-    def detect(self, image: Image, prior: LaneState | None = None, pitch: float = 0.0) -> LaneResult:
+    def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
         """Return the lane that the camera is in.
 
         Args:
             image: (height, width, 3) uint8, BGR.
             prior: What is remembered, None for the first image.
-            pitch: Upward tilt of the camera against the ground ahead, rad, beyond its mounting.
+            pitch: Upward tilt of the camera against the ground ahead, rad, beyond its mounting, where it is known;
+                None where it is to be found in the image.
         """
         ...
 
 
-class ClassicalLaneDetector:
-    """Ridges seen from above, exhaustive voting for pairs of parabolas, a calibrated logistic score."""
+class CalibratedDetector(LaneDetector, Protocol):
+    """A detector whose confidence is fitted to what it sees.
 
-    def __init__(self, camera: Camera | None = None, weights: tuple[float, ...] | None = None) -> None:
+    Attributes:
+        features: Names of what the confidence is made from.
+        confidence_file: The file beside the package's modules that it is kept in.
+    """
+
+    features: ClassVar[tuple[str, ...]]
+    confidence_file: ClassVar[str]
+
+    def look(
+        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+    ) -> tuple[LaneResult, tuple[Floats, Floats]]:
+        """Return what `detect` does, and the features of the left and the right side."""
+        ...
+
+
+class ClassicalLaneDetector:
+    """Ridges seen from above, exhaustive voting for pairs of arcs, a calibrated confidence."""
+
+    features: ClassVar[tuple[str, ...]] = FEATURES
+    confidence_file: ClassVar[str] = "lane_confidence.json"
+
+    def __init__(self, camera: Camera | None = None, confidence: Confidence | None = None) -> None:
         """Prepare for one camera.
 
         Args:
             camera: The camera and its mounting, the default camera when None.
-            weights: Weights of the confidence; those of the shipped calibration when None.
+            confidence: What makes probabilities of features; the shipped calibration when None.
         """
         self.camera = camera if camera is not None else Camera()
-        self.weights = weights if weights is not None else load_calibration().weights
+        self.confidence = confidence or load_confidence(self.confidence_file, self.features)
         self.birds_eye = BirdsEye(self.camera)
         self.fitter = LaneFitter(self.birds_eye)
 
-    def detect(self, image: Image, prior: LaneState | None = None, pitch: float = 0.0) -> LaneResult:
+    def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
         """Return the lane that the camera is in (see `LaneDetector.detect`)."""
-        fits, rows = self.examine(image, prior, pitch)
+        return self.look(image, prior, pitch)[0]
+
+    def look(
+        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+    ) -> tuple[LaneResult, tuple[Floats, Floats]]:
+        """Return what `detect` does, and the features that the left and the right side's confidence is made from."""
+        fits, rows, tilt = self.examine(image, prior, pitch)
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
-        left, right = (_boundary(fit, probability(row, self.weights)) for fit, row in zip(fits, rows, strict=True))
-        return LaneResult(
-            left=left,
-            right=right,
-            sensor_health=health,
-            sigma_hat=sigma_hat,
-            p_left=left.p_geom * health,
-            p_right=right.p_geom * health,
-            lane_width=float(left.y(10.0) - right.y(10.0)),
-        )
+        left, right = (_boundary(fit, *self.confidence(row)) for fit, row in zip(fits, rows, strict=True))
+        lane_width = float(left.y(10.0) - right.y(10.0))
+        return LaneResult(left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt), rows
 
     def examine(
-        self, image: Image, prior: LaneState | None = None, pitch: float = 0.0
-    ) -> tuple[tuple[Fit, Fit], tuple[Floats, Floats]]:
-        """Return the fits of the left and the right side and the features of their confidence."""
+        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+    ) -> tuple[tuple[Fit, Fit], tuple[Floats, Floats], Tilt]:
+        """Return the fits of the left and the right side, the features of their confidence, and the tilt found."""
         state = prior if prior is not None else LaneState()
         width, spread = (USUAL_WIDTH, USUAL_SPREAD)
         if state.width is not None:
             width, spread = state.width, TRACKED_SPREAD
-        ridges = self.birds_eye.ridges(image, pitch)
+        if pitch is not None:
+            tilt = Tilt(pitch, 0.0)
+            ridges = self.birds_eye.ridges(image, pitch)
+            left, right = self._fit(ridges, state, width, spread)
+        else:
+            start = self._first_pitch(image, state, width, spread)
+            for _ in range(MOST_ROUNDS):
+                ridges = self.birds_eye.ridges(image, start)
+                left, right = self._fit(ridges, state, width, spread)
+                beyond = tilt_beyond(left, right, self.camera.z)
+                tilt = state.tilt.with_seen(Tilt(start + beyond.pitch, beyond.deviation))
+                before, start = start, tilt.pitch
+                if abs(start - before) <= PITCH_STEP:
+                    break
+        return (left, right), self._features(left, right, ridges, width, state, tilt), tilt
+
+    def _first_pitch(self, image: Image, state: LaneState, width: float, spread: float) -> float:
+        """Return the pitch to begin with: what is remembered, else the one at which most paint lies on two arcs."""
+        first = state.tilt.pitch
+        if state.tilt.deviation < FORGOTTEN * USUAL_PITCH:
+            return first
+        best, most = first, -math.inf
+        for away in STARTS:
+            fits = self._fit(self.birds_eye.ridges(image, first + away), state, width, spread)
+            score = fits[0].support + fits[1].support - COST_OF_PITCH * (away / USUAL_PITCH) ** 2
+            if score > most:
+                best, most = first + away, score
+        return best
+
+    def _fit(self, ridges: Ridges, state: LaneState, width: float, spread: float) -> tuple[Fit, Fit]:
         votes = (self.fitter.votes(ridges, LEFT), self.fitter.votes(ridges, RIGHT))
         tracked = (_curve(state.left), _curve(state.right))
         way = _shape(state.way)
@@ -177,19 +253,26 @@ class ClassicalLaneDetector:
         if way is not None:
             # The way only says where to begin: the paint decides what is there, and the probability keeps its sense.
             chosen = self.fitter.settle(votes, width, spread, chosen)
-        left, right = self.fitter.refine(ridges, votes, chosen)
-        return (left, right), self._features(left, right, ridges, width)
+        return self.fitter.refine(ridges, votes, chosen)
 
-    def _features(self, left: Fit, right: Fit, ridges: Ridges, width: float) -> tuple[Floats, Floats]:
+    def _features(
+        self, left: Fit, right: Fit, ridges: Ridges, width: float, state: LaneState, tilt: Tilt
+    ) -> tuple[Floats, Floats]:
         off = float(left.curve[0] - right.curve[0]) - width
-        return features(left, ridges, off), features(right, ridges, off)
+        found = []
+        for fit, other, before in ((left, right, state.left), (right, left, state.right)):
+            moved = None
+            if before is not None:
+                moved = float(arc_y(fit.curve, MIDDLE - X_FROM)) - float(before.y(MIDDLE))
+            known = Circumstances(off, (tilt.pitch, tilt.deviation), moved, state.way is not None)
+            found.append(features(fit, other, ridges, known))
+        return found[0], found[1]
 
 
-def _boundary(fit: Fit, p_geom: float) -> Boundary:
-    """Return the fit with its parabola moved from 5 m ahead to the camera's foot."""
-    offset, slope, curvature = (float(value) for value in fit.curve)
-    y0 = offset - slope * X_FROM + 0.5 * curvature * X_FROM * X_FROM
-    return Boundary(y0, slope - curvature * X_FROM, curvature, p_geom, (fit.nearest, fit.farthest))
+def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:
+    """Return the parabola that is nearest to the fit's arc where boundaries have to be right."""
+    curvature, slope, y0 = (float(value) for value in TO_PARABOLA @ arc_y(fit.curve, NEARBY - X_FROM))
+    return Boundary(y0, slope, 2.0 * curvature, p_geom, p_paint, p, (fit.nearest, fit.farthest))
 
 
 def _shape(way: tuple[float, float] | None) -> Floats | None:

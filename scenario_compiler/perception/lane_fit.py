@@ -1,4 +1,4 @@
-"""Finds the two boundaries of the lane ahead in a map of ridges: parabolas are voted for, the best pair wins.
+"""Finds the two boundaries of the lane ahead in a map of ridges: arcs are voted for, the best pair wins.
 
 The pair is chosen together, under a prior on the lane's width and on the two being parallel: chosen alone, a
 side locks onto the next lane's line where that is the stronger one.
@@ -6,6 +6,7 @@ side locks onto the next lane's line where that is the stronger one.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +17,10 @@ from scenario_compiler.perception.birds_eye import X_FROM, Y_FROM, Y_STEP, Birds
 Floats = NDArray[np.float64]
 
 OFFSETS = np.arange(0.7, 3.21, 0.1)
-SLOPES = np.linspace(-0.14, 0.14, 15)
-CURVATURES = np.linspace(-0.018, 0.018, 19)
-"""The grid of parabolas y = +-offset + slope d + curvature d**2 / 2, d = x - 5 m: m, rad, 1/m (radii down to 56 m)."""
+HEADINGS = np.linspace(-0.12, 0.12, 13)
+CURVATURES = np.linspace(-0.028, 0.028, 29)
+"""The grid of arcs, given at d = x - 5 m = 0 by offset, slope and curvature: m, rad, 1/m (radii down to 36 m). The
+heading is that of the boundary beside the camera, where a car drives along it: slope - 5 m curvature."""
 
 ENOUGH = 3.0
 """Strength above which a row votes no more, so that a few bright rows do not outvote many."""
@@ -32,7 +34,7 @@ STANDS_OUT = 1.5
 NEAR_GUESS = np.array([0.8, 5.0, 60.0])
 PARALLEL = np.array([10.0, 100.0])
 """How firmly a fit is held: the deviation of a row, 0.05 m, by that of offset, slope and curvature from the voted
-parabola, and of slope and curvature from the other side's."""
+arc, and of slope and curvature from the other side's."""
 
 OFF_WAY = np.array([13.0, 84.5])
 """What slope and curvature beside those of the planned way make 18 m ahead of the camera, m."""
@@ -44,7 +46,20 @@ NEIGHBOURS = np.array([0.25, 0.05, 0.005])
 """How far apart in offset, slope and curvature neighbours are at most: two steps of the grid."""
 
 MOST_STEPS = 20
-"""Most steps from a parabola over better and better neighbours; the grid's whole width takes ten."""
+"""Most steps from an arc over better and better neighbours; the grid's whole width takes ten."""
+
+MOST_TURNED = 0.95
+"""Sine of the heading beyond which an arc goes straight on: the camera sees no farther."""
+
+RIVALS_AT, ELSEWHERE = 12.0, 0.4
+"""Distance ahead at which arcs are told apart, and how far apart they are then at least, m."""
+
+ON_LINE, STRAY = 0.08, 0.25
+"""How far off an arc a ridge counts as on it, m, and the share of ridges that are not from which the slope is in doubt;
+of ridges anywhere in the window two thirds are not."""
+
+ROW_DEVIATION, ALIKE = 0.03, 4.0
+"""How far a row's ridge is off its line, m, and how many rows beside each other are off alike."""
 
 LEFT, RIGHT = 0, 1
 
@@ -54,14 +69,16 @@ class Fit:
     """One side's boundary.
 
     Attributes:
-        curve: (3,) offset, slope and curvature of the refined parabola at d = x - 5 m = 0.
-        support: Vote of the grid's parabola.
+        curve: (3,) offset, slope and curvature of the refined arc at d = x - 5 m = 0.
+        support: Vote of the grid's arc.
         prominence: How far the vote stands out of all votes of its side, in robust deviations.
-        residual: Root mean square distance of the painted rows from the parabola, m.
-        painted: Share of the rows nearer than 20 m that show a ridge within 0.25 m of the parabola.
-        on_curve: (rows,) strength on the refined parabola itself.
-        contrast: (rows,) grey levels on the refined parabola itself.
-        green: How green the greener side of the parabola is where there is paint, grey levels.
+        residual: Root mean square distance of the painted rows from the arc, m.
+        painted: Share of the rows nearer than 20 m that show a ridge within 0.25 m of the arc.
+        on_curve: (rows,) strength on the refined arc itself.
+        contrast: (rows,) grey levels on the refined arc itself.
+        green: How green the greener side of the arc is where there is paint, grey levels.
+        slope_deviation: Standard deviation of the arc's slope as the painted rows tell it; infinite without.
+        rivals: Largest votes of other arcs of the side that lie nearer to the car and farther from it, m 12 m ahead.
         nearest: Smallest x with paint on two rows, m; the map's last row without any.
         farthest: Largest x with paint on two rows, m.
     """
@@ -74,6 +91,8 @@ class Fit:
     on_curve: Floats
     contrast: Floats
     green: float
+    slope_deviation: float
+    rivals: tuple[float, float]
     nearest: float
     farthest: float
 
@@ -82,24 +101,27 @@ class LaneFitter:
     """Votes, pairs and refines on the map of one `BirdsEye`."""
 
     def __init__(self, birds_eye: BirdsEye) -> None:
-        """Lay out the grid of parabolas; about 7000 a side are in the field of view."""
+        """Lay out the grid of arcs; about 8000 a side are in the field of view."""
         self.x = birds_eye.x.astype(np.float64)
         self.d = self.x - X_FROM
         self.rows = np.arange(len(self.x))
         self.columns = len(birds_eye.y)
-        offsets, slopes, curvatures = np.meshgrid(OFFSETS, SLOPES, CURVATURES, indexing="ij")
-        grid = np.stack([offsets.ravel(), slopes.ravel(), curvatures.ravel()], axis=1)
+        offsets, headings, curvatures = (
+            one.ravel() for one in np.meshgrid(OFFSETS, HEADINGS, CURVATURES, indexing="ij")
+        )
+        grid = np.stack([offsets, headings + X_FROM * curvatures, curvatures], axis=1)
         self.curves: list[Floats] = []
         self._cells: list[NDArray[np.int32]] = []
         self._weights: list[NDArray[np.float32]] = []
         self._norms: list[NDArray[np.float32]] = []
         self._bins: list[NDArray[np.int64]] = []
+        self._middles: list[Floats] = []
         for sign in (1.0, -1.0):
             self._add_side(grid * np.array([sign, 1.0, 1.0]), birds_eye)
 
     def _add_side(self, curves: Floats, birds_eye: BirdsEye) -> None:
         rows = self.rows[::2]
-        column = self._column(curves[:, :1], curves[:, 1:2], curves[:, 2:], self.d[rows])
+        column = self._column(curves[:, None], self.d[rows])
         inside = (column >= 0) & (column < self.columns)
         column = np.clip(column, 0, self.columns - 1)
         seen = inside & (birds_eye.seen[rows[None, :], column] > 0)
@@ -110,15 +132,14 @@ class LaneFitter:
         self._norms.append(np.sqrt(seen[kept].sum(axis=1)).astype(np.float32))
         bins = np.round((np.abs(curves[kept, 0]) - OFFSETS[0]) * 10).astype(np.int64)
         self._bins.append(bins)
+        self._middles.append(np.sign(curves[kept, 0]) * arc_y(curves[kept], np.array(RIVALS_AT - X_FROM)))
 
-    def _column(
-        self, offset: Floats | float, slope: Floats | float, curvature: Floats | float, d: Floats
-    ) -> NDArray[np.int64]:
-        y = offset + slope * d + 0.5 * curvature * d * d
-        return np.round((Y_FROM - y) / Y_STEP - 0.5).astype(np.int64)
+    def _column(self, curve: Floats, d: Floats) -> NDArray[np.int64]:
+        """Return the columns in which arcs (..., 3) lie at d."""
+        return np.round((Y_FROM - arc_y(curve, d)) / Y_STEP - 0.5).astype(np.int64)
 
     def votes(self, ridges: Ridges, side: int) -> NDArray[np.float32]:
-        """Return the vote for each parabola of a side."""
+        """Return the vote for each arc of a side."""
         doubt = np.clip(1.2 - ridges.green / np.float32(GRASSY), 0.4, 1.0)
         strength = (np.minimum(ridges.strength, ENOUGH) * doubt).ravel()
         counted = strength[self._cells[side]] * self._weights[side]
@@ -132,7 +153,7 @@ class LaneFitter:
         previous: tuple[Floats | None, Floats | None],
         way: Floats | None = None,
     ) -> tuple[int, int]:
-        """Return the best left and right parabola.
+        """Return the best left and right arc.
 
         Args:
             votes: Votes of the two sides.
@@ -152,7 +173,7 @@ class LaneFitter:
         width_sigma: float,
         chosen: tuple[int, int],
     ) -> tuple[int, int]:
-        """Return the left and right parabola that are better than all near them, climbing there from chosen ones."""
+        """Return the left and right arc that are better than all near them, climbing there from chosen ones."""
         for _ in range(MOST_STEPS):
             left, right = (self._near(votes[side], side, chosen[side]) for side in (LEFT, RIGHT))
             better = self._best_pair(left, right, width, width_sigma)
@@ -162,7 +183,7 @@ class LaneFitter:
         return chosen
 
     def _near(self, votes: NDArray[np.float32], side: int, chosen: int) -> tuple[NDArray[np.int64], Floats]:
-        """Return the parabolas near a chosen one, and their votes."""
+        """Return the arcs near a chosen one, and their votes."""
         curves = self.curves[side]
         near = np.flatnonzero((np.abs(curves - curves[chosen]) <= NEIGHBOURS).all(axis=1))
         return near, votes[near].astype(np.float64)
@@ -174,7 +195,7 @@ class LaneFitter:
         width: float,
         width_sigma: float,
     ) -> tuple[int, int]:
-        """Return the best pair of parabolas, given by number and score, as far apart as the lane and parallel."""
+        """Return the best pair of arcs, given by number and score, as far apart as the lane and parallel."""
         (left, left_score), (right, right_score) = of_left, of_right
         a, b = self.curves[LEFT][left], self.curves[RIGHT][right]
         off = (a[:, None, 0] - b[None, :, 0] - width) / width_sigma
@@ -186,7 +207,7 @@ class LaneFitter:
     def _best_of_bins(
         self, votes: NDArray[np.float32], side: int, previous: Floats | None, way: Floats | None
     ) -> tuple[NDArray[np.int64], Floats]:
-        """Return the best parabola of each offset, and its score."""
+        """Return the best arc of each offset, and its score."""
         score = votes.astype(np.float64)
         if previous is not None:
             away = np.abs(self.curves[side] - previous) @ np.array([1.2, 6.0, 30.0])
@@ -202,18 +223,18 @@ class LaneFitter:
     def refine(
         self, ridges: Ridges, votes: tuple[NDArray[np.float32], NDArray[np.float32]], chosen: tuple[int, int]
     ) -> tuple[Fit, Fit]:
-        """Return both boundaries fitted to the ridges near the chosen parabolas."""
+        """Return both boundaries fitted to the ridges near the chosen arcs."""
         guesses = [self.curves[side][chosen[side]] for side in (LEFT, RIGHT)]
         peaks = [self._peaks(ridges, guess) for guess in guesses]
         curves = self._least_squares(guesses, peaks)
         left, right = (
-            self._judge(ridges, votes[side], chosen[side], curves[side], peaks[side]) for side in (LEFT, RIGHT)
+            self._judge(ridges, votes[side], side, chosen[side], curves[side], peaks[side]) for side in (LEFT, RIGHT)
         )
         return left, right
 
     def _peaks(self, ridges: Ridges, guess: Floats) -> tuple[Floats, Floats]:
-        """Return for each row y of the strongest ridge within 0.25 m of a parabola, and its strength."""
-        column = self._column(guess[0], guess[1], guess[2], self.d)
+        """Return for each row y of the strongest ridge within 0.25 m of an arc, and its strength."""
+        column = self._column(guess, self.d)
         around = column[:, None] + np.arange(-5, 6)
         inside = (around >= 0) & (around < self.columns)
         cells = np.clip(around, 0, self.columns - 1)
@@ -223,10 +244,11 @@ class LaneFitter:
         return y, strength[self.rows, best].astype(np.float64)
 
     def _least_squares(self, guesses: list[Floats], peaks: list[tuple[Floats, Floats]]) -> list[Floats]:
-        """Fit both parabolas to the rows' ridges at once, held near the guesses and parallel to each other."""
+        """Fit both arcs to the rows' ridges at once, held near the guesses and parallel to each other."""
         shape = np.stack([np.ones_like(self.d), self.d, 0.5 * self.d * self.d], axis=1)
         blocks, values = [], []
         for side, (guess, (y, _)) in enumerate(zip(guesses, peaks, strict=True)):
+            y = y - arc_y(guess, self.d) + shape @ guess
             root = np.concatenate([np.sqrt(self._weight(peaks[side])), NEAR_GUESS])
             block = np.zeros((len(root), 6))
             block[:, 3 * side : 3 * side + 3] = np.vstack([shape, np.eye(3)]) * root[:, None]
@@ -246,13 +268,14 @@ class LaneFitter:
         self,
         ridges: Ridges,
         votes: NDArray[np.float32],
+        side: int,
         chosen: int,
         curve: Floats,
         peaks: tuple[Floats, Floats],
     ) -> Fit:
         """Return the boundary with everything that its confidence is made from."""
         weight = self._weight(peaks)
-        miss = (peaks[0] - curve[0] - curve[1] * self.d - 0.5 * curve[2] * self.d * self.d) ** 2
+        miss = (peaks[0] - arc_y(curve, self.d)) ** 2
         painted, near = peaks[1] > STANDS_OUT, self.x < 20.0
         shown = self.x[:-1][painted[:-1] & painted[1:]]
         on_curve, contrast, green = self._along(ridges, curve)
@@ -267,13 +290,35 @@ class LaneFitter:
             on_curve=on_curve,
             contrast=contrast,
             green=float((green * on_curve)[near].sum() / (on_curve[near].sum() + 1.0)),
+            slope_deviation=self._slope_deviation(weight, miss),
+            rivals=self._rivals(votes, side, chosen),
             nearest=float(shown[0]) if len(shown) else float(self.x[-1]),
             farthest=float(shown[-1]) if len(shown) else float(self.x[-1]),
         )
 
+    def _rivals(self, votes: NDArray[np.float32], side: int, chosen: int) -> tuple[float, float]:
+        beyond = self._middles[side] - self._middles[side][chosen]
+        inner, outer = (votes[way * beyond > ELSEWHERE].max(initial=0.0) for way in (-1.0, 1.0))
+        return float(inner), float(outer)
+
+    def _slope_deviation(self, weight: Floats, miss: Floats) -> float:
+        """Return how well rows of some weight, off the arc by the root of `miss`, tell its slope.
+
+        Where nothing is painted, the strongest ridges lie anywhere in the window and tell nothing.
+        """
+        total, near = float(weight.sum()), weight * (miss < ON_LINE * ON_LINE)
+        if not near.any():
+            return math.inf
+        middle = float(near @ self.d) / float(near.sum())
+        spread = float(near @ (self.d - middle) ** 2) / float(near.sum())
+        scatter = float(near @ miss) / float(near.sum()) + ROW_DEVIATION**2
+        rows = np.count_nonzero(near) / ALIKE
+        stray = 1.0 - float(near.sum()) / total
+        return math.sqrt(scatter / (rows * max(spread, 0.1))) * (1.0 + (stray / STRAY) ** 4)
+
     def _along(self, ridges: Ridges, curve: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return strength and contrast on the parabola, the best of three neighbouring columns, and greenness."""
-        column = self._column(curve[0], curve[1], curve[2], self.d)
+        """Return strength and contrast on the arc, the best of three neighbouring columns, and greenness."""
+        column = self._column(curve, self.d)
         around = np.clip(column[:, None] + np.arange(-1, 2), 0, self.columns - 1)
         inside = (column >= 0) & (column < self.columns)
         pick = (self.rows[:, None], around)
@@ -282,3 +327,19 @@ class LaneFitter:
             np.where(inside, ridges.contrast[pick].max(axis=1), 0.0).astype(np.float64),
             ridges.green[self.rows, around[:, 1]].astype(np.float64),
         )
+
+
+def arc_y(curve: Floats, d: Floats) -> Floats:
+    """Return y of circular arcs at d, m.
+
+    Args:
+        curve: (..., 3) y, dy/dd and the second derivative at d = 0.
+        d: Distances that broadcast with the arcs.
+    """
+    offset, slope, curvature = curve[..., 0], curve[..., 1], curve[..., 2]
+    steep = 1.0 + np.square(slope)
+    sine = slope / np.sqrt(steep)
+    bend = curvature / steep**1.5
+    turned = np.clip(sine + bend * d, -MOST_TURNED, MOST_TURNED)
+    both = np.sqrt(1.0 - sine * sine) + np.sqrt(1.0 - turned * turned)
+    return np.asarray(offset + d * (sine + turned) / both)

@@ -32,9 +32,13 @@ BAD_PLAN = Code(
 )
 
 
+OUTSIDE = ("limits", "origins", "derived", "digest")
+"""Parts of a plan that its digest does not cover: none of them changes a run."""
+
+
 def digest_of(plan: Plan) -> str:
-    """Return the SHA-256 of the plan's canonical JSON, without provenance, derived values and the digest itself."""
-    content = {name: value for name, value in vars(plan).items() if name not in ("origins", "derived", "digest")}
+    """Return the SHA-256 of the plan's canonical JSON, without the parts that are `OUTSIDE` it."""
+    content = {name: value for name, value in vars(plan).items() if name not in OUTSIDE}
     content["map"] = {name: value for name, value in vars(plan.map).items() if name != "file"}
     canonical = json.dumps(content, default=_plain, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(canonical.encode()).hexdigest()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import count
 from typing import Any
@@ -31,7 +31,7 @@ from scenario_compiler.vocabulary.driver import Driver, DriverModel, Effect
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
-from scenario_compiler.vocabulary.scenario import Parameter, Scenario
+from scenario_compiler.vocabulary.scenario import NumberLimit, Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import AnyWord, parameters_in, replaced, walk
@@ -206,7 +206,22 @@ class _Attempt:
             for name, one in parameters.items()
             if name in in_use
         )
-        return scenario.model_copy(update={"parameters": still_open})
+        limits = tuple(self._limits(in_use, values))
+        return scenario.model_copy(update={"parameters": still_open, "limits": limits})
+
+    def _limits(self, in_use: set[str], values: Mapping[str, Value]) -> Iterator[NumberLimit]:
+        """Yield what numbers must keep that depend on parameters which stay open; the others are at their values."""
+        for (holder, _, limits), expression in self.reading.environment.limits.items():
+            settled = {name: values[name] for name in expression.names if name not in in_use}
+            value = expression.substitute(settled)
+            if value.names:
+                yield NumberLimit.model_construct(
+                    holder=holder,
+                    value=value,
+                    least=limits.minimum,
+                    exclusive=limits.exclusive,
+                    greatest=limits.maximum,
+                )
 
     def _bounded(self, happenings: Iterable[tuple[str, When | EntityWhen]]) -> list[tuple[str, When | EntityWhen]]:
         """Return what happens, without what can come about in too many ways; report that."""
@@ -326,6 +341,7 @@ def catalog_driver(driver: Driver | DriverModel, catalogs: Catalogs, sink: Diagn
     fixed = found.takeover_time if driver.takeover_time is None else driver.takeover_time
     changes = {
         "takeover_time": fixed,
+        "by_person": driver.by_person,
         "task": driver.task,
         "eyes_closed": driver.eyes_closed,
         "traffic_density": driver.traffic_density,

@@ -136,6 +136,12 @@ class Driving(Word):
     )
 
 
+class Person(Word):
+    """A person at the wheel, who takes over and drives in the page of `drive`."""
+
+    word: Literal["person"] = "person"
+
+
 class Driver(Word):
     """Who answers a request: a driver of the catalog, and what he does and sees at the time."""
 
@@ -165,6 +171,9 @@ class Driver(Word):
     )
     effects: tuple[Effect, ...] = child("Effects of your own, in place of the catalog's.", default=())
     driving: Driving | None = child("How he drives, in place of what the preset says.", default=None)
+    by_person: Person | None = child(
+        "A person answers; the preset stands in where nobody can: in sweeps and with --pilot.", default=None
+    )
 
 
 class DriverModel(Word):
@@ -214,6 +223,7 @@ class DriverModel(Word):
         quantity="time",
         minimum=0,
     )
+    by_person: Person | None = child("A person answers in place of this model.", default=None)
     person: float = attribute(
         "Share of the variance that is between people: one person drives a whole run, and its requests are correlated "
         "by this. The default is chosen.",

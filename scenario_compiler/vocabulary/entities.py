@@ -4,7 +4,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.positions import Position
-from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.sensors import Camera, Odometry
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
 
@@ -39,6 +39,14 @@ class Vehicle(Word):
         "Deceleration at full brake, m/s2.", default=8.0, quantity="acceleration", minimum=0
     )
     max_speed: float = attribute("Top speed, m/s.", default=60.0, quantity="speed", minimum=0)
+    pitch_gradient: float = attribute(
+        "How far the body pitches when the vehicle brakes or accelerates, degrees per m/s2: on springs with a "
+        "ride frequency f, with the centre of gravity at a height h and a wheelbase b, it is h / (pi f b)**2 rad less "
+        "what anti-dive takes. 0.55 m, 1.2 Hz and 2.65 m give 0.32 degrees, of which the default leaves two thirds.",
+        default=0.2,
+        minimum=0,
+        maximum=2,
+    )
     hitch: float | None = attribute(
         "Distance from the rear axle forward to where a trailer is hitched, m; mostly negative.",
         default=None,
@@ -91,6 +99,9 @@ class Ego(Word):
     start: Position = child("Where it starts.", wrapper="start")
     destination: Position | None = child("Where the run ends.", default=None, wrapper="destination")
     camera: Camera = child("Its forward camera.", default_factory=Camera.model_construct)
+    odometry: Odometry = child(
+        "What it knows of its own motion while it does not see its lane.", default_factory=Odometry.model_construct
+    )
     controller: Controller = child("What drives it.", default_factory=Controller.model_construct)
     whens: tuple[When, ...] = child("What happens to it.", default=())
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.execute import prepare, run_sweep
-from scenario_compiler.batch.results import PARAMETER, read_results
+from scenario_compiler.batch.results import read_results
 from scenario_compiler.batch.runner import record
 from scenario_compiler.batch.spec import SweepSpec
 from scenario_compiler.batch.variants import with_values
@@ -57,7 +58,7 @@ def test_a_collision_fails_where_the_reference_driver_has_none(
         assert failed.count("no_avoidable_collision") == (len(avoided) if hit else 0)
         variant = sweep.variant(index, sweep.sampler.sample(index))
         family = sweep.families.base
-        recording = record(family.plan, family.network, variant, spec.seed)
+        recording = record(family.plan, family.network, variant)
         outcome = judge(with_values(family.plan, variant.values), recording)
         assert [one.criterion for one in outcome.criteria if not one.passed] == failed
         assert [name for name, avoids in recording.header.avoided.items() if avoids] == avoided

@@ -6,8 +6,8 @@ _UNIT_TESTS = "esmini/EnvironmentSimulator/Unittest/xosc/"
 _FEATURES = "esmini_features/"
 
 CONTINUOUS_OFFSET = (
-    "By the standard a continuous LaneOffsetAction keeps its offset until another action takes the lane; esmini ends it "
-    "at its target. A trigger that waits for its end is warned about."
+    "By the standard a continuous LaneOffsetAction keeps its offset until another action takes the lane; esmini ends "
+    "it at its target. A trigger that waits for its end is warned about."
 )
 SCALED_TIMES = (
     'The standard scales the times ("Scaling factor for time values. While values smaller than 1.0 represent negative '
@@ -26,8 +26,9 @@ RELATIVE_SPEED = (
     "The standard has a relative speed in a direction along the triggering entity's axes, esmini along the other's."
 )
 JUMPING_PROFILE = (
-    "esmini begins the profile at its first corner without a time, so that the speed leaps by 3.9 m/s in one step, far "
-    "over the action's maxAcceleration; limits hold here, and an entry without a time is reached as fast as they let it."
+    "esmini begins the profile at its first corner without a time, so that the speed leaps by 3.9 m/s in one step, "
+    "far over the action's maxAcceleration; limits hold here, and an entry without a time is reached as fast as they "
+    "let it."
 )
 AGAINST_HEADINGS = (
     "A speed is signed along the heading. The recorded B has a positive speed and moves against its heading; A, which "

@@ -84,12 +84,14 @@ CAR = (4.5, 1.8, 1.5, 2.7, 1.4, 0.6, 3.5, 8.0, 60.0)
 FOLLOW = (1.5, 2.0, 1.5, 2.0)
 TOWING = (-1.0, 3.0)
 """x of hitch and coupler."""
+PITCHING = (0.0035,)
+"""Pitch of the body in braking, rad per m/s2."""
 USUAL = {
     slots.K_STEP: 0.05,
     slots.K_DURATION: 30.0,
     slots.K_BUDGET: 7.0,
     slots.K_ESCALATE_AFTER: 4.0,
-    slots.K_MINIMUM_RISK_AFTER: 10.0,
+    **{slots.K_RISK_AFTER + cause: 10.0 for cause in range(op.CAUSES)},
     slots.K_MINIMUM_RISK_DECELERATION: 4.0,
     slots.K_CONFIDENCE_WARNING: 0.6,
     slots.K_CONFIDENCE_REQUEST: 0.3,
@@ -109,6 +111,7 @@ USUAL = {
     slots.K_GAP_FRONT: 1.0,
     slots.K_GAP_REAR: 2.0,
     slots.K_DRIVER_TIME: 2.0,
+    slots.K_NO_PROGRESS_AFTER: 5.0,
     slots.K_EYES_ON: 0.3,
     slots.K_STEERS: 1.0,
     slots.K_DRIVER_DECELERATION: 7.59,
@@ -142,6 +145,7 @@ class Draft:
             op.CAUSE_LANE_CONFIDENCE,
             op.CAUSE_PATH_BLOCKED,
             op.CAUSE_LANE_ENDS,
+            op.CAUSE_NO_PROGRESS,
         )
 
     def causes(self, *codes: int) -> None:
@@ -202,7 +206,9 @@ class Draft:
         p.entity_guide.append(op.NONE)
         p.entity_seed.append(op.NONE)
         p.entity_present.append(1)
-        p.entity_const.append(self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING))
+        p.entity_const.append(
+            self.block(*car, speed, speed if desired is None else desired, *FOLLOW, 1.0, *TOWING, *PITCHING)
+        )
         if motion in (op.MOTION_BICYCLE, op.MOTION_POSED):
             p.ego[0] = at
         return at

@@ -114,6 +114,25 @@ def test_braking_stops_exactly() -> None:
     assert run.st.odometer[0] == pytest.approx(100.0 / 16.0, abs=0.3)
 
 
+def test_the_body_pitches_in_braking_and_comes_back() -> None:
+    """A first-order lag towards gradient times deceleration; at 8 m/s2 with 0.0035 rad per m/s2."""
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.causes()
+    draft.ego(speed=25.0)
+    run = draft.start()
+    assert run.st.pitch[0] == 0.0
+    run.st.auto_brake[0] = 1.0
+    run.go(0.2)
+    early = run.st.pitch[0]
+    run.go(2.0)
+    assert 0.5 * 0.028 < early < 0.028 * (1.0 - math.exp(-1.0)) + 0.003
+    assert run.st.pitch[0] == pytest.approx(0.028, rel=1e-3)
+    run.go(5.0)
+    assert run.st.v[0] == 0.0
+    assert run.st.pitch[0] == pytest.approx(0.0, abs=1e-4)
+
+
 def test_a_posed_ego_is_moved_from_outside() -> None:
     draft = Draft(highway())
     draft.entity(op.MOTION_POSED, draft.position(0, -1, 50.0), 10.0)

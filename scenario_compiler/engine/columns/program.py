@@ -48,6 +48,8 @@ SET = Of("set of whole numbers", lambda p: len(p.set_first) - 1)
 MEMBER = Of("member of a set", lambda p: len(p.set_member))
 VARIABLE = Of("variable", lambda p: p.variable_count[0])
 SIGNAL = Of("signal", lambda p: p.signal_count[0])
+HEAD = Of("head of a signal", lambda p: p.head_count[0])
+TEXT = Of("text", lambda p: len(p.text_aspect))
 SIGNAL_CONTROLLER = Of("controller of signals", lambda p: p.controller_count[0])
 PHASE = Of("phase", lambda p: len(p.phase_name))
 LIGHT = Of("state of a signal", lambda p: len(p.light_signal))
@@ -88,6 +90,8 @@ class Program:
     replaced_by: list[int] = column(RUN, 0, codes(op.REFERENCES))
     """Reference driver that drives from the start in place of automation and driver, or REFERENCE_NONE."""
     driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
+    person: list[int] = column(RUN, 0, FLAG)
+    """1 where a person is at the wheel, whose inputs Python writes."""
     hazard_lights: list[int] = column(RUN, 1, FLAG)
     """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
     destination_road: list[int] = column(RUN, op.NONE, index_or_none(ROAD))
@@ -291,6 +295,20 @@ class Program:
     light_first: list[int] = row_starts(PHASE, LIGHT)
     light_signal: list[int] = column(LIGHT, 0, index(SIGNAL))
     light_state: list[int] = column(LIGHT, 0, COUNT)
+
+    head_count: list[int] = column(RUN)
+    """Number of heads: a signal where it stands, and where another road refers to it."""
+    head_signal: list[int] = column(HEAD, 0, index(SIGNAL))
+    head_road: list[int] = column(HEAD, 0, index(ROAD))
+    head_const: list[int] = column(HEAD, 0, SLOT)
+    """Slot of its s."""
+    head_sense: list[int] = column(HEAD, 0, whole(-1, 2))
+    """1 for travel along s, -1 against it, 0 for both."""
+    head_from: list[int] = column(HEAD)
+    """First and last lane that it is meant for."""
+    head_to: list[int] = column(HEAD)
+    text_aspect: list[int] = column(TEXT, 0, codes(op.ASPECT_STOP + 1))
+    """By text what it says as the state of a signal, ASPECT_...; as long as there are texts."""
 
     # The takeover.
     cause_on: list[int] = column(CAUSE, 0, FLAG)

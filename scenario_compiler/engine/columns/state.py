@@ -44,6 +44,8 @@ class State:
 
     # The run, one element each.
     clock: list[float] = column(RUN)
+    """Time, s: the number of steps times the step, so that equal times are equal numbers."""
+    steps: list[int] = column(RUN)
     """Time, s: the sum of the steps."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""
@@ -64,6 +66,9 @@ class State:
     z: list[float] = column(ENTITY)
     h: list[float] = column(ENTITY)
     pitch: list[float] = column(ENTITY)
+    """Of the road below and of the body on its springs."""
+    body_pitch: list[float] = column(ENTITY)
+    """What the body adds to the pitch of the road, of a vehicle that is driven by commands."""
     roll: list[float] = column(ENTITY)
     v: list[float] = column(ENTITY)
     a: list[float] = column(ENTITY)
@@ -375,6 +380,10 @@ class State:
     border_left: list[float] = column(ENTITY)
     """Left border of the lane at the entity, relative to its centre."""
     border_right: list[float] = column(ENTITY)
+    ahead_is: list[int] = column(ENTITY)
+    """AHEAD_...: what the entity is to the ego."""
+    red_line: list[float] = column(RUN, op.FAR)
+    """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
     """From the front bumper to where the path is blocked, FAR when it is free."""
     blocked_far: list[float] = column(RUN, op.FAR)
@@ -414,6 +423,7 @@ class State:
     time_response: list[float] = column(RUN, -1.0)
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
+    time_no_progress: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
@@ -440,6 +450,13 @@ class State:
     """1 from when it has been."""
     evaded: list[int] = column(RUN, op.NONE)
     """Moving entity that the driver goes around, NONE without one."""
+    person_throttle: list[float] = column(RUN)
+    """What the person at the wheel does, written between steps: throttle and brake, 0 to 1."""
+    person_brake: list[float] = column(RUN)
+    person_steer: list[float] = column(RUN)
+    """-1 to 1 of the greatest steering angle, positive to the left."""
+    person_wish: list[int] = column(RUN)
+    """What the person wants of the automation, a WISH code."""
     eyes_on_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver will look at the road, FAR where that is not to come."""
     hands_on_at: list[float] = column(RUN, op.FAR)
@@ -449,9 +466,27 @@ class State:
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""
+    held_up_since: list[float] = column(RUN, -1.0)
+    """Time since which the automated ego stands without a reason, -1 while it does not."""
+    held_up: list[int] = column(RUN)
+    """1 where it has done so for too long; and where this stop has been logged."""
+    held_up_logged: list[int] = column(RUN)
     hazard_lights: list[int] = column(RUN)
-    trusted_steer: list[float] = column(RUN)
-    """Last steering command that the automation could rely on."""
+    lane_lost: list[int] = column(RUN)
+    """1 from when neither side of the lane is seen until it is recognised again; and how often that was."""
+    lane_losses: list[int] = column(RUN)
+    lane_seen_since: list[float] = column(RUN, -1.0)
+    """Time since which a side of the lane is seen, -1 while neither is."""
+    recall_off: list[float] = column(RUN)
+    """What the ego believes of its place while the lane is lost, less what is true: offset to the left, m, ..."""
+    recall_heading: list[float] = column(RUN)
+    """... heading, rad, ..."""
+    recall_along: list[float] = column(RUN)
+    """... distance along the lane, m; and the rates of the last two: rad/s, and per metre."""
+    recall_bias: list[float] = column(RUN)
+    recall_share: list[float] = column(RUN)
+    path_anew: list[int] = column(RUN)
+    """1 where the ego has left its path for another place since this was last put to 0."""
     manoeuvre: list[int] = column(RUN, op.MANOEUVRE_KEEP)
     merging: list[int] = column(RUN)
     merge_from_lane: list[int] = column(RUN)

@@ -474,6 +474,10 @@ def press_pedals(p: Program, st: State, i: int) -> None:
         wanted = min(wanted, stop_within(p, st, i, st.blocked_distance[0], STANDOFF))
     if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
         wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0], 0.0))
+    if st.red_line[0] < op.FAR:
+        base = p.entity_const[i]
+        front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+        wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))
     step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
     wanted = clip(wanted, max(-hardest, st.pedal[0] - step), st.pedal[0] + step)
     command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))

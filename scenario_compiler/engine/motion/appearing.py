@@ -57,6 +57,7 @@ def stand_free(st: State, i: int, x: float, y: float, z: float, h: float) -> Non
     st.z[i] = z
     st.h[i] = heading_in_circle(h)
     st.pitch[i] = 0.0
+    st.body_pitch[i] = 0.0
     st.roll[i] = 0.0
 
 

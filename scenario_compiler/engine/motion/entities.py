@@ -40,6 +40,9 @@ from scenario_compiler.roads.travel import advance, stretch_at
 NO_WIDTH = 1.0e-6
 """Width below which a lane is not there, m (esmini 3.6)."""
 
+PITCH_TIME = 0.2
+"""Time constant of the body's pitch, s: a quarter of the period of a spring of 1.25 Hz."""
+
 STEER_RATE = 0.7
 """Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
 driver's.
@@ -241,7 +244,8 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
 
 @compiled
 def settle(n: RoadTables, st: State, i: int) -> None:
-    """Put the ego on the surface of the road below it."""
+    """Put the ego on the surface of the road below it, its body level on its springs."""
+    st.pitch[i] -= st.body_pitch[i]
     road = st.road[i]
     if road < 0:
         return
@@ -256,6 +260,14 @@ def settle(n: RoadTables, st: State, i: int) -> None:
     st.z[i] = z
     st.pitch[i] = pitch * forward - roll * side
     st.roll[i] = roll * forward + pitch * side
+
+
+@compiled
+def pitch_body(p: Program, st: State, i: int, dt: float) -> None:
+    """Let the ego's body follow its acceleration on its springs, with a lag of first order (implicit Euler)."""
+    held = -p.const[p.entity_const[i] + slot.E_PITCH_GRADIENT] * st.a[i]
+    st.body_pitch[i] += (held - st.body_pitch[i]) * dt / (PITCH_TIME + dt)
+    st.pitch[i] += st.body_pitch[i]
 
 
 @compiled
@@ -300,6 +312,8 @@ def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
             st.a[i] = (v - st.last_v[i]) / dt
         else:
             st.a[i] = 0.0
+        if kind == op.MOTION_BICYCLE and st.present[i] == 1:
+            pitch_body(p, st, i, dt)
         st.last_x[i] = x
         st.last_y[i] = y
         st.last_v[i] = v

@@ -53,8 +53,9 @@ def is_off_road(n: RoadTables, st: State, i: int) -> int:
 @compiled
 def heads_at_speed(st: State, i: int) -> tuple[float, float, float]:
     """Return the velocity that is an entity's speed along its heading."""
-    level = st.v[i] * cos(st.pitch[i])
-    return level * cos(st.h[i]), level * sin(st.h[i]), -st.v[i] * sin(st.pitch[i])
+    slope = st.pitch[i] - st.body_pitch[i]
+    level = st.v[i] * cos(slope)
+    return level * cos(st.h[i]), level * sin(st.h[i]), -st.v[i] * sin(slope)
 
 
 @compiled

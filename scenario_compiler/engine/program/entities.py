@@ -92,6 +92,7 @@ def _add_entity(draft: ProgramBuilder, entity: Entity, posed: bool, touched: set
             *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
             *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration),
             *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow, entity.share, *_towing(vehicle)),
+            radians(vehicle.pitch_gradient),
         )
     )
 

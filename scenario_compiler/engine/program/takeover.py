@@ -18,6 +18,7 @@ CAUSE_CODES: dict[CauseKind, int] = {
     "lane_confidence": op.CAUSE_LANE_CONFIDENCE,
     "path_blocked": op.CAUSE_PATH_BLOCKED,
     "lane_ends": op.CAUSE_LANE_ENDS,
+    "no_progress": op.CAUSE_NO_PROGRESS,
 }
 CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_confidence", "warning_below", slot.K_CONFIDENCE_WARNING),
@@ -37,6 +38,7 @@ CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_ends", "gap_rear", slot.K_GAP_REAR),
     ("lane_ends", "count", slot.K_LANE_END_COUNT),
     ("lane_ends", "of", slot.K_LANE_END_OF),
+    ("no_progress", "after", slot.K_NO_PROGRESS_AFTER),
 )
 """Cause, its field, and the slot of that number."""
 
@@ -68,11 +70,13 @@ def add_takeover(draft: ProgramBuilder) -> None:
     takeover, p, k = draft.plan.takeover, draft.program, draft.numbers
     k[slot.K_BUDGET] = takeover.budget
     k[slot.K_ESCALATE_AFTER] = takeover.escalate_after
-    k[slot.K_MINIMUM_RISK_AFTER] = takeover.minimum_risk_after
     k[slot.K_MINIMUM_RISK_DECELERATION] = takeover.minimum_risk_deceleration
     p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
     k[slot.K_HAND_BACK_AFTER] = takeover.hand_back_after
     given = {cause.kind: cause for cause in takeover.causes}
+    for kind, code in CAUSE_CODES.items():
+        own = given[kind].minimum_risk_after if kind in given else None
+        k[slot.K_RISK_AFTER + code] = takeover.minimum_risk_after if own is None else own
     for kind in given or CAUSE_DEFAULTS:
         p.cause_on[CAUSE_CODES[kind]] = 1
         p.cause_order.append(CAUSE_CODES[kind])
@@ -95,6 +99,10 @@ def _add_driver(draft: ProgramBuilder) -> None:
     if driver.takeover_time is not None:
         draft.program.driver_kind[0] = op.DRIVER_FIXED
         k[slot.K_DRIVER_TIME] = driver.takeover_time
+    if driver.by_person is not None:  # who answers when they like, and is never drawn
+        draft.program.person[0] = 1
+        draft.program.driver_kind[0] = op.DRIVER_FIXED
+        k[slot.K_DRIVER_TIME] = op.FAR
     k[slot.K_DRIVER_MU] = driver.mu
     k[slot.K_DRIVER_SIGMA] = driver.sigma if driver.law != "sumo" else 1.0 / NormalDist().inv_cdf(1.0 - driver.missed)
     k[slot.K_DRIVER_LAPSE] = driver.lapse

@@ -125,7 +125,9 @@ class _Export:
             if one.reference:
                 element.set("reference", one.reference)
             for phase in one.phases:
-                states = [made("TrafficSignalState", trafficSignalId=s.signal, state=s.state) for s in phase.states]
+                switched = self.network.model().signals_of(one.name) if phase.state else ()
+                said = {**dict.fromkeys(switched, phase.state), **{s.signal: s.state for s in phase.states}}
+                states = [made("TrafficSignalState", trafficSignalId=id, state=state) for id, state in said.items()]
                 duration = self.output.text(phase.duration, phase)
                 element.append(made("Phase", *states, name=phase.name, duration=duration))
             controllers.append(element)

@@ -1,0 +1,95 @@
+"""How the road ahead lies against the plane that the car stands on, told from the two boundaries of the lane.
+
+Seen from above through a camera that is tilted up by an angle p that nobody knows, a point x metres ahead appears at
+x' with 1 / x' = 1 / x + p / h (h is the camera's height), and everything across shrinks by x' / x = 1 - p x' / h. So
+two boundaries that are parallel on the road appear to run together, by w p / h for each metre ahead, where w is the
+lane's width. A braking car and a road that falls or rises ahead look the same.
+
+A lane that narrows looks like a tilt as well; how much lanes narrow and how far cars and roads tilt says which is
+more likely, and what was found in the image before weighs too.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenario_compiler.perception.birds_eye import X_FROM
+from scenario_compiler.perception.lane_fit import Fit, arc_y
+
+COMPARED = (6.0, 20.0)
+"""Distances ahead of the camera at which the lane's widths are compared, m."""
+
+TAPER = 0.008
+"""Standard deviation of what a lane gets wider in a metre: most keep their width, a taper has 1:30 to 1:50."""
+
+BEND_DOUBT = 8.0
+"""What is added to it by the square of the curvature, m2: the far ends of a bend are not seen."""
+
+USUAL_PITCH = math.radians(1.0)
+"""Standard deviation of the tilt before any was seen, rad: grades that begin, and braking with 4 m/s2."""
+
+PITCH_CHANGE = math.radians(0.25)
+"""Standard deviation of its change from one image to the next, rad: braking hard changes it by 1 degree in 0.3 s."""
+
+KEPT = 0.98
+"""Share of the tilt that is left one image later where nothing of it is seen: the body comes back, the grade ends."""
+
+STEEPEST = math.radians(4.0)
+"""Greatest tilt that is considered, rad."""
+
+
+@dataclass(frozen=True)
+class Tilt:
+    """A tilt of the camera against the ground ahead.
+
+    Attributes:
+        pitch: Upward tilt beyond the mounting, rad.
+        deviation: Its standard deviation, rad.
+    """
+
+    pitch: float
+    deviation: float
+
+    def later(self) -> Tilt:
+        """Return what it says about the next image."""
+        return Tilt(KEPT * self.pitch, min(math.hypot(self.deviation, PITCH_CHANGE), USUAL_PITCH))
+
+    def with_seen(self, seen: Tilt) -> Tilt:
+        """Return the tilt after another independent observation of it."""
+        gain = self.deviation**2 / (self.deviation**2 + seen.deviation**2)
+        pitch = self.pitch + gain * (seen.pitch - self.pitch)
+        return Tilt(min(max(pitch, -STEEPEST), STEEPEST), math.sqrt(1.0 - gain) * self.deviation)
+
+
+LEVEL = Tilt(0.0, USUAL_PITCH)
+"""What is known without an image."""
+
+
+def tilt_beyond(left: Fit, right: Fit, height: float) -> Tilt:
+    """Return the tilt that is left where two boundaries were fitted in a map of the ground.
+
+    Args:
+        left: The left boundary.
+        right: The right boundary.
+        height: Height of the camera, m.
+    """
+    near, far = (_width(left, right, x - X_FROM) for x in COMPARED)
+    slope = (far - near) / (COMPARED[1] - COMPARED[0])
+    width = near - slope * COMPARED[0]
+    if width < 1.0:
+        return Tilt(0.0, math.inf)
+    bend = 0.5 * float(left.curve[2] + right.curve[2])
+    doubt = TAPER + BEND_DOUBT * bend * bend
+    deviation = math.sqrt(left.slope_deviation**2 + right.slope_deviation**2 + doubt * doubt)
+    return Tilt(-height * slope / width, height * deviation / width)
+
+
+def _width(left: Fit, right: Fit, d: float) -> float:
+    """Return the distance of two boundaries d metres ahead, m, square to the lane that lies between them."""
+    at = np.array([d - 0.5, d + 0.5])
+    y_left, y_right = arc_y(left.curve, at), arc_y(right.curve, at)
+    heading = 0.5 * float((y_left + y_right) @ np.array([-1.0, 1.0]))
+    return float((y_left - y_right).mean()) / math.hypot(1.0, heading)

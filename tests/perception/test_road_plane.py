@@ -1,0 +1,69 @@
+"""The tilt of the camera against the road ahead, told from the lane in its image."""
+
+import math
+
+import numpy as np
+import pytest
+
+from scenario_compiler.perception.calibration.scenes import Reference, Strip, make_scene
+from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
+from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt
+from scenario_compiler.roads.mesh import Material
+from tests.perception.scenery import CLEAR, bend, two_lanes
+
+DETECTOR = ClassicalLaneDetector()
+X = np.arange(6.0, 18.5, 1.0)
+
+
+@pytest.mark.parametrize("radius", [0.0, 200.0, -120.0])
+@pytest.mark.parametrize("degrees", [-1.5, -1.0, 1.0, 1.5])
+def test_boundaries_are_right_though_the_car_has_pitched_by_an_angle_that_nobody_tells(
+    radius: float, degrees: float
+) -> None:
+    reference = bend(radius)
+    camera = RoadCamera(two_lanes(reference))
+    s = np.arange(0.0, reference.length, 0.25)
+    near = 0
+    for place in (70.0, 80.0):
+        pose = reference.pose(place)._replace(pitch=math.radians(degrees))
+        found = DETECTOR.detect(camera.frame(pose, [], CLEAR, 0.0, 0))
+        assert -math.degrees(found.tilt.pitch) == pytest.approx(degrees, abs=0.35)
+        for boundary, t in ((found.left, 1.75), (found.right, -1.75)):
+            ground = camera.view(pose).world_to_ground(np.c_[reference.at(s, t), np.zeros(len(s))])
+            ahead = (ground[:, 0] > 0.0) & (ground[:, 0] < 40.0)
+            near += np.abs(boundary.y(X) - np.interp(X, ground[ahead, 0], ground[ahead, 1])).max() < 0.25
+    assert near >= 3
+
+
+def test_driving_finds_a_change_of_pitch_within_few_images() -> None:
+    reference = bend(0.0)
+    camera = RoadCamera(two_lanes(reference))
+    state, seen = LaneState(), []
+    for frame in range(8):
+        pose = reference.pose(40.0 + frame)._replace(pitch=0.0 if frame < 4 else math.radians(1.2))
+        found = DETECTOR.detect(camera.frame(pose, [], CLEAR, 0.0, frame), state)
+        state = state.after(found)
+        seen.append(-math.degrees(found.tilt.pitch))
+    assert max(abs(one) for one in seen[:4]) < 0.15
+    assert seen[-1] == pytest.approx(1.2, abs=0.3)
+
+
+def test_without_paint_the_tilt_is_forgotten() -> None:
+    reference = Reference([(120.0, 0.0, 0.0)])
+    image = RoadCamera(make_scene(reference, [Strip(30.0, -30.0, Material.VERGE), Strip(9.0, -9.0)], [])).frame(
+        reference.pose(40.0), [], CLEAR, 0.0, 0
+    )
+    tilt = Tilt(math.radians(1.0), math.radians(0.1))
+    for _ in range(100):
+        tilt = DETECTOR.detect(image, LaneState(tilt=tilt)).tilt.later()
+    assert abs(math.degrees(tilt.pitch)) < 0.3
+    assert tilt.deviation == pytest.approx(USUAL_PITCH, rel=0.5)
+
+
+def test_an_observation_counts_the_more_the_surer_it_is() -> None:
+    sure, unsure = Tilt(0.02, 0.001), Tilt(0.02, 0.1)
+    assert LEVEL.with_seen(sure).pitch == pytest.approx(0.02, rel=0.01)
+    assert LEVEL.with_seen(unsure).pitch < 0.002
+    assert LEVEL.with_seen(Tilt(0.0, math.inf)) == LEVEL
+    assert LEVEL.with_seen(sure).deviation < 0.001
