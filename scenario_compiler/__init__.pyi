@@ -118,6 +118,7 @@ from scenario_compiler.vocabulary.conditions.by_value import VariableCondition a
 from scenario_compiler.vocabulary.criteria import MakesProgress as MakesProgress
 from scenario_compiler.vocabulary.criteria import MaximumLateralOffset as MaximumLateralOffset
 from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision as MinimumTimeToCollision
+from scenario_compiler.vocabulary.criteria import NoAvoidableCollision as NoAvoidableCollision
 from scenario_compiler.vocabulary.criteria import NoCollision as NoCollision
 from scenario_compiler.vocabulary.criteria import NoMinimumRisk as NoMinimumRisk
 from scenario_compiler.vocabulary.criteria import ReachDestination as ReachDestination

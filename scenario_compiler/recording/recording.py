@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import EventKind, StopReason
+from scenario_compiler.vocabulary.driver import ReferenceName
 
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
@@ -32,6 +33,10 @@ class Header(BaseModel):
     variant: int = Field(default=0, description="Index of the variant in a sweep.")
     parameters: dict[str, float | bool | str] = Field(
         default={}, description="Value of each parameter that the plan leaves open."
+    )
+    avoided: dict[ReferenceName, bool] = Field(
+        default={},
+        description="Whether each reference driver that a criterion names has no collision, driving from the start.",
     )
     step: float = Field(description="Length of a time step, s.")
     entities: tuple[str, ...] = Field(
