@@ -4,7 +4,7 @@
 SHELL := /bin/bash
 BIN := .venv/bin
 CODE := $(wildcard scenario_compiler tests maps examples)
-FRESH := $(wildcard tests/test_layers.py tests/engine/forms/test_translation.py tests/test_schemas.py tests/test_public_names.py \
+FRESH := $(wildcard tests/test_layers.py tests/forms/test_translation.py tests/test_schemas.py tests/test_public_names.py \
 	tests/roads/test_unread.py)
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
@@ -16,7 +16,7 @@ PYTHON ?= $(shell $(FIND_PYTHON))
 .PHONY: setup demo test test-all test-vscode fuzz check format generate wheel-test clean
 
 setup: .venv/.stamp
-	@$(BIN)/python -m scenario_compiler.engine.forms.making
+	@$(BIN)/python -m scenario_compiler.forms.making
 
 .venv/.stamp: pyproject.toml constraints.txt
 	@if [ -z "$(PYTHON)" ]; then \

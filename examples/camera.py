@@ -13,14 +13,18 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from scenario_compiler import find_map, load_network
-from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.labels import FARTHEST_DEPTH, Tag
-from scenario_compiler.perception.models import Kind, Lamp
-from scenario_compiler.perception.render import Drawing
-from scenario_compiler.perception.road_camera import RoadCamera, scene_of
-from scenario_compiler.perception.solids import Box
-from scenario_compiler.vocabulary.weather import Weather, weather_preset
+from scenario_compiler import Weather, find_map, load_network, weather_preset
+from scenario_compiler.perception import (
+    FARTHEST_DEPTH,
+    Box,
+    Camera,
+    Drawing,
+    Kind,
+    Lamp,
+    RoadCamera,
+    Tag,
+    scene_of,
+)
 
 FRONT = Camera(width=480, height=270, fov=math.radians(80.0), x=0.3, z=1.35, pitch=math.radians(-4.0))
 CAMERAS = {

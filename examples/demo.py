@@ -14,10 +14,18 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from scenario_compiler import Run, compile_scenario, judge, load_network, open_world, run, write_report
-from scenario_compiler.report.folder import write_run_folder
-from scenario_compiler.report.wording import summary_of
-from scenario_compiler.resources import library_folder
+from scenario_compiler import (
+    Run,
+    compile_scenario,
+    judge,
+    library_folder,
+    load_network,
+    open_world,
+    run,
+    summary_of,
+    write_report,
+    write_run_folder,
+)
 
 CONFLICTS = ("sensor_failure", "ramp_blocked", "road_narrows", "obstacle_ahead", "markings_missing")
 

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from scenario_compiler.report.statistics import wilson_interval
+from scenario_compiler import wilson_interval
 
 
 def main() -> None:

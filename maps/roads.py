@@ -82,8 +82,28 @@ class Neighbour:
 
 
 @dataclass(frozen=True)
+class Signal:
+    """A traffic light of three lamps: id, place (m), the travel it is meant for ("+" or "-"), first and last lane."""
+
+    id: str
+    s: float
+    t: float
+    orientation: str
+    lanes: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Signals that are switched together: OpenDRIVE id, name, ids of the signals."""
+
+    id: str
+    name: str
+    signals: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Road:
-    """A road: OpenDRIVE type, speed limit (km/h), reference line, sections, wear, what it is joined to."""
+    """A road: OpenDRIVE type, speed limit (km/h), reference line, sections, wear, what it is joined to, signals."""
 
     id: int
     name: str
@@ -96,6 +116,7 @@ class Road:
     predecessor: Neighbour | None = None
     successor: Neighbour | None = None
     junction: int = -1
+    signals: tuple[Signal, ...] = ()
 
     @property
     def length(self) -> float:
@@ -120,7 +141,9 @@ class Junction:
     name: str
 
 
-def opendrive(name: str, roads: Sequence[Road], junctions: Sequence[Junction]) -> bytes:
+def opendrive(
+    name: str, roads: Sequence[Road], junctions: Sequence[Junction], controllers: Sequence[Controller] = ()
+) -> bytes:
     """The OpenDRIVE 1.6 file of a map, the same bytes for the same description."""
     by_id = {road.id: road for road in roads}
     drive = xodr.OpenDrive(name, revMinor="6")
@@ -128,7 +151,9 @@ def opendrive(name: str, roads: Sequence[Road], junctions: Sequence[Junction]) -
         drive.add_road(_road(road, by_id))
     for junction in junctions:
         drive.add_junction(_junction(junction, roads, by_id))
-    return _canonical(drive.get_element())
+    element = drive.get_element()
+    _add_controllers(element, controllers)
+    return _canonical(element)
 
 
 def _road(road: Road, roads: Mapping[int, Road]) -> xodr.Road:
@@ -143,7 +168,38 @@ def _road(road: Road, roads: Mapping[int, Road]) -> xodr.Road:
             kind = xodr.ElementType.road if neighbour.contact else xodr.ElementType.junction
             contact = xodr.ContactPoint[neighbour.contact] if neighbour.contact else None
             add(kind, neighbour.id, contact)
+    for signal in road.signals:
+        made.add_signal(_signal(signal))
     return made
+
+
+def _signal(signal: Signal) -> xodr.Signal:
+    made = xodr.Signal(
+        signal.s,
+        signal.t,
+        "DE",
+        "1000001",
+        "-1",
+        id=signal.id,
+        name=f"light_{signal.id}",
+        dynamic=xodr.Dynamic.yes,
+        orientation=xodr.Orientation.positive if signal.orientation == "+" else xodr.Orientation.negative,
+        zOffset=2.5,
+        height=0.9,
+        width=0.3,
+    )
+    made.add_validity(*signal.lanes)
+    return made
+
+
+def _add_controllers(drive: ElementTree.Element, controllers: Sequence[Controller]) -> None:
+    """Writes the controllers after the roads, where the schema wants them."""
+    place = max(index for index, child in enumerate(drive) if child.tag == "road") + 1
+    for number, one in enumerate(controllers):
+        element = ElementTree.Element("controller", {"id": one.id, "name": one.name, "sequence": str(number)})
+        for signal in one.signals:
+            ElementTree.SubElement(element, "control", {"signalId": signal, "type": "0"})
+        drive.insert(place + number, element)
 
 
 def _plan_view(road: Road) -> xodr.PlanView:

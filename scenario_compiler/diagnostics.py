@@ -241,7 +241,7 @@ class Diagnostics:
         self._kept[kind] = len(seen)
 
     def absorb(self, other: Diagnostics) -> None:
-        """Report all that another sink was told."""
+        """Report all findings of another sink."""
         self.take(other.found)
         self.reported += other.reported - len(other.found)
         for kind, beyond in other._beyond.items():

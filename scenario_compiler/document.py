@@ -48,7 +48,7 @@ MAX_TAGS = 4_000_000
 """Most tags of a file, a bound on memory: the largest road files known have some 700 000."""
 
 MOST_PLACED = 400_000
-"""Most tags of a file whose elements are placed by line and column; of larger ones the line alone is told."""
+"""Most tags of a file whose elements are placed by line and column; in larger files findings carry the line alone."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ MAX_LENGTH_PUT_TOGETHER = 16 * MAX_LENGTH
 MAX_SIGNS = 400
 MAX_SHOWN = 100
 LEAST_TO_CHECK = 2 * MAX_DEPTH
-"""Length of a text that keeps all bounds, whatever it says."""
+"""A text of at most this length keeps all bounds, whatever is in it."""
 
 
 class ExpressionError(ValueError):
@@ -72,7 +72,7 @@ class Expression:
         return _evaluate(self.tree, values)
 
     def number(self, values: Mapping[str, Value]) -> float:
-        """Return the value as a finite float; raises ExpressionError when it is none."""
+        """Return the value as a finite float; raises ExpressionError when it is not one."""
         value = self.evaluate(values)
         if isinstance(value, str):
             raise ExpressionError(f"'{self.text}' is a text, not a number")

@@ -24,8 +24,8 @@ from scenario_compiler.source.declared import Declaration, declared_in
 from scenario_compiler.source.expansion import around, catalog_driver, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
 from scenario_compiler.source.unused import report_unused_templates
+from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.scenario import Scenario
-from scenario_compiler.vocabulary.takeover import Driver
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
 

@@ -1,6 +1,6 @@
 """`@compiled` marks a function that runs both interpreted and compiled (ARCHITECTURE.md, "One engine, two forms").
 
-The decorator only registers: a marked function stays a plain Python function. `engine.forms.translation` writes all
+The decorator only registers: a marked function stays a plain Python function. `forms.translation` writes all
 registered functions into one file of C.
 """
 

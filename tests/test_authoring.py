@@ -15,7 +15,7 @@ from scenario_compiler.compiler import Compilation, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.listing import Listed, list_library
 from scenario_compiler.plan.model import Plan, RouteLeg, StartPose
-from scenario_compiler.report.gallery import Card, shrunk, start_picture, write_gallery
+from scenario_compiler.report.gallery import Card, Moment, shrunk, start_picture, write_gallery
 from scenario_compiler.report.happenings import happenings_of, last_known_time
 from scenario_compiler.report.preview import SPACING, draw_preview, draw_route, labels_of, section_of, way_ahead
 from scenario_compiler.resources import library_folder
@@ -263,7 +263,8 @@ def test_the_gallery_is_small_and_always_the_same(crossing: Compilation, tmp_pat
     picture = start_picture(crossing.plan, crossing.network)
     assert picture == start_picture(crossing.plan, crossing.network)
     assert len(picture) < 60_000
-    cards = [Card("UN R157", "a<b", "It crosses", "A source", "file.xml#a", picture)]
+    moment = Moment("takeover request after 3 s", "path blocked", picture)
+    cards = [Card("UN R157", "a<b", "It crosses", "A source", "scenario-compiler run a", "town", moment)]
     write_gallery(cards, tmp_path / "gallery.html")
     page = (tmp_path / "gallery.html").read_text(encoding="utf-8")
     assert "a&lt;b" in page

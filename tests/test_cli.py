@@ -155,7 +155,10 @@ def test_diagnostics_for_programs_go_to_stdout(conflict: Path, capsys: pytest.Ca
         ("map check highway_loop", ""),
         ("map plot highway_loop -o map.svg", ""),
         ("map export highway_loop --mesh -o map.obj", ""),
-        ("sweep it.xml --perception ideal --vary speed=values(10,20) -o swept", "2 variants, 0 failed"),
+        (
+            "sweep it.xml --perception ideal --vary speed=values(10,20) -o swept",
+            "2 variants: 2 passed, 0 failed, 0 broken off",
+        ),
         ("sweep it.xml --perception ideal --vary speed=uniform(9,20) --minimise final_speed -o least", "least final"),
     ],
 )
@@ -258,3 +261,25 @@ def test_a_warning_that_the_file_allows_is_an_error_where_it_is_named(conflict: 
     assert call("validate", conflict, "--error", "SC601") == 1
     assert call("compile", conflict, "-o", conflict.with_suffix(".json"), "--error", "SC601") == 1
     assert call("compile", conflict, "-o", conflict.with_suffix(".json")) == 0
+
+
+def test_run_says_which_criterion_is_broken_when_and_where(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("it.xml").write_text("""<scenarios version="1"><scenario name="it" map="town_grid" duration="4">
+      <ego speed="12"><start><lane road="1" lane="-1" s="20"/></start></ego>
+      <static id="parked"><at><ahead_of entity="ego" distance="12"/></at></static>
+      <takeover><driver preset="absent"/></takeover>
+      <criteria><no_collision/><stay_on_road/><minimum_time_to_collision at_least="1"/></criteria>
+    </scenario></scenarios>""")
+    assert call("run", "it.xml", "--perception", "ideal", "-o", "out") == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("broken: ")]
+    outcome = json.loads(Path("out/outcome.json").read_text())
+    broken = {one["criterion"]: one for one in outcome["criteria"] if not one["passed"]}
+    assert list(broken) == ["no_collision", "minimum_time_to_collision"]
+    for line, (name, one) in zip(lines, broken.items(), strict=True):
+        place = one["where"]
+        assert (place["road"], place["lane"]) == ("1", -1)
+        told = f"at {one['when']:.2f} s, road 1, lane -1, s {place['s']:.2f} m: {one['why']}"
+        assert line.split(maxsplit=2) == ["broken:", name, told]

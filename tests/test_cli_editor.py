@@ -32,7 +32,7 @@ WITHOUT_PYGLS = """
 import sys
 sys.modules["pygls"] = None
 from scenario_compiler.cli import main
-main(["lsp"])
+sys.exit(main(["lsp"]))
 """
 
 

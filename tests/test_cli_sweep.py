@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import re
 import shlex
 from pathlib import Path
@@ -9,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.batch.distributions import DISTRIBUTIONS
+from scenario_compiler.batch.results import read_results
+from scenario_compiler.recording.cells import text_cell
 from tests.command import call
 
 CONFLICT = """\
@@ -158,13 +162,81 @@ def test_a_scenario_that_is_not_there_is_said_to_be_none(vary: list[str], capsys
 def test_a_sweep_of_which_all_variants_fail_is_at_fault(capsys: pytest.CaptureFixture[str]) -> None:
     assert sweep("--vary", "speed=values(40, 50, 60)", "--where", "speed > 1") == 1
     out, err = capsys.readouterr()
-    assert "3 variants, 3 failed" in out
-    assert "all variants failed, most often: speed is 40, but must be at most 30" in err
+    assert "3 variants: 0 passed, 0 failed, 3 broken off; 0 without a request: " in out
+    assert "all variants broke off, most often: speed is 40, but must be at most 30" in err
 
 
 def test_a_sweep_of_which_some_variants_fail_tells_their_number(capsys: pytest.CaptureFixture[str]) -> None:
     assert sweep("--vary", "speed=values(10, 20, 60)", "--where", "speed > 1") == 0
-    assert "1 of 3 variants failed, most often: speed is 60, but must be at most 30" in capsys.readouterr().err
+    assert "1 of 3 variants broke off, most often: speed is 60, but must be at most 30" in capsys.readouterr().err
+
+
+def test_the_summary_counts_what_the_table_holds(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("it.xml").write_text(
+        CONFLICT.format("").replace(
+            "</scenario>",
+            """
+      <criteria><minimum_time_to_collision at_least="10"/></criteria></scenario>""",
+        )
+    )
+    assert sweep("--vary", "speed=values(5, 20, 25, 60)", "--where", "speed > 1", "--samples", 2) == 0
+    rows, _ = read_results(Path("out"))
+    counts = [rows["result"].count(kind) for kind in ("pass", "fail", "error")]
+    assert counts == [2, 4, 2]
+    told = capsys.readouterr().out
+    unasked = sum(end == "no_request" for end in rows["resolution"])
+    assert f"8 variants: 2 passed, 4 failed, 2 broken off; {unasked} without a request: " in told
+
+
+@pytest.mark.parametrize("target", ["it.xml", "varied.xosc"])
+def test_requests_are_counted_of_automated_vehicles_alone(target: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("varied.xosc").write_text(SCENARIO)
+    name = "speed" if target == "it.xml" else "Speed"
+    assert sweep("--vary", f"{name}=values(5, 6)", "--duration", "0.2", target=target) == 0
+    assert ("without a request" in capsys.readouterr().out) == (target == "it.xml")
+
+
+def test_every_draw_and_point_is_run_with_so_many_seeds() -> None:
+    assert sweep("--vary", "speed=values(5, 20)", "--vary", "number=choice(1, 2)", "--samples", 3, "--repeat", 2) == 0
+    rows, _ = read_results(Path("out"))
+    assert rows["seed"] == [1, 2] * 6
+    assert rows["parameter.speed"] == [5.0, 5.0, 20.0, 20.0] * 3
+    assert rows["parameter.number"][::2] == rows["parameter.number"][1::2]
+
+
+def test_a_repeat_s_command_runs_it_again(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sweep("--vary", "speed=values(5, 20)", "--repeat", 3, "--seed", 7, "--traces", "all") == 0
+    folders = sorted(Path("out/traces").iterdir())
+    assert len(folders) == 6
+    headers = [json.loads((folder / "outcome.json").read_text()) for folder in folders]
+    assert [(one["seed"], one["variant"]) for one in headers] == [(7 + k % 3, k) for k in range(6)]
+    assert (
+        call("run", "it.xml", "--perception", "ideal", "--set", "speed=20", "--seed", 9, "--variant", 5, "-o", "5") == 0
+    )
+    again = json.loads(Path("5/outcome.json").read_text())
+    assert again["trajectory_hash"] == headers[5]["trajectory_hash"]
+
+
+def test_the_codebook_has_every_column_of_the_table() -> None:
+    Path("it.xml").write_text(CONFLICT.format("").replace('max="30"', 'max="30" summary="How fast it begins."'))
+    assert sweep("--vary", "speed=uniform(5, 20)", "--vary", "busy=choice(true, false)", "--samples", 3) == 0
+    rows, about = read_results(Path("out"))
+    with Path("out/codebook.csv").open(newline="") as file:
+        book = {row.pop("column"): row for row in csv.DictReader(file) if row["table"] == "results.parquet"}
+    assert list(book) == list(rows)
+    assert all(one["definition"].endswith(".") for one in book.values())
+    assert (book["takeover_time"]["unit"], book["takeover_time"]["kind"]) == ("s", "number")
+    assert book["parameter.speed"]["unit"] == "m/s"
+    assert "How fast it begins" in book["parameter.speed"]["definition"]
+    assert "uniform(5, 20)" in book["parameter.speed"]["definition"]
+    assert (book["parameter.busy"]["unit"], book["parameter.busy"]["kind"]) == ("", "boolean")
+    for one in about["columns"]:
+        written = book[one["column"]]
+        assert {name: text_cell(value) for name, value in one.items() if name != "column"} == {
+            name: value for name, value in written.items() if name != "table"
+        }
+    empty = {name for name, values in rows.items() if None in values}
+    assert {name for name in empty if not book[name]["empty"]} == set()
 
 
 @pytest.mark.parametrize("address", ["banana", "http://here:1"])

@@ -11,11 +11,12 @@ from scenario_compiler import Outcome, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.plan.lower import Perception
+from scenario_compiler.plan.painted import covered_pieces
 from scenario_compiler.recording.events import write_events
 from scenario_compiler.runtime.log import NAMED
 from scenario_compiler.runtime.messages import TEXTS
 from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot
-from scenario_compiler.worlds.kinematic import KinematicWorld, covered_pieces
+from scenario_compiler.worlds.kinematic import KinematicWorld
 
 FILE = """<scenarios version="1">
   <scenario name="made" map="highway_loop" duration="{duration}" step="0.05" control_every="2">
@@ -97,13 +98,13 @@ def test_failures_begin_and_end_by_events(tmp_path: Path) -> None:
 def test_any_and_all(tmp_path: Path) -> None:
     whens = (
         '<when><any><time after="3"/><all><time after="1"/><traveled distance="20"/></all></any>'
-        '<do><message text="now" modality="text audio"/></do></when>'
+        '<do><message text="now" modality="text tone"/></do></when>'
         '<when><any><time after="9"/><all><time after="1"/><traveled distance="900"/></all></any>'
         '<do><message text="never"/></do></when>'
     )
     recording, _ = played(compiled(tmp_path, whens=whens))
     told = [(event.cause, event.message) for event in recording.events if event.kind == "message"]
-    assert told == [("text", "now"), ("audio", "now")]
+    assert told == [("text", "now"), ("tone", "now")]
     assert times(recording, "message")[0] == pytest.approx(20.0 / 15.0, abs=0.15)
 
 

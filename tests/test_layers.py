@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / NAME
 ROWS = (
     ("__main__",),
     ("cli",),
-    ("batch", "study", "carla_server", "editor", "survey"),
+    ("batch", "live", "carla_server", "editor", "survey"),
     ("report", "validation", "listing"),
     ("runtime", "compiler", "coverage"),
     ("languages",),
@@ -35,6 +35,7 @@ ROWS = (
     ("plan",),
     ("vocabulary",),
     ("roads",),
+    ("forms",),
 )
 HALL = (
     "diagnostic_formats",
@@ -47,6 +48,7 @@ HALL = (
     "legible",
     "marker",
     "outputs",
+    "public",
     "randomness",
     "resources",
     "structure",
@@ -56,7 +58,7 @@ LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for ro
 
 ENGINE_ROWS = (
     ("simulation",),
-    ("program", "forms"),
+    ("program", "entries"),
     ("story",),
     ("moves",),
     ("ego", "traffic", "measures"),
@@ -70,7 +72,8 @@ KEPT_APART = {
     "runtime": ("languages", "openscenario", "source"),  # a plan that comes from JSON runs without a front end
     "worlds": ("openscenario", "source"),
     "controllers": ("openscenario", "source"),
-    "report": ("languages", "openscenario", "source"),
+    "report": ("languages", "openscenario", "source", "worlds"),
+    "batch": ("worlds",),
 }
 """Rooms below that a room may not import all the same."""
 
@@ -81,6 +84,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "lsprotocol": ("editor.server",),
+    "mcap": ("report.mcap_file",),
     "matplotlib": (
         "report.plots",
         "report.sweep_plots",
@@ -93,11 +97,12 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
     "pyarrow": ("batch.results", "recording.store"),
+    "rerun": ("report.rerun_file",),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),
     "scipy": ("batch.sampling", "batch.search", "perception.calibration.fit"),
-    "starlette": ("study.server",),
-    "uvicorn": ("study.server",),
+    "starlette": ("live.server",),
+    "uvicorn": ("live.server",),
 }
 """Packages that cost start-up time or are extras, and the module (or package) that alone imports each."""
 

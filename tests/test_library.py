@@ -21,7 +21,6 @@ from scenario_compiler.recording.recording import Recording
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.source.conflict import Library, Part
-from scenario_compiler.source.parameters import limits
 from scenario_compiler.source.templates import template_parameters
 from scenario_compiler.validation import validate_file
 from scenario_compiler.vocabulary.scenario import Parameter
@@ -276,7 +275,7 @@ def test_parameters_are_documented_and_limited(path: Path) -> None:
         for parameter in _parameters(part).values():
             assert parameter.summary.endswith("."), parameter.name
             if parameter.type not in ("text", "boolean"):
-                found = limits(parameter)
+                found = parameter.limits
                 assert None not in (found.minimum, found.maximum), parameter.name
 
 
@@ -331,7 +330,7 @@ def _ends(part: Part) -> list[tuple[str, str]]:
     return [
         (parameter.name, format_value(float(end)))
         for parameter in _parameters(part).values()
-        for end in (limits(parameter).minimum, limits(parameter).maximum)
+        for end in (parameter.limits.minimum, parameter.limits.maximum)
         if end is not None
     ]
 
@@ -371,7 +370,7 @@ def test_a_conflict_says_how_a_sweep_varies_it(target: str) -> None:
     assert vary is not None
     declared = _parameters(_library(Path(_path_of(target).rpartition("#")[0])).scenarios[target.partition("#")[2]])
     for axis in vary.axes:
-        found = limits(declared[axis.parameter])
+        found = declared[axis.parameter].limits
         assert found.minimum is not None
         assert found.maximum is not None
         assert all(found.minimum <= value <= found.maximum for value in axis.extent())
@@ -393,4 +392,4 @@ def test_catalog_entries_are_plausible_and_name_their_source() -> None:
             assert rear < 0 < vehicle.wheelbase < front, vehicle.name
     for driver in catalogs.drivers.values():
         assert driver.source, driver.name
-    assert {"urgent", "unhurried", "unhurried_with_task", "mixed", "absent"} <= set(catalogs.drivers)
+    assert {"study_means", "unhurried", "unhurried_with_task", "mixed", "absent"} <= set(catalogs.drivers)

@@ -47,7 +47,9 @@ def shell(script: str, folder: Path, **environment: str) -> subprocess.Completed
 def break_one(folder: Path) -> None:
     """Put a fault into one of the conflicts."""
     file = folder / "conflicts" / "obstacle_ahead.xml"
-    file.write_text(file.read_text(encoding="utf-8").replace('preset="urgent"', 'preset="urgnt"'), encoding="utf-8")
+    file.write_text(
+        file.read_text(encoding="utf-8").replace('preset="study_means"', 'preset="study_mean"'), encoding="utf-8"
+    )
 
 
 @pytest.mark.parametrize("line", COMMANDS)
@@ -147,7 +149,7 @@ def test_the_action_gates_the_pass_rate(folder: Path) -> None:
     shutil.rmtree(outputs["folder"])
     file = folder / "conflicts" / "obstacle_ahead.xml"
     text = file.read_text(encoding="utf-8")
-    file.write_text(text.replace("<no_collision/>", '<minimum_time_to_collision at_least="60"/>'), encoding="utf-8")
+    file.write_text(text.replace("<no_collision/>", '<minimum_time_to_collision at_least="30"/>'), encoding="utf-8")
     done, _ = step("Sweep", folder, given)
     assert done.returncode == 3, done.stdout + done.stderr
     assert "less than the share of 0.9" in done.stderr

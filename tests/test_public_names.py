@@ -1,15 +1,24 @@
-"""The door of the package: the names that programs import, and what asking for none of them costs."""
+"""The doors of the package: the names that programs import, and what asking for none of them costs."""
 
 from __future__ import annotations
 
 import importlib
+import inspect
+import pkgutil
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+from scenario_compiler import vocabulary
+from scenario_compiler.public import public_names
+from scenario_compiler.vocabulary.word import Word
+
 door = importlib.import_module("scenario_compiler")
 
+DOORS = ("scenario_compiler", "scenario_compiler.perception", "scenario_compiler.roads")
 PROMISED = (
     "Overrides",
     "Plan",
@@ -21,28 +30,59 @@ PROMISED = (
     "run",
     "write_report",
 )
+REPOSITORY = Path(__file__).resolve().parent.parent
+DEEP = re.compile(r"^\s*(?:from|import) scenario_compiler\.(?!perception import)", re.MULTILINE)
+"""An import of a module of ours that is none of the doors for programs."""
 
 
-def test_every_promised_name_is_public() -> None:
-    assert sorted(set(PROMISED) - set(door.__all__)) == []
+def words() -> set[str]:
+    """Return the names of all words of the vocabulary."""
+    found = set()
+    for module in pkgutil.walk_packages(vocabulary.__path__, f"{vocabulary.__name__}."):
+        for name, one in vars(importlib.import_module(module.name)).items():
+            declared_here = isinstance(one, type) and issubclass(one, Word) and one.__module__ == module.name
+            if declared_here and not name.startswith("_") and one is not Word:
+                found.add(name)
+    return found
 
 
-def test_public_names_are_sorted_and_listed_once() -> None:
-    assert list(door.__all__) == sorted(set(door.__all__))
+def test_every_promised_name_and_every_word_is_public() -> None:
+    assert len(words()) > 100
+    assert sorted({*PROMISED, *words()} - set(door.__all__)) == []
 
 
-@pytest.mark.parametrize("name", PROMISED)
-def test_public_name_resolves_and_is_documented(name: str) -> None:
-    assert getattr(door, name).__doc__
-    assert name in dir(door)
+@pytest.mark.parametrize("package", DOORS)
+def test_public_names_resolve_and_are_documented(package: str) -> None:
+    module = importlib.import_module(package)
+    names = public_names(package)
+    assert list(module.__all__) == sorted(names)
+    for name in names:
+        named = getattr(module, name)
+        assert named.__doc__ or not (inspect.isclass(named) or inspect.isfunction(named)), name
+        assert name in dir(module)
 
 
-def test_unknown_name_is_an_attribute_error() -> None:
-    with pytest.raises(AttributeError, match="no_such_name"):
-        _ = door.no_such_name
+@pytest.mark.parametrize("package", DOORS)
+def test_an_unknown_name_is_an_attribute_error(package: str) -> None:
+    with pytest.raises(AttributeError, match=f"'{package}' has no attribute 'no_such_name'"):
+        _ = importlib.import_module(package).no_such_name
+
+
+@pytest.mark.parametrize("folder", ["examples", "docs", "README.md"])
+def test_what_users_read_imports_from_the_doors_alone(folder: str) -> None:
+    where = REPOSITORY / folder
+    files = [where] if where.is_file() else [path for end in ("*.py", "*.md") for path in sorted(where.rglob(end))]
+    assert files
+    assert [path.name for path in files if DEEP.search(path.read_text(encoding="utf-8"))] == []
 
 
 def test_importing_the_package_imports_nothing_else_of_it() -> None:
     probe = "import sys, scenario_compiler; print(*(m for m in sys.modules if 'scenario_compiler.' in m))"
     found = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert found.stdout.split() == []
+
+
+def test_a_word_is_imported_without_the_stages() -> None:
+    probe = "import sys\nfrom scenario_compiler import Ego\nprint([m for m in ('numpy', 'cv2') if m in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert found.stdout == "[]\n"

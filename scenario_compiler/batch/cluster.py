@@ -29,7 +29,7 @@ AHEAD = 3
 CONNECT = 30.0
 """Longest wait for the scheduler and a first worker, s."""
 
-_RUNNERS: dict[tuple[Form, int, Trust], Runner] = {}
+_RUNNERS: dict[tuple[Form, Trust], Runner] = {}
 """A worker's runners: they stay between parts, with their plans, maps and the compiled engine."""
 
 
@@ -42,9 +42,9 @@ class Freight:
     content: bytes
 
 
-def run_part(form: Form, seed: int, trust: Trust, part: Part, freight: dict[int, Freight]) -> list[Batch]:
+def run_part(form: Form, trust: Trust, part: Part, freight: dict[int, Freight]) -> list[Batch]:
     """Run a part on a worker; the body of a task."""
-    runner = _RUNNERS.setdefault((form, seed, trust), Runner(form, seed, trust=trust))
+    runner = _RUNNERS.setdefault((form, trust), Runner(form, trust=trust))
     sent = []
     for family, one in freight.items():
         place = cache_folder() / "maps" / sha256(one.content).hexdigest()
@@ -59,15 +59,13 @@ def run_part(form: Form, seed: int, trust: Trust, part: Part, freight: dict[int,
 class Cluster:
     """Runs the parts of a sweep on the workers of a Dask scheduler."""
 
-    def __init__(
-        self, form: Form, seed: int, scheduler: str, patience: float = CONNECT, trust: Trust | None = None
-    ) -> None:
+    def __init__(self, form: Form, scheduler: str, patience: float = CONNECT, trust: Trust | None = None) -> None:
         """Connect within `patience` seconds.
 
         Raises:
             SweepError: There is no scheduler at the address, or it has no workers.
         """
-        self._setup = (form, seed, trust or Trust())
+        self._setup = (form, trust or Trust())
         try:
             self._client: Any = distributed.Client(scheduler, timeout=patience)
             self._client.wait_for_workers(1, timeout=patience)

@@ -14,7 +14,7 @@ from statistics import NormalDist
 from typing import Literal
 
 from scenario_compiler.expressions import Value, format_value
-from scenario_compiler.markup.values import outside
+from scenario_compiler.vocabulary.grammar import outside
 from scenario_compiler.vocabulary.scenario import ParameterKind
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
@@ -53,7 +53,7 @@ class Distribution:
 
 
 def parse_distribution(text: str) -> Distribution:
-    """Parse the spelling of a distribution; SweepError when it is none."""
+    """Parse the spelling of a distribution; SweepError when it is not one."""
     match = re.fullmatch(r"\s*([a-z]+)\s*\((.*)\)\s*", text, re.DOTALL)
     if match is None or match.group(1) not in DISTRIBUTIONS:
         raise SweepError(f"'{text}' is no distribution; known are {', '.join(DISTRIBUTIONS)}")

@@ -11,17 +11,19 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
+from scenario_compiler.batch.codebook import PARAMETER, Column, parameter_column
 from scenario_compiler.batch.distributions import Distribution, SweepError, beyond, misfit, value_of
 from scenario_compiler.batch.measuring import Columns
 from scenario_compiler.batch.pool import Pool
-from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
+from scenario_compiler.batch.results import ResultStore, read_results, tally_of
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
 from scenario_compiler.batch.sampling import Sample, Sampler, constraints_of, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import OnProgress, Progress, Tally
 from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
-from scenario_compiler.engine.forms.compiled import library, why_interpreted
+from scenario_compiler.forms.machine_code import library, why_interpreted
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -34,40 +36,23 @@ WORTH_A_WORKER: dict[Form, int] = {"camera": 1, "interpreted": 80, "compiled": 2
 
 
 @dataclass(frozen=True)
-class Progress:
-    """How far a sweep is.
-
-    Attributes:
-        done: Variants that have their row.
-        total: Variants.
-        failed: Rows that are errors.
-        resumed: Variants whose row was there at the start.
-    """
-
-    done: int
-    total: int
-    failed: int
-    resumed: int
-
-
-@dataclass(frozen=True)
 class SweepResult:
     """A finished sweep.
 
     Attributes:
         folder: Its folder.
         table: The file of the rows.
-        total: Number of variants.
-        failed: Rows that are errors.
-        commonest: What most of those say; empty where there is none.
+        tally: What the variants came to.
+        automated: An automated vehicle drives, which can ask its driver to take over.
+        commonest: What most of the rows without a result say; empty where all have one.
         form: What ran the variants.
         workers: Number of processes that did; 1 for this process alone.
     """
 
     folder: Path
     table: Path
-    total: int
-    failed: int
+    tally: Tally
+    automated: bool
     commonest: str
     form: Form
     workers: int
@@ -113,6 +98,7 @@ class Sweep:
         families: Their plans.
         form: What runs them.
         part_size: Number of variants of a part.
+        declared: What the scenario says of its parameters.
     """
 
     target: str
@@ -121,6 +107,7 @@ class Sweep:
     families: Families
     form: Form
     part_size: int
+    declared: Mapping[str, Declaration]
     _on_the_way: dict[int, SentPlan] = field(default_factory=dict)
 
     @property
@@ -136,14 +123,15 @@ class Sweep:
 
     def variant(self, index: int, sample: Sample) -> Variant:
         """Return a variant with its family, or with why it has none."""
+        seed = self.sampler.seed_of(index)
         found = self.families.of(sample)
         if isinstance(found, Diagnostics):
             error = next((one.message for one in found if one.severity is Severity.ERROR), "it does not compile")
-            return Variant(index, -1, sample, error)
+            return Variant(index, seed, -1, sample, error)
         try:
-            return Variant(index, found.number, found.values(sample))
+            return Variant(index, seed, found.number, found.values(sample))
         except SweepError as fault:
-            return Variant(index, found.number, {}, str(fault))
+            return Variant(index, seed, found.number, {}, str(fault))
 
     def part(self, number: int) -> tuple[Part, Columns]:
         """Return a piece of work, and the columns of its rows that are known before it runs."""
@@ -155,7 +143,7 @@ class Sweep:
         columns: Columns = {"variant": list(indices)}
         columns |= {PARAMETER + name: [sample[name] for sample in samples] for name in samples[0]}
         columns |= {
-            "seed": [self.spec.seed] * len(indices),
+            "seed": [one.seed for one in variants],
             "digest": [plans[one.family].plan.digest if one.family in plans else None for one in variants],
         }
         return Part(number, variants, tuple(self._sent(family) for family in plans.values())), columns
@@ -177,9 +165,13 @@ class Sweep:
 
     def store(self, folder: Path) -> ResultStore:
         """Return the folder's store."""
-        kinds = {name: axis.kind for name, axis in self.spec.axes.items()}
-        order = [*self.sampler.crossed, *self.sampler.drawn]
-        return ResultStore(folder, {name: kinds[name] for name in order}, self.manifest())
+        return ResultStore(folder, self.parameters, self.manifest())
+
+    @property
+    def parameters(self) -> list[Column]:
+        """The columns of the parameters that vary, in the table's order."""
+        axes, order = self.spec.axes, (*self.sampler.crossed, *self.sampler.drawn)
+        return [parameter_column(name, axes[name], self.declared.get(name)) for name in order]
 
 
 def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequence[Path] = ()) -> Sweep:
@@ -201,12 +193,12 @@ def prepare(target: str | Path, spec: SweepSpec, sink: Diagnostics, maps: Sequen
     middle = {name: axis.points[0] if axis.points else axis.quantile(0.5) for name, axis in axes.items()}
     families = Families(target, spec, middle, sink, maps)
     if not declared:
-        of_plan = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
-        check_axes(axes, of_plan, constrained)
+        declared = {one.name: Declaration.of(one) for one in families.base.plan.parameters}
+        check_axes(axes, declared, constrained)
     fixed = {name: value_of(text) for name, text in spec.settings.items()}
     sampler = make_sampler(spec, fixed | parameter_values(families.base.plan.parameters))
     form = form_of(spec, families.base)
-    return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total))
+    return Sweep(str(target), spec, sampler, families, form, part_size_of(form, sampler.total), declared)
 
 
 def check_axes(
@@ -260,32 +252,30 @@ def open_executor(sweep: Sweep, workers: int) -> Executor:
     """Return what runs a sweep on this machine: worker processes where a run may hang or there are several."""
     spec = sweep.spec
     if workers == 1 and sweep.form != "camera" and spec.time_limit is None:
-        runner = Runner(sweep.form, spec.seed, sweep.trust)
+        runner = Runner(sweep.form, sweep.trust)
         base = sweep.families.base
         runner.add(base.number, base.plan, base.network)
         return Inline(runner)
-    return Pool(sweep.form, spec.seed, workers, spec.time_limit, trust=sweep.trust)
+    return Pool(sweep.form, workers, spec.time_limit, trust=sweep.trust)
 
 
 def connect(sweep: Sweep, scheduler: str) -> Executor:
     """Return what runs a sweep on a cluster; SweepError where none answers at the address of the scheduler."""
     from scenario_compiler.batch.cluster import Cluster
 
-    return Cluster(sweep.form, sweep.spec.seed, scheduler, trust=sweep.trust)
+    return Cluster(sweep.form, scheduler, trust=sweep.trust)
 
 
-def execute(
-    sweep: Sweep, store: ResultStore, executor: Executor, progress: Callable[[Progress], None] | None = None
-) -> int:
-    """Run what is missing and keep it; return the number of rows that are errors.
+def execute(sweep: Sweep, store: ResultStore, executor: Executor, progress: OnProgress | None = None) -> Tally:
+    """Run what is missing and keep it; return what all variants came to.
 
     Raises:
         OSError: The rows could not be written; what was written before is kept.
     """
-    there = {number: store.counts(number) for number in sorted(store.done())}
+    there = {number: store.tally(number) for number in sorted(store.done())}
     missing = [number for number in range(sweep.parts) if number not in there]
-    resumed = done = sum(rows for rows, _ in there.values())
-    failed = sum(errors for _, errors in there.values())
+    tally = sum(there.values(), Tally())
+    resumed = tally.runs
     pending: dict[int, Columns] = {}
 
     def work() -> Iterator[Part]:
@@ -293,20 +283,21 @@ def execute(
             part, pending[number] = sweep.part(number)
             yield part
 
-    if progress is not None:
-        progress(Progress(done, sweep.sampler.total, failed, resumed))
+    def tell() -> None:
+        if progress is not None:
+            progress(Progress("variants", tally.runs, sweep.sampler.total, tally, resumed))
+
+    tell()
     with closing(executor):
         for number, batch in executor.run(work()):
             columns = pending[number]
             for name, values in batch.columns.items():
                 columns.setdefault(name, []).extend(values)
-            done += len(batch.variants)
-            failed += batch.columns["result"].count("error")
+            tally += Tally.of(batch.columns["result"], batch.columns["resolution"])
             if len(columns["result"]) == len(columns["variant"]):
                 store.write_part(number, pending.pop(number))
-            if progress is not None:
-                progress(Progress(done, sweep.sampler.total, failed, resumed))
-    return failed
+            tell()
+    return tally
 
 
 def run_sweep(
@@ -315,7 +306,7 @@ def run_sweep(
     folder: Path,
     *,
     resume: bool = False,
-    progress: Callable[[Progress], None] | None = None,
+    progress: OnProgress | None = None,
     scheduler: str | None = None,
     workers: int | None = None,
     maps: Sequence[Path] = (),
@@ -330,7 +321,7 @@ def run_sweep(
         spec: What it is asked to do.
         folder: Where the table, the chosen traces and the report go.
         resume: Do the rest of the sweep that the folder holds.
-        progress: Called whenever rows are done.
+        progress: Told how far the sweep is, whenever something is done.
         scheduler: Address of a Dask scheduler that runs the variants.
         workers: Number of processes; as many as pay when None.
         maps: Folders that maps are looked for in first.
@@ -355,7 +346,7 @@ def _run_owned(
     sweep: Sweep,
     store: ResultStore,
     resume: bool,
-    progress: Callable[[Progress], None] | None,
+    progress: OnProgress | None,
     scheduler: str | None,
     workers: int | None,
     report: bool,
@@ -377,24 +368,26 @@ def _run_owned(
         execute(sweep, store, executor, progress)
         store.merge(sweep.parts)
     if (report or spec.traces) and sweep.sampler.total <= PRESENTED:
-        present(sweep, folder, report=report)
+        present(sweep, folder, report=report, progress=progress)
     elif say is not None and (report or spec.traces):
         say(f"more than {PRESENTED} variants: no traces and no report, only the table")
     errors = store.errors()
     commonest = max(errors, key=errors.__getitem__, default="")
-    return SweepResult(folder, store.table, sweep.sampler.total, errors.total(), commonest, sweep.form, count)
+    automated = sweep.families.base.plan.controller is not None
+    return SweepResult(folder, store.table, tally_of(store.table), automated, commonest, sweep.form, count)
 
 
-def present(sweep: Sweep, folder: Path, *, report: bool) -> None:
+def present(sweep: Sweep, folder: Path, *, report: bool, progress: OnProgress | None = None) -> None:
     """Write the chosen traces and the report of a finished sweep."""
     from scenario_compiler.batch.presenting import write_page
     from scenario_compiler.batch.worst import chosen, write_traces
 
     rows, _ = read_results(folder)
     spec = sweep.spec
-    write_traces(sweep.families, rows, chosen(rows, spec), spec.seed, folder)
+    write_traces(sweep.families, rows, chosen(rows, spec), folder, progress)
     if report:
-        write_page(sweep.target, spec, sweep.families, rows, sweep.form, folder)
+        units = {one.column.removeprefix(PARAMETER): one.unit for one in sweep.parameters}
+        write_page(sweep.target, spec, sweep.families, rows, sweep.form, folder, units, progress)
 
 
 def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:

@@ -11,22 +11,24 @@ from typing import Any
 
 import numpy as np
 
+from scenario_compiler.batch.codebook import OUTCOME
 from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.recording.break_off import break_off_text
+from scenario_compiler.recording.break_off import QUANTITIES, break_off_text
 from scenario_compiler.recording.criteria import fails, limit_of
 from scenario_compiler.recording.measures import MEASURES, measures_of
 from scenario_compiler.recording.names import CAUSES, STOP_REASONS
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import resolutions
+from scenario_compiler.recording.takeovers import takeovers_of_totals
 from scenario_compiler.recording.totals import RunTotals
 
 Columns = dict[str, list[Any]]
 """Rows by column."""
 
-OUTCOME = ("result", "error", "stop_reason", "duration", "resolution", "cause", "collision_with", "failed")
-"""Columns of the outcome, before the measures."""
+TAKEOVERS = "takeovers"
+"""Column of the takeovers of each run, which have a table of their own."""
 
 
 def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[str, Value]]) -> Columns:
@@ -38,9 +40,7 @@ def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[s
         parameters: Each run's values of the plan's parameters.
     """
     stops = [str(STOP_REASONS[code]) for code in totals.code("stop")]
-    flags, flagged, ends = totals.code("flag"), totals.code("flag_at"), totals.last_time.tolist()
-    ids = [entity.id for entity in plan.entities]
-    errors = [break_off_text(code, at, ids, {}, t) for code, at, t in zip(flags, flagged, ends, strict=True)]
+    errors = _errors(plan, totals)
     reached = np.array([stop == "destination" for stop in stops])
     failed: list[list[str]] = [[] for _ in parameters]
     for criterion in plan.criteria:
@@ -60,12 +60,24 @@ def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[s
         "collision_with": [plan.entities[one].id if one >= 0 else None for one in totals.code("collision_with")],
         "failed": [" ".join(names) for names in failed],
     }
+    columns[TAKEOVERS] = [[vars(one) for one in some] for some in takeovers_of_totals(totals)]
     sound = np.array([not error for error in errors])
     measured = measures_of(plan)
     for measure in MEASURES:
         values = np.where(sound, measure.total(totals), np.nan) if measure in measured else np.full(len(stops), np.nan)
         columns[measure.name] = [value if math.isfinite(value) else None for value in values.tolist()]
     return columns
+
+
+def _errors(plan: Plan, totals: RunTotals) -> list[str]:
+    """Return why each run broke off; empty for one that did not."""
+    ids = [entity.id for entity in plan.entities]
+    times = totals.raw("flag_time").tolist()
+    values = np.stack([totals.raw(f"flag_{name}") for name in QUANTITIES], axis=1).tolist()
+    return [
+        break_off_text(code, at, ids, dict(zip(QUANTITIES, of_entity, strict=True)), t) if code else ""
+        for code, at, of_entity, t in zip(totals.code("flag"), totals.code("flag_at"), values, times, strict=True)
+    ]
 
 
 def row_of_recording(plan: Plan, recording: Recording) -> Columns:
@@ -82,6 +94,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
         "collision_with": [outcome.collision_with],
         "failed": [" ".join(one.criterion for one in outcome.criteria if not one.passed)],
     }
+    columns[TAKEOVERS] = [[vars(one) for one in outcome.takeovers]]
     values = {} if broken else {name: measure.value for name, measure in outcome.measures.items()}
     return columns | {measure.name: [values.get(measure.name)] for measure in MEASURES}
 
@@ -89,7 +102,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
 def error_columns(count: int, error: str) -> Columns:
     """Return the outcome of variants that have no run."""
     columns: Columns = {name: [None] * count for name in (*OUTCOME, *(measure.name for measure in MEASURES))}
-    return columns | {"result": ["error"] * count, "error": [error] * count}
+    return columns | {"result": ["error"] * count, "error": [error] * count, TAKEOVERS: [[] for _ in range(count)]}
 
 
 def _why_broken(recording: Recording) -> str:

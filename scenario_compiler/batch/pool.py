@@ -28,9 +28,9 @@ PATIENCE = 0.5
 """How often a time limit is looked at, s."""
 
 
-def serve(connection: Connection, form: Form, seed: int, trust: Trust) -> None:
+def serve(connection: Connection, form: Form, trust: Trust) -> None:
     """Run parts that come through the connection until it closes; the body of a worker process."""
-    runner = Runner(form, seed, trust=trust)
+    runner = Runner(form, trust=trust)
     try:
         while True:
             part = connection.recv()
@@ -58,12 +58,10 @@ class _Worker:
 class Pool:
     """Worker processes for the parts of a sweep."""
 
-    def __init__(
-        self, form: Form, seed: int, workers: int, time_limit: float | None = None, trust: Trust | None = None
-    ) -> None:
+    def __init__(self, form: Form, workers: int, time_limit: float | None = None, trust: Trust | None = None) -> None:
         """Start the workers, by spawning: nothing of this process is inherited."""
         self._context = multiprocessing.get_context("spawn")
-        self._setup = (form, seed, trust or Trust())
+        self._setup = (form, trust or Trust())
         self._time_limit = time_limit
         self._workers = [self._start() for _ in range(workers)]
         self._deaths: dict[int, int] = {}

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 
+from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import PARAMETER, TABLE
+from scenario_compiler.batch.results import TABLE
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.batch.variants import Families
 from scenario_compiler.batch.worst import by_severity, repeat_command, run_again
 from scenario_compiler.report.sweep_page import Case, SweepPage, write_sweep_report
-from scenario_compiler.vocabulary.word import QUANTITIES
 
 PICTURED = 3
 """Worst cases that are shown with pictures."""
@@ -20,12 +22,27 @@ LISTED = 10
 """Worst cases that are listed."""
 
 
-def write_page(target: str, spec: SweepSpec, families: Families, rows: Columns, form: str, folder: Path) -> Path:
-    """Write the report of a finished sweep; the cases with pictures are run again."""
+def write_page(
+    target: str,
+    spec: SweepSpec,
+    families: Families,
+    rows: Columns,
+    form: str,
+    folder: Path,
+    units: Mapping[str, str],
+    progress: OnProgress | None = None,
+) -> Path:
+    """Write the report of a finished sweep; the cases with pictures are run again.
+
+    `units` are those of the parameters, in which XML writes them.
+    """
     cases = []
-    for place, index in enumerate(by_severity(rows)[:LISTED]):
+    order = by_severity(rows)[:LISTED]
+    for place, index in enumerate(order):
+        if progress is not None and place < PICTURED:
+            progress(Progress("cases", place, min(PICTURED, len(order))))
         parameters = {name.removeprefix(PARAMETER): rows[name][index] for name in rows if name.startswith(PARAMETER)}
-        run = run_again(families, rows, index, spec.seed) if place < PICTURED else None
+        run = run_again(families, rows, index) if place < PICTURED else None
         cases.append(Case(index, parameters, repeat_command(target, spec, rows, index), run))
     plan = families.base.plan
     facts = [
@@ -40,7 +57,7 @@ def write_page(target: str, spec: SweepSpec, families: Families, rows: Columns, 
         summary=plan.summary,
         rows=rows,
         parameters={name: axis.text for name, axis in spec.axes.items()},
-        units={one.name: QUANTITIES[one.type].unit for one in plan.parameters if one.type in QUANTITIES},
+        units=units,
         facts=facts,
         cases=cases,
         command=sweep_command(target, spec),
@@ -58,6 +75,7 @@ def sweep_command(target: str, spec: SweepSpec) -> str:
     for name, value in spec.settings.items():
         words += ["--set", f"{name}={value}"]
     words += ["--method", spec.method, "--samples", str(spec.samples), "--seed", str(spec.seed)]
+    words += ["--repeat", str(spec.repeat)] if spec.repeat > 1 else []
     options = (
         ("--perception", spec.perception),
         ("--controller", spec.controller),

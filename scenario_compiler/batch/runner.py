@@ -6,12 +6,12 @@ batches of rows. Nothing in a row depends on how a sweep is split.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import Columns, error_columns, row_of_recording, rows_of_totals
@@ -23,6 +23,7 @@ from scenario_compiler.engine.program import Numbers, build_program
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.variants import VariantChecks
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.roads import Network, load_network
@@ -41,9 +42,10 @@ FAMILIES_KEPT = 64
 
 @dataclass(frozen=True)
 class Variant:
-    """One variant: its index, its family and its values of the family's slots; or why it cannot run."""
+    """One variant: its index, its seed, its family and its values of the family's slots; or why it cannot run."""
 
     index: int
+    seed: int
     family: int
     values: Sample
     error: str = ""
@@ -109,12 +111,10 @@ class Runner:
 
     Attributes:
         form: What runs them.
-        seed: Seed of the runs.
         trust: Code that the plans may name as their controllers.
     """
 
     form: Form
-    seed: int
     trust: Trust = field(default_factory=Trust)
     _families: dict[int, _Family] = field(default_factory=dict)
 
@@ -149,7 +149,7 @@ class Runner:
     def _rows(self, family: _Family, batch: tuple[Variant, ...]) -> Columns:
         """Return the rows; a variant that raises is a row with its error."""
         try:
-            return family.rows(batch, self.seed)
+            return family.rows(batch)
         except Exception as fault:
             if len(batch) == 1:
                 return error_columns(1, f"{type(fault).__name__}: {fault}")
@@ -162,6 +162,7 @@ class _Family:
     def __init__(self, plan: Plan, network: Network, form: Form, trust: Trust) -> None:
         self.plan, self.network, self.form, self.trust = plan, network, form, trust
         self.usual = parameter_values(plan.parameters)
+        self.checks = VariantChecks(plan, network)
         self.limit = int(plan.duration / plan.step) + 2
         self.engine: Simulation | None = None
         if form != "camera":
@@ -169,18 +170,27 @@ class _Family:
             program = build_program(plan, network)
             self.engine = Simulation(network.tables, program, interpreted=form == "interpreted")
 
-    def rows(self, batch: Sequence[Variant], seed: int) -> Columns:
-        """Run variants and return their rows."""
+    def rows(self, batch: Sequence[Variant]) -> Columns:
+        """Run variants and return their rows; one whose values the scenario does not allow is not run."""
+        faults = [self.checks.fault(one.values) for one in batch]
+        if not any(faults):
+            return self._run(batch)
+        sound = [one for one, fault in zip(batch, faults, strict=True) if not fault]
+        ran = self._run(sound) if sound else error_columns(0, "")
+        rows = {name: iter(values) for name, values in ran.items()}
+        return joined([error_columns(1, fault) if fault else _following(rows) for fault in faults])
+
+    def _run(self, batch: Sequence[Variant]) -> Columns:
         if self.engine is None:
-            return row_of_recording(self.plan, record(self.plan, self.network, batch[0], seed, self.trust))
+            return row_of_recording(self.plan, record(self.plan, self.network, batch[0], self.trust))
         try:
             numbers = [self.numbers.row(one.values) for one in batch]
         except ExpressionError as fault:
             raise SweepError(str(fault)) from None
-        draws = [make_draws(seed, one.index) for one in batch]
+        draws = [make_draws(one.seed, one.index) for one in batch]
         summaries, _ = self.engine.sweep(numbers, draws, self.limit)
         parameters = [{**self.usual, **one.values} for one in batch]
-        return rows_of_totals(self.plan, RunTotals(summaries), parameters)
+        return rows_of_totals(self.plan, RunTotals(summaries, self.plan.step), parameters)
 
 
 def joined(parts: Sequence[Columns]) -> Columns:
@@ -188,12 +198,17 @@ def joined(parts: Sequence[Columns]) -> Columns:
     return {name: [value for columns in parts for value in columns[name]] for name in parts[0]}
 
 
-def record(plan: Plan, network: Network, variant: Variant, seed: int, trust: Trust | None = None) -> Recording:
+def _following(rows: Mapping[str, Iterator[Any]]) -> Columns:
+    """Return the next of some rows."""
+    return {name: [next(values)] for name, values in rows.items()}
+
+
+def record(plan: Plan, network: Network, variant: Variant, trust: Trust | None = None) -> Recording:
     """Run one variant interpreted and return its recording; `trust` is what the plan's controller may be."""
     chosen = with_values(plan, variant.values)
     world = open_world("kinematic", chosen, network)
     try:
-        return run(chosen, world, seed, variant=variant.index, trust=trust)
+        return run(chosen, world, variant.seed, variant=variant.index, trust=trust)
     finally:
         world.close()
 

@@ -1,8 +1,9 @@
 """Samples of the parameters: grid, random, Latin hypercube and Sobol, each reproducible from a seed.
 
 A grid axis is crossed with everything else: with `speed=grid(10, 20, 3)` each of the `samples` draws of the other axes
-is tried at three speeds. A random variant's values depend on nothing but the seed and its index; a Latin hypercube's on
-the number of samples too.
+is tried at three speeds; where there are no other axes, each speed is run `samples` times. Every draw at every point is
+run by `repeats` variants, each with a seed of its own. A random variant's values depend on nothing but the seed and its
+number; a Latin hypercube's on the number of samples too.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ class Sampler:
         units: For Latin hypercube and Sobol the points in the unit cube, (samples, drawn axes); None for random.
         samples: Number of draws.
         seed: The seed.
+        repeats: Number of variants of each point, which have the seeds `seed`, `seed` + 1 and so on.
         where: Constraints.
         fixed: Values of the parameters that do not vary, which constraints may name.
         chosen: Numbers of the points that fulfil the constraints; None when all do or points are drawn again.
@@ -46,6 +48,7 @@ class Sampler:
     units: Floats | None
     samples: int
     seed: int
+    repeats: int = 1
     where: tuple[Expression, ...] = ()
     fixed: Sample = field(default_factory=dict)
     chosen: array[int] | None = None
@@ -58,7 +61,11 @@ class Sampler:
     @property
     def total(self) -> int:
         """Number of variants."""
-        return self.points if self.chosen is None else len(self.chosen)
+        return self.repeats * (self.points if self.chosen is None else len(self.chosen))
+
+    def seed_of(self, index: int) -> int:
+        """Return the seed of a variant."""
+        return self.seed + index % self.repeats
 
     def sample(self, index: int) -> Sample:
         """Return the values of a variant, in the order of the axes.
@@ -66,12 +73,13 @@ class Sampler:
         Raises:
             SweepError: No draw fulfils the constraints, or one of them has no value.
         """
+        number = index // self.repeats
         if self.chosen is not None:
-            return self._point(self.chosen[index], 0)
+            return self._point(self.chosen[number], 0)
         if not self.where:
-            return self._point(index, 0)
+            return self._point(number, 0)
         for attempt in range(ATTEMPTS):
-            values = self._point(index, attempt)
+            values = self._point(number, attempt)
             if self._holds(values):
                 return values
         raise SweepError(f"no sample fulfils {self._shown}: {ATTEMPTS} draws for one variant did not")
@@ -126,13 +134,12 @@ def make_sampler(spec: SweepSpec, fixed: Sample | None = None) -> Sampler:
     if spec.method == "grid" and drawn:
         name, axis = next(iter(drawn.items()))
         raise SweepError(f"a grid needs points: '{name}={axis.text}' has none; write {name}=grid(first, last, count)")
-    samples = spec.samples if drawn or not listed else 1
     units = None
     if drawn and spec.method == "latin":
-        units = latin_hypercube(list(drawn), samples, spec.seed)
+        units = latin_hypercube(list(drawn), spec.samples, spec.seed)
     elif drawn and spec.method == "sobol":
-        units = sobol(list(drawn), samples, spec.seed)
-    sampler = Sampler(listed, drawn, units, samples, spec.seed, constraints_of(spec), fixed or {})
+        units = sobol(list(drawn), spec.samples, spec.seed)
+    sampler = Sampler(listed, drawn, units, spec.samples, spec.seed, spec.repeat, constraints_of(spec), fixed or {})
     sampler.choose()
     return sampler
 

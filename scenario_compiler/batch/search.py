@@ -7,19 +7,22 @@ finds them there.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import Distribution, SweepError
 from scenario_compiler.batch.execute import Sweep, prepare
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import PARAMETER, ResultStore, read_results
+from scenario_compiler.batch.results import ResultStore, read_results
 from scenario_compiler.batch.runner import Part, Runner
 from scenario_compiler.batch.sampling import Sample
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
 from scenario_compiler.recording.measures import MEASURES
@@ -73,6 +76,7 @@ class Search:
         asked: str,
         maps: Sequence[Path] = (),
         sink: Diagnostics | None = None,
+        progress: OnProgress | None = None,
     ) -> None:
         """Compile the scenario.
 
@@ -83,18 +87,23 @@ class Search:
             asked: What is searched for, so that a folder belongs to one search.
             maps: Folders that maps are looked for in first.
             sink: Where findings of the scenario go.
+            progress: Told how far the search is, before each run.
 
         Raises:
             CompileError: The scenario is at fault.
             SweepError: The search is not possible as it is asked for.
         """
+        if spec.repeat > 1:
+            raise SweepError("a search runs each value once: --repeat is for sweeps")
         sink = Diagnostics() if sink is None else sink
         self.sweep: Sweep = prepare(target, spec, sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}
-        self.runner = Runner(self.sweep.form, spec.seed, trust=self.sweep.trust)
+        self.runner = Runner(self.sweep.form, trust=self.sweep.trust)
         manifest = {**self.sweep.manifest(), "asked": asked}
-        self.store = ResultStore(folder, dict.fromkeys(self.ranges, "number"), manifest)
+        self.store = ResultStore(folder, self.sweep.parameters, manifest)
         self.count = 0
+        self.expected = 0
+        self._progress = progress
         self._kept: dict[int, Columns] = {}
 
     @contextmanager
@@ -118,12 +127,14 @@ class Search:
     def evaluate(self, sample: dict[str, float]) -> Columns:
         """Return the row of a run, from the folder where it is there."""
         number, self.count = self.count, self.count + 1
+        if self._progress is not None:
+            self._progress(Progress("evaluations", number, max(self.expected, self.count)))
         row = self._kept.get(number)
         if row is not None and all(row[PARAMETER + name] == [value] for name, value in sample.items()):
             return row
         values: Sample = dict(sample)
         variant = self.sweep.variant(0, values)
-        columns: Columns = {"variant": [0], "seed": [self.sweep.spec.seed], "digest": [None]}
+        columns: Columns = {"variant": [0], "seed": [variant.seed], "digest": [None]}
         columns |= {PARAMETER + name: [value] for name, value in sample.items()}
         if not variant.error:
             family = self.sweep.families.plan(variant.family)
@@ -150,6 +161,7 @@ def find_boundary(
     resume: bool = False,
     maps: Sequence[Path] = (),
     sink: Diagnostics | None = None,
+    progress: OnProgress | None = None,
 ) -> Boundary:
     """Bisect the range of the one parameter that varies until the boundary is known to `tolerance`.
 
@@ -163,6 +175,7 @@ def find_boundary(
         resume: Take up the search that the folder holds.
         maps: Folders that maps are looked for in first.
         sink: Where findings of the scenario go.
+        progress: Told how far the search is, before each run.
 
     Raises:
         CompileError: The scenario is at fault.
@@ -171,10 +184,11 @@ def find_boundary(
     happens = _predicate(when)
     if len(spec.vary) != 1:
         raise SweepError("a boundary is searched along one parameter")
-    search = Search(target, spec, folder, f"boundary of {when} to {tolerance!r}", maps, sink)
+    search = Search(target, spec, folder, f"boundary of {when} to {tolerance!r}", maps, sink, progress)
     ((name, (low, high)),) = search.ranges.items()
     if tolerance <= 0 or high - low > tolerance * 2.0**60:
         raise SweepError(f"the tolerance {tolerance:g} is too small for the range")
+    search.expected = 2 + math.ceil(math.log2(max((high - low) / tolerance, 1.0)))
     with search.opened(resume=resume):
         at_low, at_high = (happens(search.evaluate({name: value})) for value in (low, high))
         if at_low == at_high:
@@ -201,6 +215,7 @@ def minimise(
     resume: bool = False,
     maps: Sequence[Path] = (),
     sink: Diagnostics | None = None,
+    progress: OnProgress | None = None,
 ) -> Minimum:
     """Look for the parameters that make a measure least.
 
@@ -214,6 +229,7 @@ def minimise(
         resume: Take up the search that the folder holds.
         maps: Folders that maps are looked for in first.
         sink: Where findings of the scenario go.
+        progress: Told how far the search is, before each run.
 
     Raises:
         CompileError: The scenario is at fault.
@@ -223,7 +239,8 @@ def minimise(
 
     if measure not in {one.name for one in MEASURES}:
         raise SweepError(f"there is no measure '{measure}'")
-    search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink)
+    search = Search(target, spec, folder, f"least {measure} by {optimizer} in {evaluations}", maps, sink, progress)
+    search.expected = evaluations
     names = list(search.ranges)
     best: list[tuple[float, dict[str, float]]] = []
 

@@ -25,7 +25,8 @@ class SweepSpec(BaseModel):
     vary: tuple[str, ...] = Field(description="NAME=DISTRIBUTION of each parameter that varies.")
     method: Method = Field(default="random", description="How the distributions are sampled.")
     samples: int = Field(default=1, ge=1, description="Number of samples; at each point of the grid axes, if any.")
-    seed: int = Field(default=1, description="Seed of the samples and, with a variant's index, of its run.")
+    repeat: int = Field(default=1, ge=1, description="Number of runs of each sample, each with the next seed.")
+    seed: int = Field(default=1, description="Seed of the samples and, with a variant's index, of its first run.")
     where: tuple[str, ...] = Field(default=(), description="Expressions that every variant fulfils.")
     settings: dict[str, str] = Field(default={}, description="Fixed values of other parameters.")
     perception: Perception | None = Field(default=None, description="In place of what the lane confidence comes from.")
@@ -42,7 +43,7 @@ class SweepSpec(BaseModel):
     @property
     def overrides(self) -> Overrides:
         """What is set in place of the scenario."""
-        return Overrides(self.perception, self.controller, self.step, self.duration)
+        return Overrides(self.perception, self.controller, self.step, self.duration, driven_by="model")
 
     def trusted(self, target: str | Path) -> Trust:
         """Return what is trusted when FILE, FILE#name or a plan's file is swept."""

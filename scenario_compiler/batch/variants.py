@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 from scenario_compiler.batch.distributions import SweepError
@@ -15,14 +14,13 @@ from scenario_compiler.controllers import refuse_untrusted
 from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, weighed
 from scenario_compiler.expressions import Value, format_value
 from scenario_compiler.markup.names import MISSING_PARAMETER, UNKNOWN_ARGUMENT
-from scenario_compiler.markup.values import COMMAND_LINE, outside
+from scenario_compiler.markup.values import COMMAND_LINE
 from scenario_compiler.plan.maps import open_plan_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import digest_of, read_plan
+from scenario_compiler.plan.variants import at_values
 from scenario_compiler.roads import Network
 from scenario_compiler.runtime.runnable import check_runnable
-from scenario_compiler.source.parameters import limits
-from scenario_compiler.vocabulary.word import AttributeSpelling
 
 VARIED = FilePlace("--vary")
 """The place of a varied parameter's values that are at fault."""
@@ -44,31 +42,20 @@ class Family:
     network: Network
     slots: tuple[str, ...]
 
-    @cached_property
-    def _limits(self) -> dict[str, AttributeSpelling]:
-        return {parameter.name: limits(parameter) for parameter in self.plan.parameters}
-
     def values(self, sample: Sample) -> Sample:
-        """Return the part of a sample that fills slots; SweepError when one is no number or outside its limits."""
+        """Return the part of a sample that fills slots; SweepError when one is no number."""
         values: Sample = {}
         for name in self.slots:
             value = sample[name]
             if isinstance(value, (bool, str)):
                 raise SweepError(f"{name} is {format_value(value)}, but must be a number")
-            fault = outside(value, self._limits[name])
-            if fault:
-                raise SweepError(f"{name} is {format_value(value)}, but must be {fault}")
             values[name] = value
         return values
 
 
 def with_values(plan: Plan, values: Mapping[str, Value]) -> Plan:
     """Return the plan with other defaults of its parameters: what compiling with `--set` gives."""
-    parameters = tuple(
-        one.model_copy(update={"default": format_value(values[one.name])}) if one.name in values else one
-        for one in plan.parameters
-    )
-    changed = plan.model_copy(update={"parameters": parameters})
+    changed = at_values(plan, values)
     return changed.model_copy(update={"digest": digest_of(changed)})
 
 

@@ -7,10 +7,11 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.measuring import Columns
-from scenario_compiler.batch.results import PARAMETER
 from scenario_compiler.batch.runner import record
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.batch.variants import Families, with_values
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import format_value
@@ -54,7 +55,7 @@ def chosen(rows: Columns, spec: SweepSpec) -> list[int]:
     return sorted(order) if kind == "all" else []
 
 
-def run_again(families: Families, rows: Columns, index: int, seed: int) -> Run:
+def run_again(families: Families, rows: Columns, index: int) -> Run:
     """Run a variant of a finished sweep again, interpreted, and return all that belongs to it.
 
     Raises:
@@ -68,25 +69,29 @@ def run_again(families: Families, rows: Columns, index: int, seed: int) -> Run:
     family = families.of(sample)
     if isinstance(family, Diagnostics):
         raise ValueError(f"variant {index} does not compile any more")
-    variant = Variant(index, family.number, family.values(sample))
+    variant = Variant(index, rows["seed"][index], family.number, family.values(sample))
     plan = with_values(family.plan, variant.values)
-    recording = record(family.plan, family.network, variant, seed, families.trust)
+    recording = record(family.plan, family.network, variant, families.trust)
     return Run(plan, family.network, recording, judge(plan, recording))
 
 
-def write_traces(families: Families, rows: Columns, indices: Sequence[int], seed: int, folder: Path) -> list[Path]:
+def write_traces(
+    families: Families, rows: Columns, indices: Sequence[int], folder: Path, progress: OnProgress | None = None
+) -> list[Path]:
     """Write the plan, map, recording, events and outcome of variants, one at a time, into folders; return those.
 
     A folder that is whole already is left as it is.
     """
     written = []
-    for index in indices:
+    for number, index in enumerate(indices):
+        if progress is not None:
+            progress(Progress("traces", number, len(indices)))
         place = folder / TRACES / f"{index:08}"
         written.append(place)
         if (place / "outcome.json").is_file():
             continue
         with whole_folder(place) as draft:
-            write_run_folder(run_again(families, rows, index, seed), draft, report=False)
+            write_run_folder(run_again(families, rows, index), draft, report=False)
     return written
 
 
@@ -107,5 +112,5 @@ def repeat_command(target: str, spec: SweepSpec, rows: Columns, index: int) -> s
             ("--duration", spec.duration),
         )
         words += [word for option, value in options if value is not None for word in (option, str(value))]
-    words += ["--seed", str(spec.seed), "--variant", str(index), "-o", f"variant-{index}"]
+    words += ["--seed", str(rows["seed"][index]), "--variant", str(index), "-o", f"variant-{index}"]
     return shlex.join(words)

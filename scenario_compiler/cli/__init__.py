@@ -22,7 +22,9 @@ from scenario_compiler.cli import (
     explain,
     export,
     library,
+    live,
     maps,
+    report,
     run,
     sweep,
     validate,
@@ -33,7 +35,22 @@ from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, compare, sweep, authoring, library, export, maps, calibrate, explain, coverage, editor)
+GROUPS = (
+    validate,
+    run,
+    live,
+    report,
+    compare,
+    sweep,
+    authoring,
+    library,
+    export,
+    maps,
+    calibrate,
+    explain,
+    coverage,
+    editor,
+)
 """Groups of commands, in the order of the help."""
 
 

@@ -148,17 +148,26 @@ def _write_gallery(options: argparse.Namespace, listed: list[Listed], sink: Diag
 
 
 def _cards(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics) -> Iterator[Card]:
-    from scenario_compiler.compiler import compile_target
-    from scenario_compiler.report.gallery import Card, start_picture
+    from scenario_compiler.compiler import Overrides, compile_target
+    from scenario_compiler.report.gallery import Card, moment_of
 
     for one in listed:
         if one.kind != "conflict":
             continue
-        found = compile_target(one.target, {}, sink, maps=options.maps)
+        overrides = Overrides(perception="ideal", driven_by="model")
+        found = compile_target(one.target, {}, sink, maps=options.maps, overrides=overrides)
         if found is not None:
-            group = Path(one.target.rpartition("#")[0]).stem.replace("_", " ")
-            picture = start_picture(found.plan, found.network)
-            yield Card(group, one.name, one.summary, one.source, one.target, picture)
+            group = one.file.stem.replace("_", " ")
+            moment = moment_of(found.plan, found.network)
+            yield Card(group, one.name, one.summary, one.source, _command(one), found.plan.map.name, moment)
+
+
+def _command(one: Listed) -> str:
+    """Return the command that runs a conflict: by its name where it is of our library, else from its file's folder."""
+    from scenario_compiler.resources import library_folder
+
+    ours = one.file.resolve().is_relative_to(library_folder().resolve())
+    return f"scenario-compiler run {one.name if ours else f'{one.file.name}#{one.name}'}"
 
 
 def new_command(options: argparse.Namespace) -> int:

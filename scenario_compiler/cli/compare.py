@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from collections.abc import Iterable
 from dataclasses import asdict, astuple
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, add_maps, keep_inputs
 from scenario_compiler.cli.terminal import put, put_raw, put_table
+from scenario_compiler.diagnostic_formats import formatted
+from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.legible import legible_json
 
 if TYPE_CHECKING:
@@ -42,6 +45,11 @@ def add(commands: Commands) -> None:
         help="positions may be X m apart, events and ends a step; without it all is equal to the bit",
     )
     parser.add_argument("--format", choices=("text", "json"), default="text", help="format of what is printed")
+    parser.add_argument(
+        "--html", type=Path, metavar="FILE.html", help="write a page with both runs in one player; takes run folders"
+    )
+    parser.add_argument("--camera", action="store_true", help="draw first-person pictures of both runs into the page")
+    add_maps(parser)
     parser.set_defaults(command=compare_command)
 
 
@@ -64,11 +72,30 @@ def compare_command(options: argparse.Namespace) -> int:
         put_raw(legible_json(as_json(found)))
     else:
         print_comparison(found, options.tolerance)
+    if options.html is not None:
+        _write_page(found, options)
     return FINE if found.equal else AT_FAULT
 
 
+def _write_page(found: Comparison, options: argparse.Namespace) -> None:
+    """Write the page of both runs; WrongUse where one is no run folder that can be read."""
+    from scenario_compiler.cli.report import pictures_to_show, read_files, stored_run
+    from scenario_compiler.report.compare_page import write_comparison
+
+    keep_inputs([*read_files(options.first), *read_files(options.second)], options.html)
+    sink = Diagnostics()
+    first, second = (stored_run(folder, options.maps, sink) for folder in (options.first, options.second))
+    if first is None or second is None:
+        put_raw(formatted(list(sink), "text"), sys.stderr)
+        raise WrongUse("--html shows run folders, as `run -o` writes them: one of these cannot be read")
+    names = (options.first.resolve().name, options.second.resolve().name)
+    pictures = [pictures_to_show(run, options) for run in (first, second)]
+    write_comparison((first, second), names, found, list(verdict(found, options.tolerance)), pictures, options.html)
+    put(f"page: {options.html}", sys.stdout if options.format == "text" else sys.stderr)
+
+
 def read_run(path: Path) -> tuple[Recording, Outcome | None]:
-    """Return the recording of a run and, where there is one, its outcome; WrongUse when it is none."""
+    """Return the recording of a run and, where there is one, its outcome; WrongUse when it is not a run."""
     from scenario_compiler.recording.outcome import OutcomeError, read_outcome
     from scenario_compiler.recording.store import RecordingError, read_recording
     from scenario_compiler.recording.trajectory import TrajectoryError, read_trajectory

@@ -51,7 +51,7 @@ def add(commands: Commands) -> None:
 
 
 def export_command(options: argparse.Namespace) -> int:
-    """Write the scenario, its road file, and how it varies; tell what OpenSCENARIO cannot say."""
+    """Write the scenario, its road file, and how it varies; report what OpenSCENARIO cannot express."""
     sink = new_sink(options)
     found = _planned(options, sink)
     if found is None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from scenario_compiler.cli import make_parser
 
 SHARED_BY = 3
-"""Commands that must have the very same option for it to be told once for all."""
+"""Commands that must have the very same option for it to be described once for all."""
 
 _HEAD = """# Commands
 
@@ -36,7 +36,7 @@ done for `--resume` |
 ## Diagnostics
 
 As text they go to stderr, so that stdout holds results alone; as `json`, `sarif` or `github` they go to stdout, which
-then holds nothing else: results are told on stderr.
+then holds nothing else: what is said about results goes to stderr.
 `explain CODE` tells what a code means and what to do. Of each file, code and severity 100 are listed and the rest is
 counted. Whatever files and their names hold, no control character, no mark that turns the direction of writing and no
 line that a build service would take for a command is printed: they are shown as escapes.

@@ -1,4 +1,4 @@
-"""`compile`, `run` and `report`: from a scenario to a plan, a run and its report."""
+"""`compile` and `run`: from a scenario to a plan, a run and its report."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
+from scenario_compiler.cli.live import add_address, serve_plan
 from scenario_compiler.cli.options import (
     AT_FAULT,
     CRITERIA_FAILED,
@@ -31,34 +32,27 @@ from scenario_compiler.cli.options import (
     told,
     trust_of,
 )
+from scenario_compiler.cli.report import add_shows, film_path, needing, write_film
 from scenario_compiler.cli.terminal import complain, put
-from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace, code_named
-from scenario_compiler.engine.forms.compiled import why_interpreted
+from scenario_compiler.diagnostics import Diagnostics, FilePlace, code_named
 from scenario_compiler.files import split_target
+from scenario_compiler.forms.machine_code import why_interpreted
 from scenario_compiler.legible import legible
 from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
+    from scenario_compiler.controllers.person import Person
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.recording import Recording
     from scenario_compiler.report.run import Run
     from scenario_compiler.roads import Network
     from scenario_compiler.worlds import World
 
-BAD_RECORDING = Code(
-    "SC131",
-    "unreadable-recording",
-    "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan "
-    "again."
-    "\n\n    scenario-compiler run plan.json -o out     writes out/recording.parquet",
-)
-
 
 def add(commands: Commands) -> None:
     """Declare the commands."""
     _add_compile(commands)
     _add_run(commands)
-    _add_report(commands)
 
 
 def _add_compile(commands: Commands) -> None:
@@ -82,6 +76,26 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--world", default="kinematic", metavar="NAME")
     parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
     parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
+    parser.add_argument(
+        "--video", type=film_path, metavar="FILE.mp4|FILE.gif", help="write a film of the run (the extra video)"
+    )
+    add_shows(parser)
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="show the run as it happens in a page, in step with the clock (the extra study)",
+    )
+    add_address(parser)
+    parser.add_argument(
+        "--pilot",
+        dest="driven_by",
+        action="store_const",
+        const="model",
+        help="put the driver model in the place of a person at the wheel",
+    )
+    parser.add_argument(
+        "--inputs", type=Path, metavar="DIR", help="let the person of a run's folder do again what was recorded"
+    )
     parser.add_argument("--interpreted", action="store_true", help="run the interpreted engine, for a debugger")
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
@@ -89,14 +103,6 @@ def _add_run(commands: Commands) -> None:
     add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=run_command)
-
-
-def _add_report(commands: Commands) -> None:
-    parser = commands.add_parser("report", help="write the report of a run folder again")
-    parser.add_argument("folder", type=Path, metavar="DIR")
-    add_maps(parser)
-    add_diagnostics(parser)
-    parser.set_defaults(command=report_command)
 
 
 def compile_command(options: argparse.Namespace) -> int:
@@ -123,7 +129,7 @@ def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Netw
 def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
     """Return the plan of a file and its map; WrongUse where options would have to compile it anew."""
     from scenario_compiler.plan.maps import open_plan_map
-    from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.plan.store import read_plan, sealed
     from scenario_compiler.runtime.runnable import check_runnable
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
@@ -135,8 +141,16 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
     network = None if plan is None else open_plan_map(plan, sink, options.maps, beside)
     if plan is None or network is None:
         return None
+    if getattr(options, "driven_by", None) is not None:
+        plan = sealed(driven_by_model(plan))
     check_runnable(plan, network, options.target, sink)
     return None if sink.has_errors else (plan, network)
+
+
+def driven_by_model(plan: Plan) -> Plan:
+    """Return a plan whose driver model answers, where a person does."""
+    driver = plan.takeover.driver.model_copy(update={"by_person": None})
+    return plan.model_copy(update={"takeover": plan.takeover.model_copy(update={"driver": driver})})
 
 
 def run_command(options: argparse.Namespace) -> int:
@@ -150,8 +164,11 @@ def run_command(options: argparse.Namespace) -> int:
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     if options.show is not None and options.output is None:
         raise WrongUse("--show draws into the folder of the run: give one with -o")
+    if options.video is not None:  # before a run that may take long
+        with needing("av"):
+            import scenario_compiler.report.video  # noqa: F401
     sink = new_sink(options)
-    keep_inputs([options.target], options.trajectory)
+    keep_inputs([options.target], options.trajectory, options.video)
     planned = _planned(options, sink)
     if planned is not None:
         refuse_untrusted(planned[0], sink, trust_of(options))
@@ -162,7 +179,9 @@ def run_command(options: argparse.Namespace) -> int:
         show(sink, options)
         sink = new_sink(options)
     plan, network = planned
-    keep_inputs(inputs_of(plan), options.trajectory)
+    if plan.takeover.driver.by_person is not None and options.inputs is None:
+        raise WrongUse("a person is at the wheel of this run: `drive` opens the page, --pilot takes the driver model")
+    keep_inputs(inputs_of(plan), options.trajectory, options.video)
     try:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
             finished = _finished_run(plan, network, options)
@@ -184,11 +203,21 @@ def _finished_run(plan: Plan, network: Network, options: argparse.Namespace) -> 
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
+    if options.watch:
+        return _watched_run(plan, network, options)
     if not options.interpreted and (reason := why_interpreted()):
         complain(f"the engine runs interpreted: {reason}")
     with open_world(options.world, plan, network) as world:
         recording = run_with_progress(plan, world, options)
     return Run(plan, network, recording, judge(plan, recording))
+
+
+def _watched_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
+    """Execute a plan in step with the clock, shown in a page; WrongUse where the run could not be made."""
+    sessions = serve_plan(plan, network, options, watched=True)
+    if not sessions or sessions[0].finished is None:
+        raise WrongUse(sessions[0].ended if sessions else "nobody opened the page")
+    return sessions[0].finished
 
 
 def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> None:
@@ -197,6 +226,8 @@ def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> No
         from scenario_compiler.recording.trajectory import write_trajectory
 
         write_trajectory(run.recording, options.trajectory)
+    if options.video is not None:
+        write_film(run, options.video, options)
     if folder is None:
         return
     from scenario_compiler.report.folder import write_run_folder
@@ -228,6 +259,7 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
         variant=options.variant,
         interpreted=options.interpreted,
         trust=trust_of(options),
+        person=_recorded_person(options),
     )
     if not sys.stderr.isatty():
         return start()
@@ -240,9 +272,23 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
         return start(progress=lambda t: bar.update(task, completed=t))
 
 
+def _recorded_person(options: argparse.Namespace) -> Person | None:
+    """Return the person of the run that --inputs names; WrongUse where it cannot be read."""
+    folder = getattr(options, "inputs", None)
+    if folder is None:
+        return None
+    from scenario_compiler.controllers.person import RecordedPerson
+    from scenario_compiler.recording.store import RecordingError, read_recording
+
+    try:
+        return RecordedPerson(read_recording(folder / "recording.parquet"))
+    except RecordingError as error:
+        raise WrongUse(str(error)) from None
+
+
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     """Print what a run came to."""
-    from scenario_compiler.report.wording import summary_of
+    from scenario_compiler.report.wording import broken_criteria, summary_of
 
     summary = summary_of(run)
     of_takeover = (
@@ -253,6 +299,7 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
     rows = (
         ("conflict", summary.name),
         ("result", summary.result),
+        *((f"broken: {name}", told_why) for name, told_why in broken_criteria(run.outcome)),
         ("outcome", summary.outcome),
         *(() if run.plan.controller is None else of_takeover),
         ("minimum time to collision", _seconds(summary.minimum_ttc)),
@@ -262,30 +309,6 @@ def print_run(run: Run, folder: Path | None, file: TextIO) -> None:
         put(f"{label:<{width}}  {value}", file)
     if folder is not None:
         put(f"report: {folder / 'report.html'}", file)
-
-
-def report_command(options: argparse.Namespace) -> int:
-    """Write the report of a run folder again from its plan and recording."""
-    from scenario_compiler.plan.maps import open_plan_map
-    from scenario_compiler.plan.store import read_plan
-    from scenario_compiler.recording.outcome import judge
-    from scenario_compiler.recording.store import RecordingError, read_recording
-    from scenario_compiler.report.html import write_report
-    from scenario_compiler.report.run import Run
-
-    sink = new_sink(options)
-    plan = read_plan(options.folder / "plan.json", sink)
-    network = None if plan is None else open_plan_map(plan, sink, options.maps, options.folder)
-    file = options.folder / "recording.parquet"
-    try:
-        recording = read_recording(file)
-    except RecordingError as error:
-        sink.add(BAD_RECORDING, str(error), FilePlace(str(file)))
-    if show(sink, options) or plan is None or network is None:
-        return AT_FAULT
-    write_report([Run(plan, network, recording, judge(plan, recording))], options.folder)
-    put(f"report: {options.folder / 'report.html'}", told(options))
-    return FINE
 
 
 def _seconds(text: str) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,8 +33,10 @@ from scenario_compiler.cli.terminal import complain, put, tell
 from scenario_compiler.diagnostics import CompileError, Diagnostics
 
 if TYPE_CHECKING:
-    from scenario_compiler.batch.execute import Progress
+    from rich.progress import TaskID
+
     from scenario_compiler.batch.spec import SweepSpec
+    from scenario_compiler.batch.tally import OnProgress, Progress, Stage, Tally
     from scenario_compiler.vocabulary.variation import Vary
 
 METHODS = ("random", "grid", "latin", "sobol")
@@ -49,6 +52,9 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--method", choices=METHODS, default="random", help="how the distributions are sampled")
     parser.add_argument("--samples", type=int, metavar="N", help="number of draws, 1 where the scenario says none")
+    parser.add_argument(
+        "--repeat", type=int, default=1, metavar="N", help="runs of each draw or listed point, each with the next seed"
+    )
     parser.add_argument("--where", action="append", default=[], metavar="EXPRESSION", help="what every variant fulfils")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of the draws, 1 where the scenario says none")
     parser.add_argument("--traces", default="", metavar="worst:K|random:K|all", help="keep these variants' recordings")
@@ -113,6 +119,7 @@ def _spec(options: argparse.Namespace) -> SweepSpec:
         vary=(*(axis.spelling() for axis in written.axes if axis.parameter not in given), *options.vary),
         method=options.method,
         samples=_first(options.samples, written.samples),
+        repeat=options.repeat,
         seed=_first(options.seed, written.seed),
         where=(*(constraint.holds for constraint in written.constraints), *options.where),
         settings=settings_of(options.settings),
@@ -146,26 +153,25 @@ def _sweep(options: argparse.Namespace, sink: Diagnostics) -> int:
             sink=sink,
         )
     show(sink, options)
-    put(f"{result.total} variants, {result.failed} failed: {result.table}", told(options))
+    tally = result.tally
+    put(f"{tally.runs} variants: {tally.in_words(automated=result.automated)}: {result.table}", told(options))
     if options.report:
         put(f"report: {result.folder / 'report.html'}", told(options))
-    if result.failed:
-        share = "all" if result.failed == result.total else f"{result.failed} of {result.total}"
-        complain(f"{share} variants failed, most often: {result.commonest}")
-    if result.failed == result.total:
+    if tally.broken_off:
+        share = "all" if tally.broken_off == tally.runs else f"{tally.broken_off} of {tally.runs}"
+        complain(f"{share} variants broke off, most often: {result.commonest}")
+    if tally.broken_off == tally.runs:
         return AT_FAULT
-    return FINE if options.pass_rate is None else _gate(result.table, result.total, options)
+    return FINE if options.pass_rate is None else _gate(tally, options)
 
 
-def _gate(table: Path, total: int, options: argparse.Namespace) -> int:
+def _gate(tally: Tally, options: argparse.Namespace) -> int:
     """Tell the share of variants that passed; return the exit code by the share that is asked for."""
-    from scenario_compiler.batch.results import passed_of
-
-    passed = passed_of(table)
-    enough = passed >= options.pass_rate * total
+    enough = tally.passed >= options.pass_rate * tally.runs
     comparison = "at least" if enough else "less than"
     told_text = (
-        f"{passed} of {total} variants passed: {comparison} the share of {options.pass_rate:g} that is asked for"
+        f"{tally.passed} of {tally.runs} variants passed: {comparison} the share of {options.pass_rate:g} that is "
+        "asked for"
     )
     put(told_text, told(options) if enough else sys.stderr)
     return FINE if enough else CRITERIA_FAILED
@@ -185,11 +191,15 @@ def _search(options: argparse.Namespace, sink: Diagnostics) -> int:
     where = (options.target, _spec(options), options.output)
     again = {"resume": options.resume, "maps": options.maps, "sink": sink}
     if options.boundary is not None:
-        found = find_boundary(*where, when=options.boundary, tolerance=options.tolerance, **again)
+        with shown_progress() as progress:
+            found = find_boundary(
+                *where, when=options.boundary, tolerance=options.tolerance, progress=progress, **again
+            )
         show(sink, options)
         put(f"{options.boundary}: not at {found.name} = {found.without:g}, but at {found.with_it:g}", told(options))
         return FINE
-    least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, **again)
+    with shown_progress() as progress:
+        least = minimise(*where, measure=options.minimise, evaluations=options.evaluations, progress=progress, **again)
     show(sink, options)
     values = ", ".join(f"{name} = {value:g}" for name, value in least.values.items())
     put(f"least {options.minimise}: {least.measure:g} at {values}, {least.evaluations} runs", told(options))
@@ -211,23 +221,84 @@ def _written(options: argparse.Namespace) -> Vary:
     return variation_of(options.target, settings_of(options.settings), Diagnostics()) or Vary(axes=())
 
 
+EVERY = 30.0
+"""How often a line on progress is printed where stderr is no terminal, s."""
+
+DOING: dict[Stage, str] = {
+    "variants": "variants",
+    "traces": "traces of variants",
+    "cases": "cases for the report",
+    "evaluations": "runs of the search",
+}
+"""What a stage is called."""
+
+
 @contextmanager
-def shown_progress() -> Iterator[Callable[[Progress], None] | None]:
-    """Yield what shows a sweep's progress, with rate, time left and failures; None where stderr is no terminal."""
+def shown_progress() -> Iterator[OnProgress]:
+    """Yield what shows a sweep's progress: a bar with the time left; without a terminal lines, now and then."""
     if not sys.stderr.isatty():
-        yield None
+        yield _Lines().update
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn())
-    with Bar(*columns, TextColumn("{task.fields[failed]} failed"), console=Console(stderr=True)) as bar:
-        task = bar.add_task("sweep", total=None, rate="", failed=0)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[came_to]}"),
+    )
+    with Bar(*columns, console=Console(stderr=True), speed_estimate_period=600.0) as bar:
+        tasks: dict[Stage, TaskID] = {}
 
         def update(progress: Progress) -> None:
-            speed = bar.tasks[0].speed
-            rate = f"{speed:.0f}/s" if speed else ""
-            bar.update(task, completed=progress.done, total=progress.total, rate=rate, failed=progress.failed)
+            if progress.stage not in tasks:
+                tasks[progress.stage] = bar.add_task(DOING[progress.stage], total=None, rate="", came_to="")
+            task = tasks[progress.stage]
+            speed = next(one.speed for one in bar.tasks if one.id == task)
+            bar.update(
+                task,
+                completed=progress.done,
+                total=progress.total,
+                rate="" if not speed else f"{speed:.3g}/s",
+                came_to=_came_to(progress.tally),
+            )
 
         yield update
+
+
+class _Lines:
+    """Prints how far a sweep is, for a log: a line now and then, with the time that is left at the pace so far."""
+
+    def __init__(self) -> None:
+        self._stage: Stage | None = None
+        self._began = self._told = 0.0
+        self._first = 0
+
+    def update(self, progress: Progress) -> None:
+        """Take in how far it is."""
+        now = time.monotonic()
+        if progress.stage != self._stage:
+            self._stage, self._began, self._told, self._first = progress.stage, now, now, progress.done
+        since = progress.done - self._first
+        if now - self._told < EVERY or not since:
+            return
+        self._told = now
+        left = (progress.total - progress.done) * (now - self._began) / since
+        shown = f"{progress.done} of {progress.total} {DOING[progress.stage]}, about {_duration(left)} left"
+        came_to = _came_to(progress.tally)
+        tell(f"{shown}; {came_to}" if came_to else shown)
+
+
+def _came_to(tally: Tally) -> str:
+    return f"{tally.failed} failed, {tally.broken_off} broken off" if tally.runs else ""
+
+
+def _duration(seconds: float) -> str:
+    """Return a duration for people: 40 s, 12 min, 3.5 h."""
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"

@@ -38,9 +38,9 @@ UNKNOWN_CONTROLLER = Code(
 CONTROLLER_FAILED = Code(
     "SC521",
     "controller-failed",
-    "A controller of your own raised an exception, ended the program, or gave a command that is none: when its module "
-    "was imported, when it was made, or at a step of the run. The place is the line of the controller's code. The run "
-    "ends there, and the recording up to there is kept.\n\n"
+    "A controller of your own raised an exception, ended the program, or gave a command that is not a `Command`: "
+    "when its module was imported, when it was made, or at a step of the run. The place is the line of the "
+    "controller's code. The run ends there, and the recording up to there is kept.\n\n"
     "    controller 'steering:Mine', steering.py:31: FileNotFoundError: [Errno 2] No such file or directory: "
     "'model.onnx'\n\n"
     "Mend the controller. A property that its `Params` declare as a `pathlib.Path` starts from the scenario's folder.",
@@ -195,7 +195,7 @@ class ForeignController(ControllerModel):
         self._ask(self._inner.reset, seed)
 
     def control(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> Control:
-        """See ControllerModel; a command that is none is a fault too."""
+        """See ControllerModel; an answer that is not a command is a fault too."""
         control: object = self._ask(self._inner.control, sensor_data, speed, vehicle)
         if not isinstance(control, Control):
             raise self._misbehaved(f"it returned {type(control).__name__}, which is no Control")

@@ -64,8 +64,9 @@ class SensorData:
         t: Time of the image, s: that of the step before while the camera has taken no other.
         image: (height, width, 3) uint8, BGR.
         camera: The camera that took it.
-        lead_gap: Distance from the front bumper to whatever the forward sensor sees in the car's own way, m; None
-            when it sees nothing there.
+        lead_gap: Distance from the front bumper to what the car is to keep its distance to, m: a leader or a queue
+            that the forward sensor sees, the line of a red signal, and from a request on what blocks the way; None
+            where there is nothing of the kind.
         lead_speed: Its speed along the way, m/s.
         route: The planned way ahead as a navigation knows it: points (x ahead, y left) of the rear axle, m, a metre
             apart from beside it on; empty where the car is off every road.

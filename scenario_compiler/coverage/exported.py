@@ -77,7 +77,7 @@ ELEMENTS: dict[type[Word], str] = {
     ControllerProperty: "<Property>",
     TrafficKind: "<VehicleCategoryDistributionEntry>",
     SpeedRange: "<InitialSpeedRange>",
-    variation.Constraint: "nothing, and it is told",
+    variation.Constraint: "nothing; reported",
 }
 """Words whose elements are made within those of others, or by the exporter itself."""
 

@@ -60,7 +60,7 @@ HOMES = (
     Home("catalog_files", Execution("expansion", "openscenario.catalog_files"), "Catalog"),
     Home("road_network", Execution("compilation", "plan.maps"), "RoadNetwork File"),
     Home("road_network", Execution("engine", "engine.moves.signals"),
-         "TrafficSignals TrafficSignalController Phase TrafficSignalState"),
+         "TrafficSignals TrafficSignalController Phase TrafficSignalState TrafficSignalGroupState"),
     Home("entities", Execution("compilation", "plan.lower"),
          "Entities ScenarioObject ObjectController Controller",
          "ExternalObjectReference EntitySelection SelectedEntities ByType Trailer"),
@@ -125,7 +125,6 @@ _DESCRIPTION = "it describes the file and means nothing to a run"
 UNREAD: dict[str, str] = {
     **dict.fromkeys(("License", "CustomContent"), _DESCRIPTION),
     "UsedArea": "the whole road network is loaded",
-    "TrafficSignalGroupState": "a phase's signals are named one by one: told",
     **dict.fromkeys(("SensorReferenceSet", "SensorReference"), "visibility is switched for all sensors at once: told"),
     **dict.fromkeys(("Color", "ColorRgb", "ColorCmyk"), "a light is logged as on, off or flashing: told"),
     "PedestrianGesture": "a pedestrian's motion is logged, gestures are not: told",

@@ -1,6 +1,6 @@
 """What is wrong with a text that an editor holds: what `validate` says of a file with that content.
 
-A text that is not well-formed has one finding, that it is none. While it is being written, what was found of the text
+A text that is not well-formed has one finding, which says so. While it is being written, what was found of the text
 before is still shown where that text still stands.
 """
 

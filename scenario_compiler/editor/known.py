@@ -21,10 +21,10 @@ from scenario_compiler.roads.spawn_points import read_spawn_points
 from scenario_compiler.source.conflict import Part, ScenarioElement
 from scenario_compiler.source.parameters import parameter_kind
 from scenario_compiler.source.templates import template_parameters
+from scenario_compiler.vocabulary.driver import DriverModel
 from scenario_compiler.vocabulary.entities import Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.scenario import Parameter
-from scenario_compiler.vocabulary.takeover import DriverModel
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_numbers, weather_preset
 

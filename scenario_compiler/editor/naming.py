@@ -52,7 +52,7 @@ def renaming(symbol: Symbol, name: str, files: Iterable[Analysis]) -> list[Occur
     """Return the mentions of a symbol that a new name takes the place of.
 
     Raises:
-        CannotRenameError: It is declared in none of the files, the name is none, or something has it already.
+        CannotRenameError: It is declared in none of the files, the new name is not legal, or it is taken.
     """
     files = list(files)
     home = next((one for one in files if os.path.realpath(one.path) == symbol.file), None)

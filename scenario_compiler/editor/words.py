@@ -18,7 +18,7 @@ ROOTS: Mapping[str, type[Word]] = {word.tag(): word for word in (LibraryElement,
 
 
 AISA = "config"
-"""First element of the AISA toolkit's files, and of many that are none of them."""
+"""First element of the AISA toolkit's files, and of many files that are not the toolkit's."""
 
 
 def is_scenario_file(draft: Draft) -> bool:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import at_start
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, new_state
 from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals
 from scenario_compiler.engine.columns.trace import trace_width
-from scenario_compiler.engine.forms.compiled import Compiled, MachineCode, library
+from scenario_compiler.forms.declaration import at_start
+from scenario_compiler.forms.form import form_of
+from scenario_compiler.forms.machine_code import MachineCode
 from scenario_compiler.roads.tables import RoadTables
 
 if TYPE_CHECKING:
@@ -38,44 +39,13 @@ class Outlook:
     way: tuple[tuple[float, float], ...]
 
 
-class EngineForm(Protocol):
-    """A form of the engine: the containers, and the entries that are called with them."""
-
-    name: str
-    tables: RoadTables
-    program: Program
-    state: State
-    totals: Totals
-
-    def enter(self, entry: str, *arguments: Any) -> Any:
-        """Call an entry with the containers and further arguments; EngineError where it breaks off."""
-        ...
-
-
-def form_of(
-    tables: RoadTables, program: Program, *, interpreted: bool = False, machine_code: MachineCode | None = None
-) -> EngineForm:
-    """Return the compiled form, or the interpreted one where that is asked for or there is no machine code.
-
-    Args:
-        tables: The roads.
-        program: The program.
-        interpreted: Whether the interpreted form is asked for.
-        machine_code: The library to use in place of the package's own.
-    """
-    made = None if interpreted else machine_code or library()
-    if made is not None:
-        return Compiled(tables, program, new_state(program), at_start(Totals, program), made)
-    from scenario_compiler.engine.forms.interpreted import Interpreted
-
-    return Interpreted(tables, program, new_state(program), at_start(Totals, program))
-
-
 class Simulation:
     """A program that is run, once or many times.
 
     Attributes:
         form: The form of the engine that runs it.
+        program: The program as that form has it, lists or arrays; a sweep writes its numbers.
+        state: The state now.
     """
 
     def __init__(
@@ -86,15 +56,27 @@ class Simulation:
         interpreted: bool = False,
         machine_code: MachineCode | None = None,
     ) -> None:
-        """Prepare a program; see `form_of`."""
-        self.form = form_of(tables, program, interpreted=interpreted, machine_code=machine_code)
+        """Prepare a program, for the compiled form or, where there is no machine code, for the interpreted one.
+
+        Args:
+            tables: The roads.
+            program: The program.
+            interpreted: Whether the interpreted form is asked for.
+            machine_code: The library to use in place of the package's own.
+        """
+        self.form = form_of(
+            "scenario_compiler.engine.entries",
+            interpreted=interpreted,
+            machine_code=machine_code,
+            n=tables,
+            p=program,
+            st=new_state(program),
+            m=at_start(Totals, program),
+        )
+        self.program: Program = self.form.containers["p"]
+        self.state: State = self.form.containers["st"]
         self._width = trace_width(program)
         self._trace: Any = None
-
-    @property
-    def state(self) -> State:
-        """The state now."""
-        return self.form.state
 
     def reset(self, draws: Sequence[float]) -> None:
         """Put the state to the row of t = 0; `draws` are DRAWS_PER_RUN numbers (see `make_draws`)."""
@@ -127,7 +109,7 @@ class Simulation:
         return bool(self.form.enter("step"))
 
     def look_out(self) -> Outlook:
-        """Return what lies ahead of the ego, as its controller is told."""
+        """Return what lies ahead of the ego, as its controller gets it."""
         out = array("d", bytes(8 * op.OUTLOOK_SIZE))
         count = self.form.enter("look_out", out)
         points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
@@ -162,7 +144,7 @@ class Simulation:
         count = len(rows)
         numbers = np.ascontiguousarray(rows, dtype=np.float64).reshape(-1)
         drawn = np.ascontiguousarray(draws, dtype=np.float64).reshape(-1)
-        if numbers.size != count * len(self.form.program.const) or drawn.size != count * op.DRAWS_PER_RUN:
+        if numbers.size != count * len(self.program.const) or drawn.size != count * op.DRAWS_PER_RUN:
             raise ValueError("rows or draws do not have the width of the program")
         stride = trace_rows * self._width
         out = np.zeros(count * SUMMARY_SIZE)

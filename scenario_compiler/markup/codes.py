@@ -5,7 +5,7 @@ from scenario_compiler.diagnostics import Code
 UNKNOWN_ROOT = Code(
     "SC116",
     "unknown-root",
-    "The file's first element tells what kind of file it is, and this one is none that is known:\n\n"
+    "The file's first element tells what kind of file it is, and this one is not known:\n\n"
     '    <scenarios version="1">   conflicts and templates, in the conflict language\n'
     '    <catalog version="1">     vehicles and drivers that scenarios name\n'
     "    <config>                  the AISA toolkit's scenarios\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from lxml import etree
@@ -12,6 +12,7 @@ from lxml import etree
 from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
 from scenario_compiler.document import Document, Origin
 from scenario_compiler.expressions import Expression, ExpressionError, Value, parse_expression
+from scenario_compiler.vocabulary.word import AttributeSpelling
 
 _PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_.]*)\Z")
 _EXPRESSION = re.compile(r"\$\{([ \t\r\n]*[^{} \t\r\n][^{}]*)\}\Z")
@@ -43,6 +44,7 @@ class Environment:
         undetermined: Names without a value: in a template that is read on its own, or where a declaration is at fault.
         lenient: A declaration could not be read, so that a name that is not known is no fault of its own.
         structural: Open parameters that something other than a number turned out to depend on; filled while reading.
+        limits: What numbers that depend on open parameters must keep, each once, in the order of reading.
     """
 
     bindings: Mapping[str, Binding] = field(default_factory=dict)
@@ -50,12 +52,11 @@ class Environment:
     undetermined: frozenset[str] = frozenset()
     lenient: bool = False
     structural: set[str] = field(default_factory=set)
+    limits: dict[tuple[str, str, AttributeSpelling], Expression] = field(default_factory=dict)
 
     def with_value(self, name: str, value: Value) -> Environment:
         """Return the environment in which one more name has a value; it hides another of the same name."""
-        return Environment(
-            {**self.bindings, name: value}, self.values, self.undetermined - {name}, self.lenient, self.structural
-        )
+        return replace(self, bindings={**self.bindings, name: value}, undetermined=self.undetermined - {name})
 
     def undecided(self, more: Iterable[str] = ()) -> Environment:
         """Return the environment in which the same names, and `more`, are known and none has a value."""
@@ -84,6 +85,11 @@ class Environment:
         if meant.names and not meant.bounded:
             raise ExpressionError("the expression becomes too long where the meaning of its names is put in", start)
         return meant
+
+    def keep_within(self, holder: str, expression: Expression, limits: AttributeSpelling) -> None:
+        """Remember the limits of a number that stays open, by the name of the attribute or parameter that holds it."""
+        if expression.names:
+            self.limits.setdefault((holder, expression.text, limits), expression)
 
     def settled(self, expression: Expression) -> Value:
         """Return the present value of an expression that decides structure, and remember what it depends on."""

@@ -70,8 +70,9 @@ UNKNOWN_DRIVER = Code(
     "SC218",
     "unknown-driver",
     "`preset` names a driver that no catalog holds. The library's drivers are in library/catalogs/drivers.xml; an "
-    "included <catalog> adds more, and <driver_model mu=... sigma=.../> in the <takeover> writes one in place."
-    '\n\n    <driver preset="urgnt"/>     the catalog has `urgent`',
+    "included <catalog> adds more, and <driver_model mu=... sigma=.../> in the <takeover> writes one in place. A "
+    "driver that has been renamed is refused by its old name, and the hint says the new one."
+    '\n\n    <driver preset="study_mean"/>     the catalog has `study_means`',
 )
 UNKNOWN_WEATHER = Code(
     "SC219",

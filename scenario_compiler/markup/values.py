@@ -13,8 +13,8 @@ from scenario_compiler.markup import codes
 from scenario_compiler.markup.environment import ReadingContext, UndeterminedError, UnknownNameError
 from scenario_compiler.markup.names import UNKNOWN_PARAMETER
 from scenario_compiler.markup.units import in_unit
-from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule
-from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling
+from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule, out_of_limits
+from scenario_compiler.vocabulary.word import QUANTITIES
 
 Structural: TypeAlias = int | bool | float | str
 FieldValue: TypeAlias = Structural | Expression | tuple[Structural, ...]
@@ -63,6 +63,7 @@ def _number(
     _check_limits(present, rule, reading, origin)
     if not expression.names:
         return present * factor
+    reading.environment.keep_within(rule.name, expression, rule.spelling)
     return expression if factor == 1.0 else parse_expression(f"radians({expression.text})")
 
 
@@ -121,6 +122,9 @@ def _wrong(text: str, rule: AttributeRule, reading: ReadingContext, origin: Orig
 
 def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
     if rule.kind == "choice":
+        instead = dict(rule.spelling.retired).get(text)
+        if instead is not None:
+            return f"one of {', '.join(rule.choices)}", f"write {instead}"
         hint = did_you_mean(text, rule.choices)
         return f"one of {', '.join(rule.choices)}", hint if hint.startswith("did") else ""
     if rule.kind == "boolean":
@@ -141,25 +145,10 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
 
 
 def _check_limits(number: float, rule: AttributeRule, reading: ReadingContext, origin: Origin) -> None:
-    fault = outside(number, rule.spelling)
+    fault = out_of_limits(rule.name, number, rule.spelling)
     if fault:
-        reading.sink.add(
-            codes.OUT_OF_LIMITS,
-            f"{rule.name} is {format_value(float(number))}, but must be {fault}",
-            origin,
-            hint=rule.description,
-        )
+        reading.sink.add(codes.OUT_OF_LIMITS, fault, origin, hint=rule.description)
         raise UnreadError
-
-
-def outside(number: float, limits: AttributeSpelling) -> str:
-    """Return the limit that a number breaks, in words, in the XML unit; empty when it keeps them."""
-    low, high = limits.minimum, limits.maximum
-    if low is not None and (number < low or (limits.exclusive and number == low)):
-        return f"{'greater than' if limits.exclusive else 'at least'} {format_value(float(low))}"
-    if high is not None and number > high:
-        return f"at most {format_value(float(high))}"
-    return ""
 
 
 def report_expression(error: ExpressionError, text: str, sink: Diagnostics, origin: Place) -> None:

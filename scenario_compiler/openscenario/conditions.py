@@ -328,7 +328,7 @@ OWN = {
 
 
 def read_condition(node: Node) -> Condition | None:
-    """Return the condition that a child of <EntityCondition> or <ByValueCondition> is; report what is none."""
+    """Return the condition that a child of <EntityCondition> or <ByValueCondition> is; report another element."""
     form = BY_ENTITY.by_tag.get(node.tag) or BY_VALUE.by_tag.get(node.tag)
     if form is None:
         node.read_whole()

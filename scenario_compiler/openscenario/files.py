@@ -62,7 +62,7 @@ def beside(folder: Path, written: str) -> list[Path]:
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a path is a file; a path that the system does not take is none."""
+    """Return whether a path is a file; a path that the system does not accept is not."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -70,7 +70,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a path is a folder; a path that the system does not take is none."""
+    """Return whether a path is a folder; a path that the system does not accept is not."""
     try:
         return path.is_dir()
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""What OpenSCENARIO is written with: the version, who acts, and what cannot be said in it."""
+"""What OpenSCENARIO is written with: the version, who acts, and what cannot be expressed in it."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ VERSIONS: tuple[Version, ...] = ((1, 0), (1, 1), (1, 2), (1, 3))
 LOST = Code(
     "SC783",
     "lost-in-openscenario",
-    "Something of the scenario cannot be said in OpenSCENARIO, or not in the version that is written: other programs "
-    "will not know of it. Where it can, the file keeps it as a property of the controller `scenario_compiler`, which "
-    "this program reads back.\n\n"
+    "Something of the scenario cannot be expressed in OpenSCENARIO, or not in the version that is written: other "
+    "programs will not know of it. Where it can, the file keeps it as a property of the controller "
+    "`scenario_compiler`, which this program reads back.\n\n"
     "    scenario-compiler export conflict.xml -o out.xosc --version 1.0     1.0 has no <SpeedProfileAction>\n\n"
     "Write a newer version, or do without.",
     Severity.WARNING,
@@ -46,7 +46,7 @@ class Output:
 
     Attributes:
         version: Version that is written.
-        sink: Where it is told what cannot be said.
+        sink: Where what OpenSCENARIO cannot express is reported.
         values: Values of the scenario's open parameters.
         actor: Id of the entity that acts, empty where there is none or several do.
     """
@@ -61,7 +61,7 @@ class Output:
         return replace(self, actor=actor)
 
     def tell_lost(self, word: Word, message: str) -> None:
-        """Tell that a part of a word cannot be said."""
+        """Report that a part of a word cannot be expressed."""
         self.sink.add(LOST, message, word.origin)
 
     def dotted(self, version: Version | None = None) -> str:

@@ -47,13 +47,14 @@ def flattened(parent: etree._Element, above: str = "") -> Iterator[tuple[str, st
         met[tag] = met.get(tag, 0) + 1
         path = above + tag + (f"[{met[tag]}]" if tags.count(tag) > 1 else "")
         for name in map(str, one.attrib):
-            yield f"{path}/@{name}", _veiled(str(one.get(name)))
+            yield f"{path}/@{name}", veiled(str(one.get(name)))
         if not len(one.attrib) and not len(one):
             yield path, ""
         yield from flattened(one, f"{path}/")
 
 
-def _veiled(value: str) -> str:
+def veiled(value: str) -> str:
+    """Return a text without `$`, in which other programs would look for parameters; `_unveiled` gives it back."""
     return "=" + value.replace("%", "%25").replace("$", "%24") if "$" in value or value.startswith("=") else value
 
 
@@ -62,7 +63,7 @@ def _unveiled(value: str) -> str:
 
 
 def gathered(properties: Iterable[ControllerProperty], sink: Diagnostics) -> etree._Element:
-    """Return the element whose content the properties say; report those that are none of ours."""
+    """Return the element whose content the properties say; report properties that are not ours."""
     root = etree.Element(OWN)
     known = {"": root}
     for one in properties:

@@ -99,12 +99,15 @@ def check_tilt(node: Node) -> None:
 
 
 class _Along:
-    """How far ahead a RelativeLanePosition lies: along the road (`ds`) or in the lane (`dsLane`, since 1.1)."""
+    """How far ahead a RelativeLanePosition lies: along the road (`ds`) or in the lane (`dsLane`, since 1.1).
+
+    Since 1.1 both may be missing: the position is beside the entity.
+    """
 
     def read(self, node: Node) -> Fields:
         if node.has("dsLane"):
             return {"along": "lane", "distance": node.number("dsLane")}
-        return {"along": "road", "distance": node.number("ds")}
+        return {"along": "road", "distance": node.number("ds", 0.0)}
 
     def write(self, word: LanesAwayPosition, element: etree._Element, output: Output) -> None:
         in_lane = word.along == "lane" and output.version > (1, 0)
@@ -159,6 +162,7 @@ def _write_world(word: FreePosition, output: Output) -> etree._Element:
 _FACING = Orientation()
 _ENTITY = entity("entity")
 _ACROSS = tuple(replace(number(name), default=0.0, always=True) for name in ("dx", "dy"))
+_ALONG_ROAD = tuple(replace(number(name), default=0.0, always=True) for name in ("ds", "dt"))
 
 POINTS = Forms(
     (
@@ -189,7 +193,7 @@ POINTS = Forms(
             number("dz", default=0.0),
             _FACING,
         ),
-        regular("RelativeRoadPosition", RelativeRoadPosition, _ENTITY, number("ds"), number("dt"), _FACING),
+        regular("RelativeRoadPosition", RelativeRoadPosition, _ENTITY, *_ALONG_ROAD, _FACING),
         regular(
             "RelativeLanePosition",
             LanesAwayPosition,
@@ -206,7 +210,7 @@ POINTS = Forms(
 
 
 def read_point(node: Node) -> Point | None:
-    """Return the point of a <Position> element, or of another that holds one; report what is none."""
+    """Return the point of a <Position> element, or of another that holds one; report another element."""
     inner = node.first()
     if inner is None:
         node.report(codes.MISSING_ELEMENT, f"<{node.tag}> holds no position")
@@ -229,7 +233,7 @@ def _outside(node: Node) -> str:
 
 
 def write_point(word: Word, output: Output, tag: str = "Position") -> etree._Element:
-    """Return the <Position> of a point; one that OpenSCENARIO cannot say is told and written as the origin."""
+    """Return the <Position> of a point; one that OpenSCENARIO cannot express is reported and written as the origin."""
     form = POINTS.by_word.get(type(word))
     if form is None or output.version < form.since:
         output.tell_lost(word, f"the position <{word.tag()}> cannot be written")

@@ -28,7 +28,7 @@ UNSAID = {
 
 
 def read_position(node: Node) -> Position | None:
-    """Return the position of a <Position> element; report when it is none."""
+    """Return the position of a <Position> element; report an element that is not a position."""
     inner = node.first()
     if inner is not None and inner.tag in ON_CURVES.by_tag:
         position: Position | None = ON_CURVES.by_tag[inner.tag].read(inner)
@@ -37,7 +37,7 @@ def read_position(node: Node) -> Position | None:
 
 
 def write_position(word: Word, output: Output, tag: str = "Position") -> etree._Element:
-    """Return the <Position> of a position; one that OpenSCENARIO cannot say is told and written as the origin."""
+    """Return the <Position> of a position; report one that OpenSCENARIO cannot express, and write the origin."""
     form = ON_CURVES.by_word.get(type(word))
     if form is None or output.version < form.since:
         return write_point(word, output, tag)

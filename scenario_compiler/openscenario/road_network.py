@@ -60,5 +60,10 @@ def _phase(node: Node) -> SignalPhase:
         SignalState.model_construct(signal=one.text("trafficSignalId"), state=one.text("state")).written_at(one.origin)
         for one in node.children("TrafficSignalState")
     ]
-    name, duration = node.text("name"), node.number("duration")
-    return SignalPhase.model_construct(name=name, duration=duration, states=tuple(states)).written_at(node.origin)
+    groups = [*node.children("TrafficSignalGroupState"), *node.children("TrafficeSignalGroupState")]
+    return SignalPhase.model_construct(
+        name=node.text("name"),
+        duration=node.number("duration"),
+        state=groups[0].text("state") if groups else "",
+        states=tuple(states),
+    ).written_at(node.origin)

@@ -86,7 +86,7 @@ class Model:
         colours: (F, 3) blue, green, red before lighting; those of the body mean nothing.
         body: (F,) bool, the face has the colour of its box.
         shades: (F,) brightness of the face, by its slope.
-        bulbs: (F,) number of its lamp, `NO_BULB` where it is none.
+        bulbs: (F,) number of its lamp, `NO_BULB` where it is not a lamp.
         tags: (F,) uint8, a `Tag`.
         rear_first: (F,) the faces in the order in which they are drawn for an eye ahead of the thing's middle.
         front_first: (F,) the same for an eye behind it.

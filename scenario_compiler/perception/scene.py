@@ -119,7 +119,7 @@ class QuadGrid:
 def field_of_view(view: View) -> list[tuple[float, float]]:
     """Return the normals (x, y), pointing inwards, of the upright planes through the eye that bound the view.
 
-    There is none for a camera that looks so far up or down that it may see ground in every direction.
+    There is no such box for a camera that looks so far up or down that it may see ground in every direction.
     """
     camera = view.camera
     half = camera.width / 2.0 / camera.focal, camera.height / 2.0 / camera.focal

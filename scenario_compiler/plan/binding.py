@@ -53,7 +53,8 @@ UNKNOWN_LANE = Code(
     "SC372",
     "unknown-lane",
     "A position names a lane that the road does not have at this s. Lanes are numbered from the reference line: -1, "
-    "-2, ... to the right, 1, 2, ... to the left, and a road may have different lanes in different sections."
+    "-2, ... to the right, 1, 2, ... to the left, and a road may have different lanes in different sections. 0 is the "
+    "centre lane, the line between the two."
     '\n\n    <lane road="3" lane="-4" s="20"/>     road 3 has the lanes -2 to 2',
 )
 BEYOND_ROAD = Code(
@@ -190,7 +191,7 @@ class Binder:
             return None
         lanes = [lane.lane for lane in self.network.lanes_at(position.road, s) if lane.lane != 0]
         lane = position.lane
-        if lane not in lanes:
+        if lane not in (0, *lanes):
             nearest = min(lanes, key=lambda one: (abs(one - lane), one), default=None) if self.forgiving else None
             self.sink.add(
                 UNKNOWN_LANE,
@@ -470,7 +471,7 @@ def is_bound(network: Network, position: LanePositionWord, s: float) -> bool:
     """Return whether the map has a position's road and, at s, its lane; binding has reported one that it has not."""
     if position.road not in network.road_ids or not 0.0 <= s <= network.road(position.road).length:
         return False
-    return any(one.lane == position.lane for one in network.lanes_at(position.road, s))
+    return position.lane == 0 or any(one.lane == position.lane for one in network.lanes_at(position.road, s))
 
 
 def drivable_at(network: Network, road: str, lane: int, s: float) -> bool:

@@ -22,10 +22,11 @@ from scenario_compiler.plan.model import Entity, MapReference, Plan, PlanOrigin,
 from scenario_compiler.plan.paint import check_paint
 from scenario_compiler.plan.places import rooms_needed, spans_of
 from scenario_compiler.plan.provenance import origin_at
-from scenario_compiler.plan.standing import Standing, after_init, stands_at
+from scenario_compiler.plan.standing import Standing, after_init, standings_of, stands_at
 from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.criteria import Criterion, StayOnRoad
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
@@ -43,7 +44,7 @@ from scenario_compiler.vocabulary.positions import (
     WorldPosition,
 )
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
-from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.sensors import Camera, Odometry
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import parameters_in, replaced
@@ -91,7 +92,6 @@ class PlanDraft:
     whole: bool
     entities: list[Entity] = field(default_factory=list)
     standings: dict[str, Standing] = field(default_factory=dict)
-    unresolved: set[str] = field(default_factory=set)
     destination: LanePositionWord | None = None
     route: tuple[RouteLeg, ...] = ()
     storyboard: Storyboard = field(default_factory=Storyboard.model_construct)
@@ -136,9 +136,13 @@ def lower(
         control_every=scenario.control_every,
         duration=draft.duration,
         parameters=draft.parameters,
+        limits=tuple(
+            limit for limit in scenario.limits if parameters_in(limit) <= {one.name for one in draft.parameters}
+        ),
         weather=scenario.weather,
         entities=tuple(draft.entities),
         camera=Camera.model_construct() if ego is None else ego.camera,
+        odometry=Odometry.model_construct() if ego is None else ego.odometry,
         controller=None if ego is None else ego.controller,
         perception="ideal" if ego is None else perception,
         destination=draft.destination,
@@ -149,7 +153,7 @@ def lower(
         signal_controllers=scenario.signal_controllers,
         storyboard=draft.storyboard,
         takeover=draft.takeover,
-        criteria=scenario.criteria,
+        criteria=judged_by(scenario),
         classifications=scenario.classifications,
         derived={name: one.pose for name, one in draft.standings.items()},
         origins=draft.origins,
@@ -172,9 +176,9 @@ def bind_entities(draft: PlanDraft) -> None:
         if start is not None:
             starts[entity.id] = start
         draft.entities.append(make_entity(entity, start or written, vehicle))
-    resolve_starts(draft, starts)
+    draft.standings, circular = standings_of(draft.binder, starts)
     for name in starts:
-        if name in draft.unresolved:
+        if name in circular:
             message = f"the start of '{name}' depends on itself"
             draft.sink.add(POSITION_CYCLE, message, starts[name].origin)
 
@@ -182,21 +186,6 @@ def bind_entities(draft: PlanDraft) -> None:
 def written_entities(scenario: Scenario) -> tuple[Ego | Static | Dynamic, ...]:
     """Return the entities as they were written, an automated vehicle first."""
     return scenario.actors if scenario.ego is None else (scenario.ego, *scenario.actors)
-
-
-def resolve_starts(draft: PlanDraft, starts: Mapping[str, BoundPosition]) -> None:
-    """Find every start's lane and pose, those that stand relative to another entity after that one."""
-    waiting = dict(starts)
-    while waiting:
-        ready = {name: start for name, start in waiting.items() if getattr(start, "entity", None) not in waiting}
-        if not ready:
-            draft.unresolved.update(waiting)
-            return
-        for name, start in ready.items():
-            del waiting[name]
-            found = stands_at(draft.binder, start, draft.standings)
-            if found is not None:
-                draft.standings[name] = found
 
 
 def start_of(entity: Ego | Static | Dynamic) -> Position | None:
@@ -398,6 +387,14 @@ def _is_written(place: Place, attribute: str) -> bool:
     return isinstance(place, Origin) and attribute in place.element.attrib
 
 
+def judged_by(scenario: Scenario) -> tuple[Criterion, ...]:
+    """Return the criteria of a scenario; leaving the road fails an automated vehicle unless they say otherwise."""
+    written = scenario.criteria
+    if scenario.ego is None or any(isinstance(one, StayOnRoad) for one in written):
+        return written
+    return (*written, StayOnRoad.model_construct())
+
+
 def add_kept_vehicles(draft: PlanDraft) -> None:
     """Add the vehicles of actions on traffic; sources have as many as the run's duration asks for."""
     vehicles = draft.scenario.vehicles
@@ -409,7 +406,7 @@ def keep_open_parameters(draft: PlanDraft) -> None:
     """Keep the parameters that numbers still depend on."""
     scenario = draft.scenario
     words: list[Word] = [draft.storyboard, draft.takeover, *scenario.criteria]
-    words += [] if scenario.ego is None else [scenario.ego.camera]
+    words += [] if scenario.ego is None else [scenario.ego.camera, scenario.ego.odometry]
     words += [*scenario.markings, *scenario.secondary_markings, *scenario.signal_controllers]
     words += [word for e in draft.entities for word in (e.start, e.follow, e.path) if word is not None]
     open_names = {name for word in words for name in parameters_in(word)}

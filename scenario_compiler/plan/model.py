@@ -16,8 +16,8 @@ from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePositionWord
-from scenario_compiler.vocabulary.scenario import Classification, Parameter
-from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.scenario import Classification, NumberLimit, Parameter
+from scenario_compiler.vocabulary.sensors import Camera, Odometry
 from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
@@ -102,9 +102,16 @@ class Plan(PlanPart):
     control_every: int = Field(description="Number of time steps between two control steps.")
     duration: float = Field(description="When the run ends at the latest, s.")
     parameters: tuple[Parameter, ...] = Field(default=(), description="Parameters that numbers still depend on.")
+    limits: tuple[NumberLimit, ...] = Field(
+        default=(), description="What numbers that depend on parameters must keep; outside the digest."
+    )
     weather: Weather = Field(description="The weather.")
     entities: tuple[Entity, ...] = Field(description="All entities in document order, an automated ego vehicle first.")
     camera: Camera = Field(description="The ego vehicle's camera.")
+    odometry: Odometry = Field(
+        default_factory=Odometry.model_construct,
+        description="What the ego vehicle knows of its own motion while it does not see its lane.",
+    )
     controller: Controller | None = Field(
         default=None, description="What drives the ego vehicle; none without an automated vehicle."
     )

@@ -44,6 +44,30 @@ Standings = Mapping[str, Standing]
 """By the entity's id."""
 
 
+def standings_of(
+    binder: Binder, starts: Mapping[str, BoundPosition], known: Standings | None = None
+) -> tuple[dict[str, Standing], set[str]]:
+    """Return where starts lie, those relative to another entity after that one's, and which depend on themselves.
+
+    Args:
+        binder: The map and the parameters' values; what is at fault goes to its sink.
+        starts: The starts, by the entity's id.
+        known: Where further entities stand.
+    """
+    waiting = dict(starts)
+    found: dict[str, Standing] = {}
+    while waiting:
+        ready = {name: start for name, start in waiting.items() if getattr(start, "entity", None) not in waiting}
+        if not ready:
+            break
+        for name, start in ready.items():
+            del waiting[name]
+            standing = stands_at(binder, start, {**known, **found} if known else found)
+            if standing is not None:
+                found[name] = standing
+    return found, set(waiting)
+
+
 def after_init(binder: Binder, storyboard: Storyboard, starts: Standings) -> dict[str, Standing]:
     """Return where entities stand once the init has put them somewhere; `starts` are those that stand before it."""
     standings = dict(starts)

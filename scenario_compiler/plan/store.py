@@ -32,9 +32,13 @@ BAD_PLAN = Code(
 )
 
 
+OUTSIDE = ("limits", "origins", "derived", "digest")
+"""Parts of a plan that its digest does not cover: none of them changes a run."""
+
+
 def digest_of(plan: Plan) -> str:
-    """Return the SHA-256 of the plan's canonical JSON, without provenance, derived values and the digest itself."""
-    content = {name: value for name, value in vars(plan).items() if name not in ("origins", "derived", "digest")}
+    """Return the SHA-256 of the plan's canonical JSON, without the parts that are `OUTSIDE` it."""
+    content = {name: value for name, value in vars(plan).items() if name not in OUTSIDE}
     content["map"] = {name: value for name, value in vars(plan.map).items() if name != "file"}
     canonical = json.dumps(content, default=_plain, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
@@ -57,7 +61,7 @@ def _plain(value: BaseModel | Expression) -> dict[str, Any]:
 
 
 def read_plan(path: str | Path, sink: Diagnostics) -> Plan | None:
-    """Read a plan; None and a diagnostic for each fault when it is none."""
+    """Read a plan; None and a diagnostic for each fault when it is not a plan."""
     try:
         raw = read_file(path)
     except OSError as error:

@@ -34,16 +34,14 @@ OF_ENTITIES = (op.FAULT_NOT_FINITE, op.FAULT_OFF_ROAD_START, op.FAULT_NO_ROOM)
 """Fault codes that are about an entity."""
 
 
-def break_off_text(
-    code: int, at: int, entities: Sequence[str], columns: Mapping[str, Sequence[float]], t: float
-) -> str:
+def break_off_text(code: int, at: int, entities: Sequence[str], values: Mapping[str, float], t: float) -> str:
     """Return why the engine ended a run; empty for a run that it did not end.
 
     Args:
         code: The engine's fault code; 0 for none.
         at: What the fault is about: for the codes OF_ENTITIES, the number of the entity.
         entities: The entities' ids.
-        columns: The columns of QUANTITIES, with one value an entity, at the end.
+        values: That entity's values of QUANTITIES at the end.
         t: Time of the end, s.
     """
     if code == 0:
@@ -52,7 +50,7 @@ def break_off_text(
     if code not in OF_ENTITIES or not 0 <= at < len(entities):
         return f"{what}, at {t:.6g} s"
     for name, (quantity, unit) in QUANTITIES.items():
-        value = columns[name][at] if name in columns else 0.0
+        value = values[name]
         if not math.isfinite(value) or abs(value) >= LARGEST:
             return f"'{entities[at]}' has the {quantity} {value:g} {unit} at {t:.6g} s"
     return f"'{entities[at]}' at {t:.6g} s: {what}"

@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.expressions import Value
-from scenario_compiler.recording.measures import Timed, cause_of_request
+from scenario_compiler.recording.durations import Timed
+from scenario_compiler.recording.measures import cause_of_request
 from scenario_compiler.recording.names import CAUSES, EventKind
 from scenario_compiler.recording.on_path import least_time_to_collision, time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
@@ -19,6 +20,7 @@ from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
     Criterion,
+    MakesProgress,
     MaximumLateralOffset,
     MinimumTimeToCollision,
     NoCollision,
@@ -28,7 +30,20 @@ from scenario_compiler.vocabulary.criteria import (
     StayOnRoad,
     TakeoverWithin,
 )
+from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.word import number_value
+
+
+class Where(BaseModel):
+    """Where the vehicle that is judged was at a time."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    road: str | None = Field(description="Road below its reference point; null off every road.")
+    lane: int | None = Field(description="Lane; null off every road.")
+    s: float | None = Field(description="Distance along the road's reference line, m; null off every road.")
+    x: float = Field(description="x of the reference point, m.")
+    y: float = Field(description="y of the reference point, m.")
 
 
 class CriterionResult(BaseModel):
@@ -39,6 +54,7 @@ class CriterionResult(BaseModel):
     criterion: str = Field(description="Name of the criterion in the conflict language.")
     passed: bool = Field(description="Whether it holds.")
     when: float | None = Field(default=None, description="Time at which it was first broken, s.")
+    where: Where | None = Field(default=None, description="Where the vehicle was then; null where it was not there.")
     why: str = Field(description="A sentence on what was found.")
 
 
@@ -90,14 +106,16 @@ def _event(kind: EventKind) -> tuple[Callable[..., Floats], Callable[..., Boolea
 
 
 def _off_lanes(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
-    del criterion, reached, limit
+    del reached, limit
+    assert isinstance(criterion, StayOnRoad)
     off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
-    return _first_time(traces, off & traces.present[..., 0])
+    return _first_time(traces, off & traces.present[..., 0] & criterion.required)
 
 
 def _was_off_lanes(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
-    del criterion, reached, limit
-    return ~np.isnan(totals.column("time_off_lanes"))
+    del reached, limit
+    assert isinstance(criterion, StayOnRoad)
+    return ~np.isnan(totals.column("time_off_lanes")) & criterion.required
 
 
 def _not_reached(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
@@ -182,7 +200,25 @@ def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) 
     broken = float(broken_at(criterion, traces, reached, np.asarray(limit)))
     when = None if math.isnan(broken) else broken
     why = RULES[type(criterion)].found(recording, traces, when, limit)
-    return CriterionResult(criterion=criterion.word, passed=when is None, when=when, why=why)
+    where = None if when is None else where_at(recording, when)
+    return CriterionResult(criterion=criterion.word, passed=when is None, when=when, where=where, why=why)
+
+
+def where_at(recording: Recording, when: float) -> Where | None:
+    """Return where the first entity was in the last row that is not after a time, s.
+
+    None where it was not there, or where its place was no finite number, as when a run breaks off.
+    """
+    row = int(np.searchsorted(recording.t, when + SAME_TIME, side="right")) - 1
+    if row < 0 or not recording.present[row, 0]:
+        return None
+    x, y, road = float(recording.x[row, 0]), float(recording.y[row, 0]), int(recording.road[row, 0])
+    if not math.isfinite(x) or not math.isfinite(y):
+        return None
+    if road < 0:
+        return Where(road=None, lane=None, s=None, x=x, y=y)
+    lane, s = int(recording.lane[row, 0]), float(recording.s[row, 0])
+    return Where(road=recording.roads[road], lane=lane, s=s, x=x, y=y)
 
 
 def _collision_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
@@ -208,7 +244,8 @@ def _destination_found(recording: Recording, traces: Traces, when: float | None,
 def _least_time_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
     least = float(least_time_to_collision(traces))
-    found = "nothing was closed in on" if math.isnan(least) else f"the least was {least:.2f} s"
+    none = f"nothing would have been reached within {HORIZON:g} s"
+    found = none if math.isnan(least) else f"the least was {least:.2f} s"
     return f"{found}, at least {limit:g} s is asked for"
 
 
@@ -232,6 +269,11 @@ def _minimum_risk_found(recording: Recording, traces: Traces, when: float | None
     return "none was begun" if when is None else f"begun at {when:.2f} s"
 
 
+def _progress_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording, traces, limit
+    return "the vehicle never stood without a reason" if when is None else f"it stood without a reason at {when:.2f} s"
+
+
 def _offset_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
     offsets = np.abs(traces.off[..., 0][traces.present[..., 0]])
@@ -246,6 +288,7 @@ RULES: dict[type[Criterion], Rule] = {
     TakeoverWithin: Rule(_late_response, _responded_late, _response_found),
     Requested: Rule(_not_requested, _never_requested, _request_found),
     NoMinimumRisk: Rule(*_event("minimum_risk"), _minimum_risk_found),
+    MakesProgress: Rule(*_event("no_progress"), _progress_found),
     MaximumLateralOffset: Rule(_too_far_off, _was_too_far_off, _offset_found),
 }
 """How each criterion of the vocabulary is judged."""

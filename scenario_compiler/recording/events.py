@@ -28,7 +28,7 @@ class EventRow(BaseModel):
     )
     message: str = Field(
         default="",
-        description="What the driver was told, an event of the storyboard or an entity by name, or a sentence.",
+        description="The message to the driver, an event of the storyboard or an entity by name, or a sentence.",
     )
     value: float | None = Field(default=None, description="A number that belongs to it, SI unit.")
 

@@ -10,24 +10,29 @@ from scenario_compiler.engine.measures.boxes import STRAIGHT
 from scenario_compiler.recording.boxes import Places, boxes_at, by_libm, exact_at, least_by_bounds, touching
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import ROUNDING, SINGLE, Singles, Traces
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 
 def time_to_collision(traces: Traces, below: Floats) -> Floats:
-    """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is ahead or closing in.
+    """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is reached within `HORIZON`.
 
     It is NaN in the first row, as the path that is driven is known from the second on, unless boxes overlap.
     It may be NaN also where it is not below a number of each run, (...): what is above it takes no time then.
     """
     bounds = time_bounds(traces)
-    places = np.nonzero(bounds < below[..., None])
+    places = np.nonzero(bounds < np.minimum(below, HORIZON)[..., None])
     least = exact_at(places, times_at(traces, places), bounds.shape).min(axis=0, initial=np.inf)
-    return np.where(touching(traces), 0.0, np.where(np.isinf(least), np.nan, least))
+    return np.where(touching(traces), 0.0, _within_horizon(least))
 
 
 def least_time_to_collision(traces: Traces) -> Floats:
-    """Return the least time to collision of each run, s, (...); NaN where nothing in the path is ever closed in on."""
+    """Return the least time to collision of each run, s, (...); NaN where nothing is ever reached within `HORIZON`."""
     least = least_by_bounds(time_bounds(traces), lambda places: times_at(traces, places))
-    return np.where(touching(traces).any(axis=-1), 0.0, np.where(np.isinf(least), np.nan, least))
+    return np.where(touching(traces).any(axis=-1), 0.0, _within_horizon(least))
+
+
+def _within_horizon(times: Floats) -> Floats:
+    return np.where(times < HORIZON, times, np.nan)
 
 
 def times_at(traces: Traces, places: Places) -> Floats:

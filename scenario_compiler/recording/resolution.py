@@ -10,9 +10,10 @@ import numpy as np
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Floats
 
-Resolution = Literal["no_request", "driver", "minimum_risk", "unanswered", "open"]
+Resolution = Literal["stopped", "no_request", "driver", "minimum_risk", "unanswered", "open"]
 
 MEANINGS: dict[Resolution, str] = {
+    "stopped": "none was made, though the automated vehicle stood without a reason",
     "no_request": "none was made",
     "driver": "the driver answered first",
     "minimum_risk": "the minimum-risk manoeuvre began first",
@@ -36,6 +37,7 @@ def resolutions(times: Mapping[EventKind, Floats]) -> list[Resolution]:
 
     driver, minimum_risk = since("response"), since("minimum_risk")
     holds = (
+        np.isnan(request) & ~np.isnan(np.atleast_1d(times["no_progress"])),
         np.isnan(request),
         np.isfinite(driver) & (driver <= minimum_risk),
         np.isfinite(minimum_risk),

@@ -10,19 +10,25 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.measures.rows import STILL
 from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.expressions import Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Booleans, Floats, Integers, Recording
+from scenario_compiler.vocabulary.word import number_value
 
 TIMED_EVENTS: tuple[EventKind, ...] = (
     "warning",
     "request",
     "escalation",
+    "eyes_on",
+    "hands_on",
     "response",
     "minimum_risk",
     "standstill",
+    "no_progress",
     "collision",
 )
 """Events whose first time counts in a measure."""
@@ -35,6 +41,27 @@ SINGLE = 1e-5
 
 ROUNDING = 1e-4
 """Slack of bounds of distances besides, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class InputLimits:
+    """What counts as an input of the driver.
+
+    Attributes:
+        steering: Change of the angle of the steering wheel, rad, that is more than none.
+        brake: Position of the brake pedal that is more than none.
+        steering_ratio: Angle of the steering wheel over that of the front wheels.
+    """
+
+    steering: float
+    brake: float
+    steering_ratio: float
+
+
+def input_limits(plan: Plan, parameters: Mapping[str, Value]) -> InputLimits:
+    """Return what counts as an input of the driver, at values of the plan's parameters."""
+    said = plan.takeover.inputs
+    return InputLimits(*(number_value(one, parameters) for one in (said.steering, said.brake, said.steering_ratio)))
 
 
 @dataclass(frozen=True)
@@ -83,7 +110,9 @@ class Traces:
         lane: (..., n, m), lane id, 0 off the lanes.
         s: (..., n, m), m.
         off: (..., n, m), m left of the lane's centre in the road's s direction.
+        steer: (..., n, m), rad, of the front wheels, positive to the left.
         brake: (..., n, m), 0 to 1.
+        takeover_state: (..., n), code.
         cause: (..., n), code.
         confidence_left: (..., n); confidence_right likewise.
         confidence_right: See confidence_left.
@@ -93,7 +122,10 @@ class Traces:
         width: (m,), m.
         height: (m,), m.
         center: (m,), m from the reference point forward to the box's centre.
+        step: Length of a time step, s.
+        inputs: What counts as the driver's input.
         times: First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened.
+        requests: Number of takeover requests, (...).
     """
 
     t: Floats
@@ -108,7 +140,9 @@ class Traces:
     lane: Integers
     s: Floats
     off: Floats
+    steer: Floats
     brake: Floats
+    takeover_state: Integers
     cause: Integers
     confidence_left: Floats
     confidence_right: Floats
@@ -118,12 +152,26 @@ class Traces:
     width: Floats
     height: Floats
     center: Floats
+    step: float
+    inputs: InputLimits
     times: Mapping[EventKind, Floats]
+    requests: Floats
 
     def between(self, begin: Floats, end: Floats | None = None) -> Booleans:
         """Return which rows lie in [begin, end], (..., n); none where begin or a given end is NaN."""
         inside = self.t >= begin[..., None] - SAME_TIME
         return inside if end is None else inside & (self.t <= end[..., None] + SAME_TIME)
+
+    @cached_property
+    def driven(self) -> Booleans:
+        """Rows that the driver drove who responded first, until control was handed back, (..., n).
+
+        The row of the response is none of them: the automation commanded the motion up to it.
+        """
+        with np.errstate(invalid="ignore"):
+            after = self.t > self.times["response"][..., None] + SAME_TIME
+        manual = np.isin(self.takeover_state, (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK))
+        return np.asarray(after & np.logical_and.accumulate(manual | ~after, axis=-1) & self.present[..., 0])
 
     @cached_property
     def seen(self) -> Seen:
@@ -183,7 +231,8 @@ class Traces:
 def traces_of(plan: Plan, recording: Recording) -> Traces:
     """Return the arrays of one run, without leading axes."""
     same = (
-        *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "brake", "cause"),
+        *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
+        *("takeover_state", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "lane_end_distance"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
@@ -193,7 +242,10 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         width=np.array([vehicle.width for vehicle in vehicles]),
         height=np.array([vehicle.height for vehicle in vehicles]),
         center=np.array([vehicle.center for vehicle in vehicles]),
+        step=plan.step,
+        inputs=input_limits(plan, recording.header.parameters),
         times={kind: np.asarray(_first(recording, kind)) for kind in TIMED_EVENTS},
+        requests=np.asarray(float(sum(event.kind == "request" for event in recording.events))),
     )
 
 

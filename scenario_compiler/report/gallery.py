@@ -1,4 +1,4 @@
-"""A page of a library's conflicts: a picture of each start, what happens, where it comes from, how to run it."""
+"""A page of a library's conflicts: each one's moment, what happens, how to run it; searched and filtered."""
 
 from __future__ import annotations
 
@@ -6,43 +6,41 @@ import base64
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from html import escape
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import jinja2
 import numpy as np
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan, StartPose
+from scenario_compiler.plan.painted import lines_beside
+from scenario_compiler.recording.outcome import judge
+from scenario_compiler.report.embedding import page_script
+from scenario_compiler.report.palette import WORDS
+from scenario_compiler.report.pictures import Sights, row_at, stills
 from scenario_compiler.report.preview import start_of, way_ahead
+from scenario_compiler.report.run import Run
+from scenario_compiler.report.wording import CAUSE_WORDS, decimal
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose
-from scenario_compiler.worlds.kinematic import KinematicWorld
-from scenario_compiler.worlds.model import EntityState, Snapshot
+from scenario_compiler.runtime.loop import open_world, run
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+TEMPLATE = "gallery.html.jinja"
 
 SHRINK = 3
 """How many pixels of the driver's view, in each direction, become one of a thumbnail."""
 
 
-STYLE = """
-:root { color-scheme: light dark; }
-body { font: 15px/1.5 system-ui, sans-serif; margin: 0 auto; max-width: 1180px; padding: 1.5rem; }
-h1 { font-size: 1.5rem; } h2 { font-size: 1.1rem; margin-top: 2.2rem; }
-ul { display: grid; gap: 1.2rem; grid-template-columns: repeat(auto-fill, minmax(320px, 1fr)); }
-ul { list-style: none; padding: 0; }
-li { border: 1px solid #8886; border-radius: 8px; overflow: hidden; }
-img { aspect-ratio: 2; display: block; height: auto; width: 100%; }
-div { padding: .6rem .8rem .8rem; } h3 { font-size: 1rem; margin: 0; } p { margin: .2rem 0; }
-.quiet { font-size: .85rem; opacity: .75; } code { font-size: .8rem; overflow-wrap: anywhere; }
-"""
-
-
 CLOSE = 32.0
 """Distance from which the first actor ahead is seen, m; what is farther at the start is looked at from the way."""
+
+THUMBNAIL_VIEW = math.radians(36.0)
+"""Field of view of a thumbnail at the moment: half of the driver's, so that what is far can be seen, rad."""
 
 GREYS = 4.0
 """Steps that a thumbnail's grey levels are rounded to, so that its file is small."""
@@ -57,16 +55,56 @@ class Card:
         name: Its name.
         summary: What happens.
         source: Where the situation comes from.
-        target: FILE#name that runs it.
-        picture: The start, as a PNG file.
+        command: What runs it, without a path of the machine that the page was made on.
+        map: Name of the map.
+        moment: What the picture shows.
     """
 
     group: str
     name: str
     summary: str
     source: str
-    target: str
+    command: str
+    map: str
+    moment: Moment
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """The moment of a conflict.
+
+    Attributes:
+        words: What it is and when, in a reader's words.
+        cause: Cause of the takeover request, in words; empty without one.
+        picture: The view ahead, as a PNG file.
+    """
+
+    words: str
+    cause: str
     picture: bytes
+
+
+def moment_of(plan: Plan, network: Network) -> Moment:
+    """Return the moment of a plan that needs no camera: its takeover request or collision; its start without either.
+
+    Equal plans give equal bytes.
+
+    Raises:
+        ValueError: No entity has a place before the run, and nothing happens in it.
+    """
+    from scenario_compiler.perception.overlay import encode_png
+
+    with open_world("kinematic", plan, network) as world:
+        recording = run(plan, world, 1)
+    shown = Run(plan, network, recording, judge(plan, recording))
+    kind, t = shown.focus
+    if kind not in ("request", "collision") or not recording.present[:, :1].all():
+        return Moment("at the start", "", start_picture(plan, network))
+    sights = Sights(shown, fov=THUMBNAIL_VIEW)
+    still = next(stills(shown, [row_at(shown, t)]))
+    cause = CAUSE_WORDS.get(shown.outcome.cause, shown.outcome.cause) if shown.outcome.cause else ""
+    words = f"{WORDS[kind]} after {decimal(t)} s" + (f": {cause}" if cause else "")
+    return Moment(words, cause, encode_png(shrunk(sights.draw(still, labelled=False), SHRINK)))
 
 
 def start_picture(plan: Plan, network: Network) -> bytes:
@@ -75,19 +113,17 @@ def start_picture(plan: Plan, network: Network) -> bytes:
     Raises:
         ValueError: No entity has a place before the run.
     """
-    from scenario_compiler.perception.overlay import encode_png
+    from scenario_compiler.perception.overlay import DRIVER, encode_png
+    from scenario_compiler.perception.road_camera import RoadCamera
+    from scenario_compiler.perception.stage import Stage
 
     shown = plan.model_copy(update={"entities": tuple(one for one in plan.entities if one.id in plan.derived)})
-    poses = [_viewpoint(plan, network), *(plan.derived[one.id] for one in shown.entities[1:])]
-    world = KinematicWorld(shown, network)
-    snapshot = Snapshot(
-        t=0.0,
-        frame=0,
-        entities=tuple(EntityState(True, True, Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0)) for one in poses),
-    )
-    world.reset(snapshot, 1)
-    picture = world.picture(snapshot)
-    world.close()
+    starts = [_viewpoint(plan, network), *(plan.derived[one.id] for one in shown.entities[1:])]
+    poses = [Pose(one.x, one.y, one.z, one.heading, 0.0, 0.0) for one in starts]
+    stage = Stage(shown, network, lines_beside(shown, network, poses))
+    boxes = stage.boxes((number, pose, False) for number, pose in enumerate(poses) if number > 0)
+    camera = RoadCamera(stage.scene, DRIVER, 1, plan.ego.vehicle.center)
+    picture = camera.frame(poses[0], boxes, plan.weather, 0.0, 0)
     return encode_png(shrunk(picture, SHRINK))
 
 
@@ -120,24 +156,21 @@ def write_gallery(cards: Iterable[Card], path: Path, *, title: str = "Conflicts"
     groups: dict[str, list[Card]] = {}
     for card in cards:
         groups.setdefault(card.group, []).append(card)
-    count = sum(map(len, groups.values()))
-    body = "".join(
-        f"<h2>{escape(group)}</h2>\n<ul>\n{''.join(map(_item, held))}</ul>\n" for group, held in groups.items()
+    held = [card for group in groups.values() for card in group]
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
-    write_whole(
-        path,
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
-        f"<h1>{escape(title)} ({count})</h1>\n{body}</body>\n</html>\n",
+    environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
+    page = environment.get_template(TEMPLATE).render(
+        title=title,
+        groups=groups,
+        count=len(held),
+        maps=sorted({card.map for card in held}),
+        causes=sorted({card.moment.cause for card in held} - {""}),
+        script=page_script("gallery.js"),
     )
-
-
-def _item(card: Card) -> str:
-    image = base64.b64encode(card.picture).decode()
-    return (
-        f'<li><img loading="lazy" width="320" height="160" alt="Start of {escape(card.name)}" '
-        f'src="data:image/png;base64,{image}">'
-        f"<div><h3>{escape(card.name)}</h3><p>{escape(card.summary)}.</p>"
-        f'<p class="quiet">{escape(card.source)}</p><code>{escape(card.target)}</code></div></li>\n'
-    )
+    write_whole(path, page)

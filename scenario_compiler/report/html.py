@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +11,10 @@ import jinja2
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
-from scenario_compiler.recording.recording import Frame
 from scenario_compiler.report import plots
+from scenario_compiler.report.embedding import player_head, player_place, player_start, source_of
 from scenario_compiler.report.palette import STATE_COLOURS, WORDS
+from scenario_compiler.report.replay import Picture, pictures_of
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.wording import (
     Summary,
@@ -22,6 +22,7 @@ from scenario_compiler.report.wording import (
     command,
     conditions,
     fixed,
+    place_words,
     summary_of,
     unit_words,
 )
@@ -38,7 +39,8 @@ class Section:
     summary: Summary
     outcome_words: str
     classification: str
-    frames: tuple[Frame, ...]
+    frames: tuple[Picture, ...]
+    player: str
     plots: dict[str, str]
     conditions: list[tuple[str, str]]
     command: str
@@ -50,8 +52,16 @@ class Section:
         return self.run.outcome
 
 
-def write_report(runs: Sequence[Run], folder: Path, *, title: str = "") -> Path:
+def write_report(
+    runs: Sequence[Run], folder: Path, *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None
+) -> Path:
     """Write report.html into a folder and return its path: a section a run, and a table over several.
+
+    Args:
+        runs: The runs.
+        folder: The folder, which is made when there is none.
+        title: Title of the page.
+        pictures: First-person pictures of each run, ordered by time; those of the recordings when None.
 
     Raises:
         ValueError: When there is no run to report.
@@ -60,12 +70,12 @@ def write_report(runs: Sequence[Run], folder: Path, *, title: str = "") -> Path:
         raise ValueError("a report needs at least one run")
     make_folder(folder)
     path = folder / "report.html"
-    write_whole(path, render(runs, title=title))
+    write_whole(path, render(runs, title=title, pictures=pictures))
     return path
 
 
-def render(runs: Sequence[Run], *, title: str = "") -> str:
-    """Return the page."""
+def render(runs: Sequence[Run], *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None) -> str:
+    """Return the page; see `write_report`."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent),
         autoescape=True,
@@ -74,25 +84,33 @@ def render(runs: Sequence[Run], *, title: str = "") -> str:
         lstrip_blocks=True,
     )
     environment.filters["number"] = fixed
+    environment.filters["place"] = place_words
     environment.filters["unit"] = unit_words
-    environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
+    environment.filters["source"] = source_of
     environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
-    sections = [_section(run, f"run-{number}") for number, run in enumerate(runs, start=1)]
+    taken = [pictures_of(run) for run in runs] if pictures is None else pictures
+    sections = [
+        _section(run, shown, f"run-{number}", alone=len(runs) == 1)
+        for number, (run, shown) in enumerate(zip(runs, taken, strict=True), start=1)
+    ]
     return environment.get_template(TEMPLATE).render(
         title=title or (runs[0].outcome.name if len(runs) == 1 else f"{len(runs)} conflicts"),
         sections=sections,
         state_colours=STATE_COLOURS,
+        player_head=player_head(),
+        player_start=player_start(),
     )
 
 
-def _section(run: Run, anchor: str) -> Section:
-    drawn = {}
+def _section(run: Run, pictures: Sequence[Picture], anchor: str, *, alone: bool) -> Section:
+    drawn, player, frames = {}, "", _frames(pictures)
     if run.recording.present[:, :1].any():
         drawn = {
             "time": plots.timeline_plot(run, f"{anchor}-time"),
             "near": plots.close_up_map(run, f"{anchor}-near"),
             "map": plots.overview_map(run, f"{anchor}-map"),
         }
+        player = player_place([run], [pictures], "" if alone else anchor)
     summary = summary_of(run)
     return Section(
         anchor=anchor,
@@ -100,7 +118,8 @@ def _section(run: Run, anchor: str) -> Section:
         summary=summary,
         outcome_words=summary.outcome,
         classification=classification(run),
-        frames=_frames(run.recording.frames),
+        frames=frames,
+        player=player,
         plots=drawn,
         conditions=conditions(run),
         command=command(run),
@@ -108,7 +127,7 @@ def _section(run: Run, anchor: str) -> Section:
     )
 
 
-def _frames(frames: tuple[Frame, ...]) -> tuple[Frame, ...]:
-    """Return the first picture of each label, by time."""
-    first = {frame.label: frame for frame in reversed(frames)}
-    return tuple(sorted(first.values(), key=lambda frame: frame.t))
+def _frames(pictures: Sequence[Picture]) -> tuple[Picture, ...]:
+    """Return the first picture of each label, by time; those of a series have none."""
+    first = {one.label: one for one in reversed(pictures) if one.label}
+    return tuple(sorted(first.values(), key=lambda one: one.t))

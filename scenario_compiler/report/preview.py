@@ -241,7 +241,7 @@ def _write_label(axes: Axes, plan: Plan, entity: Entity, label: str, side: int, 
 def _draw_times(axes: Axes, plan: Plan, happenings: list[Happening]) -> None:
     """Draw a row a happening: a mark at its time, or what it waits for over the whole of the time that is shown.
 
-    The axis ends after the last time that is known; where none is, it has no numbers.
+    The axis ends after the last time that is known; where no time is known, it is not labelled.
     """
     last = last_known_time(plan)
     end = min(plan.duration, MORE * last) if last else plan.duration

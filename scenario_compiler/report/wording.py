@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from scenario_compiler.recording.criteria import Where
+from scenario_compiler.recording.names import StandingPlace
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.run import Run
+from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import Classification
-from scenario_compiler.vocabulary.takeover import Cause, Driver
+from scenario_compiler.vocabulary.takeover import Cause
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 from scenario_compiler.vocabulary.word import QUANTITIES, Number, number_value
 
@@ -19,8 +22,18 @@ CAUSE_WORDS = {
     "sensor_health": "sensor health",
     "path_blocked": "path blocked",
     "lane_ends": "lane ends",
+    "no_progress": "no progress",
     "controller": "controller",
 }
+
+
+STANDS: dict[StandingPlace, str] = {
+    "own_lane": "stopped safely in its lane",
+    "other_lane": "stopped in another lane",
+    "shoulder": "stopped safely on the shoulder",
+    "off_road": "stopped off the road",
+}
+"""Where a vehicle stands that touched nothing: safely is in its own lane, or on a shoulder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +84,7 @@ def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
     """Return what came of a run in a few words; without an automated vehicle, nothing of takeovers."""
     took_over = {
         "no_request": "no takeover request",
+        "stopped": "stopped without a request",
         "driver": "driver took over",
         "minimum_risk": "minimum-risk manoeuvre",
         "unanswered": "request unanswered",
@@ -81,9 +95,27 @@ def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
     elif outcome.result == "error":
         ended = "run broke off"
     else:
-        stands = {"destination": "destination reached", "standstill": "stopped safely"}
-        ended = stands.get(outcome.stop_reason, "no collision")
+        ended = "destination reached" if outcome.stop_reason == "destination" else "no collision"
+        ended = STANDS.get(outcome.stands, ended)
     return f"{took_over}, {ended}" if automated else ended
+
+
+def place_words(where: Where) -> str:
+    """Return where something happened, in words."""
+    if where.road is None or where.s is None:
+        return f"off every road, x {fixed(where.x)} m, y {fixed(where.y)} m"
+    return f"road {where.road}, lane {where.lane}, s {fixed(where.s)} m"
+
+
+def broken_criteria(outcome: Outcome) -> list[tuple[str, str]]:
+    """Return each criterion that does not hold, and when, where and why in a sentence."""
+    found = []
+    for one in outcome.criteria:
+        if not one.passed:
+            when = "" if one.when is None else f"at {fixed(one.when)} s"
+            place = "" if one.where is None else place_words(one.where)
+            found.append((one.criterion, f"{', '.join(part for part in (when, place) if part)}: {one.why}"))
+    return found
 
 
 def measured(outcome: Outcome, name: str) -> str:
@@ -197,12 +229,23 @@ def _cause(cause: Cause) -> str:
 
 def _driver(run: Run) -> str:
     driver = run.plan.takeover.driver
+    if driver.by_person is not None:
+        return "a person at the wheel"
     if isinstance(driver, Driver):
         if driver.takeover_time is not None:
             return f"answers after {decimal(number_value(driver.takeover_time, run.recording.header.parameters))} s"
         return driver.preset
-    spread = f"lognormal takeover time, median {decimal(math.exp(driver.mu))} s, σ {decimal(driver.sigma)}"
-    return f"{driver.name}: {spread}, {driver.lapse:.0%} no answer"
+    values = run.recording.header.parameters
+    if driver.takeover_time is not None:
+        return f"{driver.name}: answers after {decimal(number_value(driver.takeover_time, values))} s"
+    mu, sigma = number_value(driver.mu, values), number_value(driver.sigma, values)
+    laws = {
+        "lognormal": f"lognormal takeover time, median {decimal(math.exp(min(mu, 20.0)))} s, σ {decimal(sigma)}",
+        "normal": f"normal takeover time, mean {decimal(mu)} s, σ {decimal(sigma)} s",
+        "sumo": f"takeover time of SUMO's device, {driver.missed:.0%} after the budget",
+    }
+    late = f", {driver.late:.1%} late" if driver.late > 0 else ""
+    return f"{driver.name}: {laws[driver.law]}{late}, {driver.lapse:.0%} no answer"
 
 
 def _plain(value: float | bool | str) -> str:

@@ -9,45 +9,16 @@ machine code can be made without the packages that reading a file needs.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from scenario_compiler.roads.network import Network, load_network
-    from scenario_compiler.roads.positions import (
-        LaneAt,
-        LanePosition,
-        Leg,
-        Located,
-        Mark,
-        MarkStretch,
-        Pose,
-        RoadDescription,
-        Route,
-        SecondaryLine,
-    )
-
-__all__ = [
-    "LaneAt",
-    "LanePosition",
-    "Leg",
-    "Located",
-    "Mark",
-    "MarkStretch",
-    "Network",
-    "Pose",
-    "RoadDescription",
-    "Route",
-    "SecondaryLine",
-    "load_network",
-]
-
-_OF_NETWORK = ("Network", "load_network")
-
 
 def __getattr__(name: str) -> object:
-    """Import a public name from its home on first use."""
-    if name not in __all__:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    home = "network" if name in _OF_NETWORK else "positions"
-    return getattr(importlib.import_module(f"{__name__}.{home}"), name)
+    """Return a public name, imported from its home on first use."""
+    from scenario_compiler.public import public_object
+
+    return public_object(__name__, name)
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    from scenario_compiler.public import public_names
+
+    return sorted(public_names(__name__))

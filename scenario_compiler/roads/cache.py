@@ -22,11 +22,13 @@ from lxml.etree import LIBXML_VERSION, LXML_VERSION
 
 from scenario_compiler.diagnostics import CODES, Diagnostic, Diagnostics, FilePlace, Severity
 from scenario_compiler.files import read_file
+from scenario_compiler.forms.arrays import type_code
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.outputs import make_private_folder, write_whole
 from scenario_compiler.resources import cache_folder
-from scenario_compiler.roads.tables import FLOAT_COLUMNS, ParsedNetwork, RoadTables
+from scenario_compiler.roads.tables import ParsedNetwork, RoadTables
 
-MAGIC = b"SCROADS2"
+MAGIC = b"SCROADS3"
 DIGEST_SIZE = 32
 
 
@@ -60,12 +62,12 @@ def _decoded(raw: bytes, key: str, path: str) -> tuple[ParsedNetwork, list[Diagn
     if head["key"] != key:
         raise ValueError("it is of another road file, or was made by another version")
     start += size
-    parsed = ParsedNetwork(RoadTables(), head["roads"], head["junctions"])
-    for name, kind, count in head["columns"]:
-        column = array(kind)
+    arrays = object.__new__(RoadTables)
+    for name, count in head["columns"]:
+        column = array(type_code(RoadTables, name))
         end = start + count * column.itemsize
         column.frombytes(raw[start:end])
-        setattr(parsed.tables, name, column.tolist())
+        setattr(arrays, name, column)
         start = end
     if head["findings"]:
         from scenario_compiler.roads import parse  # noqa: F401  # makes the codes of its findings known
@@ -73,39 +75,27 @@ def _decoded(raw: bytes, key: str, path: str) -> tuple[ParsedNetwork, list[Diagn
         Diagnostic(CODES[code], message, FilePlace(path, line, at, length, source), hint, Severity(severity))
         for code, severity, message, hint, line, at, length, source in head["findings"]
     ]
-    return parsed, findings
+    return ParsedNetwork(arrays, head["roads"], head["junctions"]), findings
 
 
 def write_cached(sha256: str, parsed: ParsedNetwork, findings: Diagnostics) -> None:
     """Put a network into the cache; a cache that cannot be written is no fault."""
-    columns, blocks = [], []
-    for name in RoadTables.__slots__:
-        column = _as_array(name, getattr(parsed.tables, name))
-        columns.append((name, column.typecode, len(column)))
-        blocks.append(column.tobytes())
+    columns = {name: getattr(parsed.arrays, name) for name in columns_of(RoadTables)}
+    sizes = [(name, len(column)) for name, column in columns.items()]
     rows = [(d.code.id, d.severity.value, d.message, d.hint, *_numbers(d)) for d in findings]
     about = {"key": _key(sha256), "roads": parsed.road_ids, "junctions": parsed.junction_ids}
-    head = json.dumps({**about, "columns": columns, "findings": rows}).encode()
-    payload = struct.pack("<Q", len(head)) + head + b"".join(blocks)
+    head = json.dumps({**about, "columns": sizes, "findings": rows}).encode()
+    payload = b"".join((struct.pack("<Q", len(head)), head, *columns.values()))
     with contextlib.suppress(OSError, RuntimeError):
         path = _cache_file(sha256)
         make_private_folder(path.parent, cache_folder())
         if path.is_file() or not path.exists():
-            write_whole(path, MAGIC + hashlib.sha256(payload).digest() + payload)
+            write_whole(path, b"".join((MAGIC, hashlib.sha256(payload).digest(), payload)))
 
 
 def _numbers(finding: Diagnostic) -> tuple[int, int, int, str]:
     place = finding.place
     return place.line, place.column, place.length, place.source_line
-
-
-def _as_array(name: str, values: list[float] | list[int]) -> array[float] | array[int]:
-    if name in FLOAT_COLUMNS:
-        return array("d", values)
-    try:
-        return array("i", [int(v) for v in values])
-    except OverflowError:
-        return array("q", [int(v) for v in values])
 
 
 def _cache_file(sha256: str) -> Path:
@@ -120,15 +110,18 @@ PACKAGE = Path(__file__).parent.parent
 
 
 def sources() -> list[Path]:
-    """Return the modules that reading a road file can depend on: those of this package and of the hall."""
-    return sorted(path for pattern in ("roads/*.py", "*.py", "structure/*.py") for path in PACKAGE.glob(pattern))
+    """Return the modules that reading a road file can depend on: of this package, of the forms and of the hall."""
+    return sorted(
+        path for pattern in ("roads/*.py", "*.py", "structure/*.py", "forms/*.py") for path in PACKAGE.glob(pattern)
+    )
 
 
 @lru_cache(maxsize=1)
 def _reader_version() -> str:
     """Return a digest of what turns a road file into tables.
 
-    That is the sources of this package and of the hall, the version of the XML parser, and the machine's numbers.
+    That is the sources of this package, of the forms and of the hall, the version of the XML parser, and the
+    machine's numbers.
     """
     digest = hashlib.sha256(f"{sys.byteorder} {array('i').itemsize} {LXML_VERSION} {LIBXML_VERSION}".encode())
     for path in sources():

@@ -98,7 +98,7 @@ def export_mesh(network: Network, path: str | Path) -> list[Path]:
         path: A file in an existing folder. Beside an OBJ file lies its MTL file of the same name.
 
     Raises:
-        ValueError: When the ending is none of `FORMATS`.
+        ValueError: When the ending is not one of `FORMATS`.
         OSError: When a file cannot be written.
     """
     target = Path(path)

@@ -45,7 +45,7 @@ BAD_SECTION = Code(
 UNKNOWN_LANE_WORD = Code(
     "SC312",
     "unknown-lane-word",
-    "A lane type, mark type, mark colour or direction is none that OpenDRIVE knows. A default is used in its place."
+    "OpenDRIVE does not define this lane type, mark type, mark colour or direction. A default is used in its place."
     '\n\n    <roadMark sOffset="0" type="dashed" .../>     broken'
     "\n\nWrite a word of the standard.",
     Severity.WARNING,
@@ -98,11 +98,13 @@ class LaneReader:
     def read(self, road_element: etree._Element, road: int, length: float, cuts: Sequence[float] = ()) -> None:
         """Append the lane sections of a road; `cuts` are where other roads begin or end inside it, ascending."""
         n = self._n
-        n.road_section.append(len(n.section_s))
         n.road_directions.append(0)
         lanes = road_element.find("lanes")
-        if lanes is None:
-            return
+        if lanes is not None:
+            self._read_sections(lanes, road, length, cuts)
+        n.road_section.append(len(n.section_s))
+
+    def _read_sections(self, lanes: etree._Element, road: int, length: float, cuts: Sequence[float]) -> None:
         sections = self._sections(lanes, length)
         left: Side = (None, 0.0)
         right: Side = (None, 0.0)
@@ -151,7 +153,6 @@ class LaneReader:
         n.section_s.append(span[0])
         n.section_end.append(span[1])
         n.section_road.append(road)
-        n.section_lane.append(len(n.lane_id))
         lefts = self._side(left[0], 1)
         centre = element.find("center/lane")
         n.section_left.append(len(lefts))
@@ -162,6 +163,10 @@ class LaneReader:
         first = len(n.lane_id)
         for lane, one, start in outwards:
             self._lane(lane, one, start, span[1])
+            n.lane_height.append(len(n.height_s))
+            n.lane_speed.append(len(n.speed_s))
+            n.lane_mark.append(len(n.mark_s))
+        n.section_lane.append(len(n.lane_id))
         self._widths(outwards, first, span[1])
 
     def _side(self, side: etree._Element | None, sign: int) -> list[tuple[int, etree._Element]]:
@@ -181,9 +186,6 @@ class LaneReader:
         n = self._n
         n.lane_id.append(lane)
         n.lane_section.append(len(n.section_s) - 1)
-        n.lane_height.append(len(n.height_s))
-        n.lane_speed.append(len(n.speed_s))
-        n.lane_mark.append(len(n.mark_s))
         before: list[int] = []
         after: list[int] = []
         self.links.before.append(before)
@@ -235,8 +237,7 @@ class LaneReader:
             return
         section = len(n.section_s) - 1
         for at, links in ((section - 1, self.links.after), (section, self.links.before)):
-            stop = n.section_lane[at + 1] if at < section else len(n.lane_id)
-            for row in range(n.section_lane[at], stop):
+            for row in range(n.section_lane[at], n.section_lane[at + 1]):
                 lane = n.lane_id[row]
                 if (lane > 0 and left) or (lane < 0 and right):
                     links[row][:] = [lane]
@@ -320,7 +321,6 @@ class LaneReader:
         if width <= 0.0:
             width = 2.0 * STANDARD_WIDTH if get("weight") == "bold" else STANDARD_WIDTH
         n.mark_width.append(width)
-        n.mark_line.append(len(n.line_length))
         quality = 1.0
         first = last = 0
         if len(element):
@@ -334,6 +334,7 @@ class LaneReader:
         n.mark_quality_to.append(quality)
         n.mark_sway_first.append(first)
         n.mark_sway_last.append(last)
+        n.mark_line.append(len(n.line_length))
 
     def _quality(self, element: etree._Element) -> float:
         for data in element.iterfind("userData"):

@@ -43,11 +43,29 @@ def cell_key_of(ix: int, iy: int) -> int:
 
 
 @compiled
+def in_plane(x: float, y: float) -> int:
+    """Return 1 where a point is looked up: both coordinates are numbers and not too large."""
+    if x > -PLANE_LIMIT and x < PLANE_LIMIT and y > -PLANE_LIMIT and y < PLANE_LIMIT:
+        return 1
+    return 0
+
+
+@compiled
+def cell_number(coordinate: float) -> int:
+    """Return the number of the row of cells that holds a coordinate, the outermost one's beyond the plane."""
+    if not coordinate > -PLANE_LIMIT:
+        coordinate = -PLANE_LIMIT
+    if coordinate > PLANE_LIMIT:
+        coordinate = PLANE_LIMIT
+    return floor(coordinate / CELL)
+
+
+@compiled
 def cell_at(n: RoadTables, x: float, y: float) -> int:
     """Return the row of the cell that holds a point, -1 where no road is near it."""
-    if not (x > -PLANE_LIMIT and x < PLANE_LIMIT and y > -PLANE_LIMIT and y < PLANE_LIMIT):
+    if in_plane(x, y) == 0:
         return -1
-    key = cell_key_of(floor(x / CELL), floor(y / CELL))
+    key = cell_key_of(cell_number(x), cell_number(y))
     low = 0
     high = len(n.cell_key) - 1
     while low < high:
@@ -67,12 +85,11 @@ def project_on_piece(n: RoadTables, piece: int, low: float, high: float, x: floa
 
     The piece goes on beyond its ends; of several feet the one nearest to [low, high] is meant.
     """
-    h = n.piece_h[piece]
     start = n.piece_s[piece]
     kind = n.piece_kind[piece]
     if kind <= ARC:
-        c = cos(h)
-        w = sin(h)
+        c = n.piece_cos[piece]
+        w = n.piece_sin[piece]
         dx = x - n.piece_x[piece]
         dy = y - n.piece_y[piece]
         u = dx * c + dy * w
@@ -332,7 +349,7 @@ def track(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> t
     negative road hint goes
     straight to the index.
     """
-    if not (x > -PLANE_LIMIT and x < PLANE_LIMIT and y > -PLANE_LIMIT and y < PLANE_LIMIT):
+    if in_plane(x, y) == 0:
         return 0, -1, 0.0, 0.0
     if road_hint >= 0:
         found, s, t, _ = track_on(n, road_hint, s_hint, x, y, S_TOLERANCE)

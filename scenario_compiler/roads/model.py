@@ -305,6 +305,11 @@ class RoadModel:
     controllers: tuple[SignalGroup, ...]
     lanes: tuple[LaneDetails, ...]
 
+    def signals_of(self, controller: str) -> tuple[str, ...]:
+        """Return the ids of the signals that a controller switches, by its name or id; none where there is no such."""
+        group = next((one for one in self.controllers if controller in (one.name, one.id)), None)
+        return () if group is None else tuple(signal for signal, _ in group.controls)
+
 
 def read_model(document: Document, sink: Diagnostics) -> RoadModel:
     """Read what the tables leave out from a document whose root is `<OpenDRIVE>`."""

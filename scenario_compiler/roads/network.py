@@ -7,16 +7,18 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from scenario_compiler.diagnostics import Code, CompileError, Diagnostics, FilePlace
 from scenario_compiler.document import parse_document, read_document
 from scenario_compiler.files import MAX_BYTES, read_file
-from scenario_compiler.roads import geometry, lanes, locate, marks, travel
+from scenario_compiler.roads import geometry, lanes, marks, travel
 from scenario_compiler.roads.cache import read_cached, write_cached
 from scenario_compiler.roads.lane_details import LaneDetails
 from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES, is_drivable
+from scenario_compiler.roads.locate_many import Locator
 from scenario_compiler.roads.nearest import nearest_lane
 from scenario_compiler.roads.positions import (
     LaneAt,
@@ -35,7 +37,6 @@ from scenario_compiler.roads.tables import AT_END, AT_START, NO_SPEED, ParsedNet
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from scenario_compiler.roads.locate_many import BatchLocator, Floats, Ints
     from scenario_compiler.roads.model import RoadModel
 
 CHANGED_FILE = Code(
@@ -58,13 +59,21 @@ class Network:
         self.path = path
         self.sha256 = sha256
         self.name = Path(path).stem
-        self.tables: RoadTables = parsed.tables
+        self._arrays = parsed.arrays
         self.road_ids = parsed.road_ids
         self.junction_ids = parsed.junction_ids
         self._model: RoadModel | None = None
-        self._batch: BatchLocator | None = None
         self._details: dict[tuple[str, int], list[LaneDetails]] | None = None
         self._index = {name: i for i, name in enumerate(parsed.road_ids)}
+
+    @cached_property
+    def tables(self) -> RoadTables:
+        """The columns of the network as lists; `tables.in_arrays()` has them as arrays."""
+        return RoadTables.of_arrays(self._arrays)
+
+    @cached_property
+    def _locator(self) -> Locator:
+        return Locator(self._arrays)
 
     def road_index(self, road: str) -> int:
         """Return the index of a road in the tables; KeyError when there is none of that id."""
@@ -147,62 +156,23 @@ class Network:
 
         With `nearest`, the closest lane is returned for a point that no lane holds.
         """
-        n = self.tables
-        found = []
-        for chunk in _chunks_near(n, x, y):
-            kind, row, s, offset = locate.lane_on_chunk(n, chunk, x, y)
-            if kind > 0:
-                found.append((kind, abs(offset), row, s, offset))
+        found = self._locator.one(x, y)
         if not found and nearest:
-            closest = nearest_lane(n, x, y)
-            return [] if closest is None else [self._position(*closest)]
-        return [self._position(row, s, offset) for row, s, offset in _distinct(n, found)]
+            closest = nearest_lane(self.tables, x, y)
+            found = [] if closest is None else [closest]
+        return [self._position(*place) for place in found]
 
     def locate_many(self, xs: npt.ArrayLike, ys: npt.ArrayLike) -> Located:
         """Return, for many points at once, what `locate` returns for each; see `Located`."""
         import numpy as np
 
-        from scenario_compiler.roads.locate_many import BatchLocator
-
-        if self._batch is None:
-            self._batch = BatchLocator(self.tables)
-        x, y = np.atleast_1d(np.asarray(xs, np.float64)), np.atleast_1d(np.asarray(ys, np.float64))
-        point, row, s, offset, found = self._batch.candidates(x, y)
-        order = np.lexsort((row, np.abs(offset), point))
-        point, row, s, offset, found = point[order], row[order], s[order], offset[order], found[order]
-        point, row, s, offset = self._drop_repeated(point, row, s, offset, found)
-        start = np.searchsorted(point, np.arange(len(x) + 1))
-        n = self._batch.columns
-        return Located(start, n["section_road"][n["lane_section"][row]], n["lane_id"][row], s, offset)
-
-    def _drop_repeated(
-        self, point: Ints, row: Ints, s: Floats, offset: Floats, found: Ints
-    ) -> tuple[Ints, Ints, Floats, Floats]:
-        """Settle, point by point, the few that several chunks of one road hold."""
-        import numpy as np
-
-        n = self.tables
-        road = np.asarray(n.section_road)[np.asarray(n.lane_section)[row]]
-        order = np.lexsort((road, point))
-        same = (np.diff(point[order]) == 0) & (np.diff(road[order]) == 0)
-        doubtful = np.unique(np.concatenate([point[order][1:][same], point[found == 2]]))
-        if not len(doubtful):
-            return point, row, s, offset
-        keep = np.ones(len(point), bool)
-        settled: list[tuple[int, int, float, float]] = []
-        for one in doubtful.tolist():
-            at = slice(*np.searchsorted(point, [one, one + 1]))
-            keep[at] = False
-            candidates = zip(found[at], np.abs(offset[at]), row[at], s[at], offset[at], strict=True)
-            places = [(int(a), float(b), int(c), float(d), float(e)) for a, b, c, d, e in candidates]
-            settled.extend((one, *place) for place in _distinct(n, places))
-        columns = [np.array(column) for column in zip(*settled, strict=True)]
-        merged = [np.concatenate([old[keep], new]) for old, new in zip((point, row, s, offset), columns, strict=True)]
-        order = np.argsort(merged[0], kind="stable")
-        return merged[0][order], merged[1][order], merged[2][order], merged[3][order]
+        start, row, s, offset = self._locator.many(np.asarray(xs, np.float64), np.asarray(ys, np.float64))
+        columns = (self._arrays.section_road, self._arrays.lane_section, self._arrays.lane_id)
+        road, section, lane = (np.asarray(one, np.int64) for one in columns)
+        return Located(start, road[section[row]], lane[row], s, offset)
 
     def _position(self, row: int, s: float, offset: float) -> LanePosition:
-        n = self.tables
+        n = self._arrays
         return LanePosition(self.road_ids[n.section_road[n.lane_section[row]]], n.lane_id[row], s, offset)
 
     def lane_width(self, road: str, lane: int, s: float) -> float:
@@ -366,40 +336,10 @@ class Network:
             KeyError: When a stretch names a road or a colour that does not exist.
             ValueError: When a quality is outside 0 to 1.
         """
-        tables = with_mark_quality(self.tables, self._index, overrides)
-        painted = Network(self.path, self.sha256, ParsedNetwork(tables, self.road_ids, self.junction_ids))
+        arrays = with_mark_quality(self.tables, self._index, overrides)
+        painted = Network(self.path, self.sha256, ParsedNetwork(arrays, self.road_ids, self.junction_ids))
         painted._model = self._model
         return painted
-
-
-def _chunks_near(n: RoadTables, x: float, y: float) -> Sequence[int]:
-    cell = locate.cell_at(n, x, y)
-    if cell < 0:
-        return n.wide_chunk
-    near = n.chunk_of_cell[n.cell_chunk[cell] : n.cell_chunk[cell + 1]]
-    return near + n.wide_chunk if n.wide_chunk else near
-
-
-def _distinct(n: RoadTables, found: list[tuple[int, float, int, float, float]]) -> list[tuple[int, float, float]]:
-    """Return (row, s, offset) by distance to the lane's centre, each place once.
-
-    A place found across a kink counts only where no lane of its road holds the point exactly.
-    """
-    found.sort()
-    kept: list[tuple[float, int, float, float]] = []
-    exact: set[int] = set()
-    for kind, distance, row, s, offset in found:
-        road = n.section_road[n.lane_section[row]]
-        if kind == 2 and road in exact:
-            continue
-        near = 1.0 if kind == 2 else 1e-6
-        if any(n.section_road[n.lane_section[other]] == road and abs(at - s) < near for _, other, at, _ in kept):
-            continue
-        kept.append((distance, row, s, offset))
-        if kind == 1:
-            exact.add(road)
-    kept.sort()
-    return [(row, s, offset) for _, row, s, offset in kept]
 
 
 @overload

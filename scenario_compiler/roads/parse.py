@@ -16,13 +16,12 @@ from lxml import etree
 from scenario_compiler.diagnostics import Code, Diagnostics, Severity
 from scenario_compiler.document import Document, drop_namespace
 from scenario_compiler.roads.attachments import cuts_of, read_attachments
+from scenario_compiler.roads.derived import with_derived_columns
 from scenario_compiler.roads.lane_parse import LaneReader
 from scenario_compiler.roads.lane_types import ROAD_TYPE_CODES
-from scenario_compiler.roads.locate_build import build_index
 from scenario_compiler.roads.model import report_repeats
 from scenario_compiler.roads.reading import LENGTH_LIMIT, Reader
 from scenario_compiler.roads.reference_parse import read_reference_line
-from scenario_compiler.roads.steady import note_steady_lanes
 from scenario_compiler.roads.tables import NO_SPEED, ParsedNetwork, RoadTables
 from scenario_compiler.roads.topology import build_links
 
@@ -70,13 +69,13 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
         sink.add(NOT_OPENDRIVE, f"the root element is <{root.tag}>, not <OpenDRIVE>", document.origin(root))
         return None
     reader = Reader(document, sink)
-    parsed = ParsedNetwork()
-    for junction in root.iterfind("junction"):
-        parsed.junction_ids.append(junction.get("id") or "")
-    junctions = {name: i for i, name in reversed(list(enumerate(parsed.junction_ids)))}
+    tables = RoadTables()
+    road_ids: list[str] = []
+    junction_ids = [junction.get("id") or "" for junction in root.iterfind("junction")]
+    junctions = {name: i for i, name in reversed(list(enumerate(junction_ids)))}
     elements: list[etree._Element] = []
     seen: set[str] = set()
-    lanes = LaneReader(reader, parsed.tables)
+    lanes = LaneReader(reader, tables)
     attachments = read_attachments(reader, root)
     cuts = cuts_of(attachments)
     for element in root.iterfind("road"):
@@ -85,19 +84,16 @@ def read_network(document: Document, sink: Diagnostics) -> ParsedNetwork | None:
             reader.report(UNUSABLE_ROAD, "a road without id is left out", element)
         elif road_id in seen:
             reader.report(DUPLICATE_ROAD, f"a second road has the id '{road_id}'; it is left out", element, "id")
-        elif _read_road(reader, parsed.tables, lanes, element, junctions, cuts.get(road_id, ())):
+        elif _read_road(reader, tables, lanes, element, junctions, cuts.get(road_id, ())):
             seen.add(road_id)
-            parsed.road_ids.append(road_id)
+            road_ids.append(road_id)
             elements.append(element)
     if not elements:
         sink.add(NOT_OPENDRIVE, "the file has no usable <road>", document.origin(root))
         return None
-    _close(parsed.tables)
-    build_links(reader, parsed.tables, root, elements, parsed.road_ids, junctions, lanes.links, attachments)
-    note_steady_lanes(parsed.tables)
-    build_index(parsed.tables)
+    build_links(reader, tables, root, elements, road_ids, junctions, lanes.links, attachments)
     report_repeats(reader, root)
-    return parsed
+    return ParsedNetwork(with_derived_columns(tables), road_ids, junction_ids)
 
 
 def _read_road(
@@ -151,7 +147,6 @@ def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> No
     ):
         getattr(n, f"road_{name}_first").append(first)
         getattr(n, f"road_{name}_last").append(last)
-    n.road_shape.append(len(n.shape_s))
     stations: dict[float, list[etree._Element]] = {}
     for one in element.iterfind("lateralProfile/shape"):
         stations.setdefault(reader.number(one, "s", 0.0), []).append(one)
@@ -160,15 +155,16 @@ def _read_profiles(reader: Reader, n: RoadTables, element: etree._Element) -> No
         n.shape_s.append(s)
         n.shape_first.append(first)
         n.shape_last.append(last)
+    n.road_shape.append(len(n.shape_s))
 
 
 def _read_types(reader: Reader, n: RoadTables, element: etree._Element) -> None:
-    n.road_type.append(len(n.type_s))
     for one in sorted(element.iterfind("type"), key=lambda e: reader.number(e, "s", 0.0)):
         speed = one.find("speed")
         n.type_s.append(reader.number(one, "s", 0.0))
         n.type_code.append(ROAD_TYPE_CODES.get(one.get("type", "unknown"), 0))
         n.type_speed.append(NO_SPEED if speed is None else reader.speed(speed))
+    n.road_type.append(len(n.type_s))
 
 
 def _is_flat(n: RoadTables, road: int) -> bool:
@@ -181,20 +177,4 @@ def _is_flat(n: RoadTables, road: int) -> bool:
     )
     if any(first < last for first, last in ranges) or n.road_shape[road] < len(n.shape_s):
         return False
-    lanes = n.section_lane[n.road_section[road]] if n.road_section[road] < len(n.section_s) else len(n.lane_id)
-    heights = n.lane_height[lanes] if lanes < len(n.lane_id) else len(n.height_s)
-    return heights == len(n.height_s)
-
-
-def _close(n: RoadTables) -> None:
-    """Append the last row of every CSR column."""
-    n.road_piece.append(len(n.piece_s))
-    n.road_cell.append(len(n.cell_piece))
-    n.road_shape.append(len(n.shape_s))
-    n.road_section.append(len(n.section_s))
-    n.road_type.append(len(n.type_s))
-    n.section_lane.append(len(n.lane_id))
-    n.lane_height.append(len(n.height_s))
-    n.lane_speed.append(len(n.speed_s))
-    n.lane_mark.append(len(n.mark_s))
-    n.mark_line.append(len(n.line_length))
+    return n.lane_height[n.section_lane[n.road_section[road]]] == len(n.height_s)

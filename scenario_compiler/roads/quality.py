@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 
+from scenario_compiler.forms.arrays import with_columns
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads.marks import MARK_COLOUR_CODES
 from scenario_compiler.roads.positions import MarkStretch
 from scenario_compiler.roads.tables import RoadTables
 
-MARK_COLUMNS = tuple(name for name in RoadTables.__slots__ if name.startswith("mark_") and name != "mark_line")
-LINE_COLUMNS = tuple(name for name in RoadTables.__slots__ if name.startswith("line_"))
+MARK_COLUMNS = tuple(name for name in columns_of(RoadTables) if name.startswith("mark_") and name != "mark_line")
+LINE_COLUMNS = tuple(name for name in columns_of(RoadTables) if name.startswith("line_"))
+REPLACED = (*MARK_COLUMNS, *LINE_COLUMNS, "mark_line", "lane_mark")
 
 OWN_COLOUR = -1
 """A piece has the colour of its mark and of the mark's lines."""
@@ -20,7 +22,7 @@ Piece = tuple[int, float, float, float, float, int]
 
 
 def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[MarkStretch]) -> RoadTables:
-    """Return tables whose marks carry the overrides, the later ones over the earlier; all else is shared.
+    """Return tables, as arrays, whose marks carry the overrides, the later ones over the earlier; all else is shared.
 
     Raises:
         KeyError: When a stretch names a road or a colour that does not exist.
@@ -32,11 +34,8 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
             if quality is not None and not 0.0 <= quality <= 1.0:
                 raise ValueError(f"mark quality {quality:g} is outside 0 to 1")
         by_road.setdefault(roads[one.road], []).append(one)
-    m = copy(n)
-    for name in (*MARK_COLUMNS, *LINE_COLUMNS, "mark_line", "lane_mark"):
-        setattr(m, name, [])
+    m = RoadTables()
     for row in range(len(n.lane_id)):
-        m.lane_mark.append(len(m.mark_s))
         stretches = by_road.get(n.section_road[n.lane_section[row]], ())
         pieces: list[Piece] = [
             (k, n.mark_s[k], n.mark_end[k], n.mark_quality_from[k], n.mark_quality_to[k], OWN_COLOUR)
@@ -47,9 +46,8 @@ def with_mark_quality(n: RoadTables, roads: dict[str, int], overrides: Sequence[
                 pieces = [part for piece in pieces for part in _override(piece, one)]
         for piece in pieces:
             _append(n, m, piece)
-    m.lane_mark.append(len(m.mark_s))
-    m.mark_line.append(len(m.line_length))
-    return m
+        m.lane_mark.append(len(m.mark_s))
+    return with_columns(n.in_arrays(), {name: getattr(m, name) for name in REPLACED})
 
 
 def _override(piece: Piece, stretch: MarkStretch) -> list[Piece]:
@@ -85,10 +83,11 @@ def _append(n: RoadTables, m: RoadTables, piece: Piece) -> None:
         getattr(m, name).append(getattr(n, name)[mark])
     m.mark_s[-1], m.mark_end[-1] = s, end
     m.mark_quality_from[-1], m.mark_quality_to[-1] = before, after
-    m.mark_line.append(len(m.line_length))
+    first = len(m.line_length)
     for name in LINE_COLUMNS:
         getattr(m, name).extend(getattr(n, name)[n.mark_line[mark] : n.mark_line[mark + 1]])
+    m.mark_line.append(len(m.line_length))
     if colour != OWN_COLOUR:
         m.mark_colour[-1] = colour
-        for k in range(m.mark_line[-1], len(m.line_colour)):
+        for k in range(first, len(m.line_colour)):
             m.line_colour[k] = colour

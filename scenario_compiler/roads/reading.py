@@ -55,7 +55,7 @@ class Reader:
         self.sink.add(code, message, self.document.origin(element, attribute))
 
     def number(self, element: etree._Element, name: str, default: float, *, limit: float = NUMBER_LIMIT) -> float:
-        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is none.
+        """Return an attribute as a finite number within +-limit, the default (and a finding) where it is not one.
 
         A missing attribute is no finding here: whether it may be missing is a matter of structure, not of
         reading.
@@ -74,7 +74,7 @@ class Reader:
         return default
 
     def integer(self, element: etree._Element, name: str) -> int | None:
-        """Return an attribute as an integer, None (and a finding) where it is none."""
+        """Return an attribute as an integer, None (and a finding) where it is not one."""
         text = element.get(name)
         try:
             if text is not None and len(text) < 16:

@@ -67,7 +67,7 @@ def read_reference_line(reader: Reader, n: RoadTables, road: etree._Element, len
     first = len(n.piece_s)
     for s, element in geometries:
         _read_geometry(reader, n, s, element)
-    n.road_piece.append(first)
+    n.road_piece.append(len(n.piece_s))
     _append_index(n, first, length)
     return True
 
@@ -194,7 +194,6 @@ def _poly3_scale(b: float, c: float, d: float, length: float) -> float:
 def _append_index(n: RoadTables, first: int, length: float) -> None:
     """Append the uniform s-index of the road's pieces `first ..`: as many cells as pieces."""
     pieces = len(n.piece_s) - first
-    n.road_cell.append(len(n.cell_piece))
     n.road_cell_scale.append(pieces / length)
     at = first
     for c in range(pieces):
@@ -202,3 +201,4 @@ def _append_index(n: RoadTables, first: int, length: float) -> None:
         while at + 1 < first + pieces and n.piece_s[at + 1] <= s:
             at += 1
         n.cell_piece.append(at)
+    n.road_cell.append(len(n.cell_piece))

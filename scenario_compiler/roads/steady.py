@@ -1,34 +1,41 @@
 """Lanes whose centre keeps its distance from the reference line all along their section: it is computed once."""
 
-from __future__ import annotations
-
+from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import row_centre, row_width
 from scenario_compiler.roads.tables import RoadTables
 
 
+@compiled
+def is_constant(n: RoadTables, first: int, last: int) -> int:
+    """Return 1 where a range of cubics has the same value everywhere."""
+    for c in range(first, last):
+        if n.cubic_a[c] != n.cubic_a[first]:
+            return 0
+        if n.cubic_b[c] != 0.0 or n.cubic_c[c] != 0.0 or n.cubic_d[c] != 0.0:
+            return 0
+    return 1
+
+
+@compiled
+def note_steady_side(n: RoadTables, section: int, row: int, outwards: int, stop: int) -> None:
+    """Note the steady lanes of a section from a row outwards: those inside of which all widths are constant."""
+    s = n.section_s[section]
+    while row != stop and is_constant(n, n.lane_width_first[row], n.lane_width_last[row]) == 1:
+        centre, _ = row_centre(n, n.section_road[section], row, s)
+        n.lane_middle[row] = centre
+        n.lane_wide[row] = row_width(n, row, s)
+        n.lane_steady[row] = 1
+        row = row + outwards
+
+
+@compiled
 def note_steady_lanes(n: RoadTables) -> None:
     """Fill `lane_steady`, `lane_middle` and `lane_wide`, once sections, lanes and widths are there."""
-    rows = len(n.lane_id)
-    n.lane_steady = [0] * rows
-    n.lane_middle = [0.0] * rows
-    n.lane_wide = [0.0] * rows
-    constant = [_is_constant(n, n.lane_width_first[row], n.lane_width_last[row]) for row in range(rows)]
-    for section, road in enumerate(n.section_road):
-        if not _is_constant(n, n.road_offset_first[road], n.road_offset_last[road]):
-            continue
-        first, last = n.section_lane[section], n.section_lane[section + 1]
-        centre = first + n.section_left[section]
-        for row in range(first, last):
-            inwards = range(min(row, centre), max(row, centre) + 1)
-            if all(constant[one] for one in inwards):
-                n.lane_middle[row] = row_centre(n, road, row, n.section_s[section])[0]
-                n.lane_wide[row] = row_width(n, row, n.section_s[section])
-                n.lane_steady[row] = 1
-
-
-def _is_constant(n: RoadTables, first: int, last: int) -> bool:
-    """Tell whether a range of cubics has the same value everywhere."""
-    return all(
-        n.cubic_a[c] == n.cubic_a[first] and n.cubic_b[c] == n.cubic_c[c] == n.cubic_d[c] == 0.0
-        for c in range(first, last)
-    )
+    for section in range(len(n.section_s)):
+        road = n.section_road[section]
+        if is_constant(n, n.road_offset_first[road], n.road_offset_last[road]) == 1:
+            first = n.section_lane[section]
+            centre = first + n.section_left[section]
+            note_steady_side(n, section, centre, -1, first - 1)
+            if n.lane_steady[centre] == 1:
+                note_steady_side(n, section, centre + 1, 1, n.section_lane[section + 1])

@@ -1,19 +1,28 @@
-"""`RoadTables`: a whole road network as flat columns, the container `n` of every compiled road function.
+"""`RoadTables`: a whole road network as flat columns, the container `n` of every marked road function.
 
-Ragged data is in CSR form: the rows of owner `i` in a child table are `start[i] .. start[i + 1] - 1`. Ranges
-into the pool of
-cubics are given by `*_first` and `*_last` (exclusive), because lanes may share them. Indices are 0-based, -1
-is "none".
-Lengths are in metres, angles in radians, OpenDRIVE axes (x east, y north, z up).
+Ragged data is in CSR form: the rows of owner `i` in a child table are `start[i] .. start[i + 1] - 1`. Ranges into the
+pool of cubics are given by `*_first` and `*_last` (exclusive), because lanes may share them. Indices are 0-based, -1 is
+"none". Lengths are in metres, angles in radians, OpenDRIVE axes (x east, y north, z up).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
-if TYPE_CHECKING:
-    import numpy as np
+from scenario_compiler.forms.arrays import BothForms
+from scenario_compiler.forms.declaration import (
+    FLAG,
+    Allowed,
+    Of,
+    codes,
+    column,
+    container,
+    index,
+    index_or_none,
+    row_starts,
+    whole,
+)
+from scenario_compiler.roads.lane_types import LANE_TYPES, ROAD_TYPES
 
 LINE = 0
 ARC = 1
@@ -26,303 +35,241 @@ AT_END = 1
 NO_SPEED = -1.0
 """Speed column where the file states no limit; `inf` is an explicit "no limit"."""
 
+ROAD = Of("road", lambda n: len(n.road_length))
+ROAD_END = Of("end of a road", lambda n: 2 * len(n.road_length))
+EXIT = Of("exit", lambda n: len(n.exit_road))
+PIECE = Of("piece of a reference line", lambda n: len(n.piece_s))
+STRETCH = Of("stretch of s", lambda n: len(n.cell_piece))
+POLYNOMIAL_PIECE = Of("polynomial", lambda n: len(n.poly_scale))
+CUBIC = Of("cubic", lambda n: len(n.cubic_s))
+STATION = Of("station of a lateral shape", lambda n: len(n.shape_s))
+TYPE = Of("road type record", lambda n: len(n.type_s))
+SECTION = Of("lane section", lambda n: len(n.section_s))
+LANE = Of("lane in a section", lambda n: len(n.lane_id))
+LANE_END = Of("end of a lane", lambda n: 2 * len(n.lane_id))
+LINK = Of("link", lambda n: len(n.link_lane))
+HEIGHT = Of("height record", lambda n: len(n.height_s))
+SPEED = Of("speed record", lambda n: len(n.speed_s))
+MARK = Of("mark", lambda n: len(n.mark_s))
+MARK_LINE = Of("line of a mark", lambda n: len(n.line_length))
+CHUNK = Of("chunk", lambda n: len(n.chunk_s))
+CELL = Of("cell of the plane", lambda n: len(n.cell_key))
+CELL_CHUNK = Of("chunk of a cell", lambda n: len(n.chunk_of_cell))
+WIDE = Of("wide chunk", lambda n: len(n.wide_chunk))
 
-class RoadTables:
-    """The columns. Interpreted they are lists; `arrays()` gives the numpy form of the compiled engine.
+PLACE = Allowed(Of("begin or end of a range of cubics", lambda n: len(n.cubic_s) + 1))
+JUNCTION = whole(-1)
+CODE = whole(0, 100)
+CONTACT = codes(AT_END + 1, least=-1)
 
-    Attributes:
-        road_length: Length along the reference line, m.
-        road_rule: 1 in right-hand traffic, -1 in left-hand traffic.
-        road_junction: Index of the junction that the road lies in, or -1.
-        road_flat: 1 where height, pitch and roll are 0 everywhere.
-        road_directions: 1 where a lane declares a direction other than its side's.
-        road_piece: CSR into the pieces of the reference line.
-        road_cell: CSR into `cell_piece`, the uniform s-index: the last piece that starts at or before each
-            cell.
-        road_cell_scale: Cells per metre of s.
-        road_elevation_first, road_superelevation_first, road_offset_first, road_crossfall_left_first,
-        road_crossfall_right_first (and `*_last`): Ranges of cubics over s: z in m, roll in rad, lane offset
-        in m, crossfall in rad.
-        road_shape: CSR into the stations of the lateral shape.
-        road_section: CSR into the lane sections.
-        road_type: CSR into the road type records.
-        road_start_road, road_start_contact, road_end_road, road_end_contact: The road that the start (end)
-            is linked to and the end
-            of it that is touched (`AT_START`, `AT_END`), or -1.
-        road_start_junction, road_end_junction: The junction that the start (end) leads into, or -1.
-        road_exit: CSR with two rows a road (start, then end) into the exits, the roads whose lanes are
-            linked there.
-        exit_road, exit_contact: Such a road and its end that is touched.
-        piece_s, piece_x, piece_y, piece_h: s, position and heading at the piece's start.
-        piece_cos, piece_sin: Cosine and sine of that heading.
-        piece_k, piece_dk: Curvature there, 1/m, and its rate, 1/m2; 0 of lines and polynomials.
-        piece_kind: LINE, ARC, SPIRAL or POLYNOMIAL.
-        piece_poly: Row of the polynomial's coefficients, or -1.
-        poly_au .. poly_dv: Coefficients of u(p) and v(p) in the frame of the piece's start.
-        poly_scale: dp/ds, constant over the piece.
-        cubic_s, cubic_a, cubic_b, cubic_c, cubic_d: a + b d + c d2 + d d3 with d = s - cubic_s.
-        shape_s, shape_first, shape_last: A station of the lateral shape and its cubics over t.
-        section_s, section_end: The section's range of s.
-        section_road: The road.
-        section_left: Number of its left lanes.
-        section_lane: CSR into the lanes, from left to right, the centre lane included.
-        lane_id, lane_type, lane_section, lane_level: As in the file (type by `lane_types`).
-        lane_direction: 0 by the side and the rule, 1 reversed, 2 both.
-        lane_width_first, lane_width_last: Range of cubics over absolute s, m.
-        lane_steady: 1 where t of the lane's centre is the same all along its section.
-        lane_middle: That t, m; 0 elsewhere.
-        lane_wide: Width of such a lane, which is the same all along too, m; 0 elsewhere.
-        lane_height: CSR into the height records.
-        lane_speed: CSR into the lane's speed records.
-        lane_mark: CSR into the marks on the lane's outer border.
-        lane_link: CSR with two rows a lane (its low-s end, then its high-s end) into the links.
-        link_lane: The linked lane's row.
-        link_contact: The end of that lane that is touched.
-        link_turn: Absolute change of heading along the linked road when it lies in a junction, else 0; rad. Pi where a
-            road is linked to a place inside another one: the main road goes on.
-        height_s, height_inner, height_outer: Lane height above the road surface at its inner and outer
-            border, m.
-        type_s, type_code, type_speed: Road type records; speed in m/s.
-        speed_s, speed_max: Lane speed records, m/s.
-        mark_s, mark_end: Range of s that the mark covers.
-        mark_type, mark_colour, mark_change, mark_width: Codes of `marks`; width in m.
-        mark_quality_from, mark_quality_to: Quality at both ends, 0 (gone) to 1 (new), linear between.
-        mark_sway_first, mark_sway_last: Range of cubics over absolute s: lateral offset of the whole mark, m.
-        mark_line: CSR into the explicit lines of the mark's type.
-        line_length, line_space, line_t, line_s, line_width, line_colour: A line: dash and gap length (gap 0:
-            solid), lateral offset,
-            start within the mark, width in m.
-        line_once: 1 for a single explicit line, 0 for one that repeats.
-        chunk_road, chunk_section, chunk_piece, chunk_s, chunk_end: Short parts of the reference line, each
-            in one piece and section.
-        chunk_before, chunk_after: How far beyond each end a point still belongs to it (over a kink of the
-            reference line), m.
-        chunk_right, chunk_left: Bounds of t of the lanes, m.
-        chunk_x0, chunk_x1, chunk_y0, chunk_y1: Bounds of the surface in the plane.
-        cell_key: Sorted keys of the occupied cells of the plane.
-        cell_chunk: CSR into `chunk_of_cell`.
-        chunk_of_cell: The chunks that touch the cell.
-        wide_chunk: Chunks too wide for the cells; they are always looked at.
+
+@container("n", 0)
+@dataclass(slots=True)
+class RoadTables(BothForms):
+    """The columns of a network."""
+
+    # Roads.
+    road_length: list[float] = column(ROAD)
+    """Length along the reference line, m."""
+    road_rule: list[int] = column(ROAD, 1, whole(-1, 2))
+    """1 in right-hand traffic, -1 in left-hand traffic."""
+    road_junction: list[int] = column(ROAD, -1, JUNCTION)
+    """The junction that the road lies in, or -1."""
+    road_flat: list[int] = column(ROAD, 0, FLAG)
+    """1 where height, pitch and roll are 0 everywhere."""
+    road_directions: list[int] = column(ROAD, 0, FLAG)
+    """1 where a lane declares a direction other than its side's."""
+    road_piece: list[int] = row_starts(ROAD, PIECE)
+    road_cell: list[int] = row_starts(ROAD, STRETCH)
+    """Row starts of `cell_piece`, the uniform s-index."""
+    road_cell_scale: list[float] = column(ROAD)
+    """Stretches of the s-index per metre of s."""
+    road_elevation_first: list[int] = column(ROAD, 0, PLACE)
+    """Range of cubics over s: z of the reference line, m."""
+    road_elevation_last: list[int] = column(ROAD, 0, PLACE)
+    road_superelevation_first: list[int] = column(ROAD, 0, PLACE)
+    """Range of cubics over s: roll, rad."""
+    road_superelevation_last: list[int] = column(ROAD, 0, PLACE)
+    road_offset_first: list[int] = column(ROAD, 0, PLACE)
+    """Range of cubics over s: t of the centre lane, m."""
+    road_offset_last: list[int] = column(ROAD, 0, PLACE)
+    road_crossfall_left_first: list[int] = column(ROAD, 0, PLACE)
+    """Range of cubics over s: crossfall of a side, rad."""
+    road_crossfall_left_last: list[int] = column(ROAD, 0, PLACE)
+    road_crossfall_right_first: list[int] = column(ROAD, 0, PLACE)
+    road_crossfall_right_last: list[int] = column(ROAD, 0, PLACE)
+    road_shape: list[int] = row_starts(ROAD, STATION)
+    road_section: list[int] = row_starts(ROAD, SECTION)
+    road_type: list[int] = row_starts(ROAD, TYPE)
+    road_start_road: list[int] = column(ROAD, -1, index_or_none(ROAD))
+    """The road that the start is linked to, or -1."""
+    road_start_contact: list[int] = column(ROAD, -1, CONTACT)
+    """The end of it that is touched, AT_START or AT_END, or -1."""
+    road_end_road: list[int] = column(ROAD, -1, index_or_none(ROAD))
+    road_end_contact: list[int] = column(ROAD, -1, CONTACT)
+    road_start_junction: list[int] = column(ROAD, -1, JUNCTION)
+    """The junction that the start leads into, or -1."""
+    road_end_junction: list[int] = column(ROAD, -1, JUNCTION)
+    road_exit: list[int] = row_starts(ROAD_END, EXIT)
+    """Row starts of the exits, two rows a road (start, then end): the roads whose lanes are linked there."""
+    exit_road: list[int] = column(EXIT, 0, index(ROAD))
+    exit_contact: list[int] = column(EXIT, 0, CONTACT)
+    """The end of that road that is touched."""
+
+    # Reference lines.
+    piece_s: list[float] = column(PIECE)
+    """s, position and heading at the piece's start."""
+    piece_x: list[float] = column(PIECE)
+    piece_y: list[float] = column(PIECE)
+    piece_h: list[float] = column(PIECE)
+    piece_cos: list[float] = column(PIECE)
+    """Cosine and sine of that heading."""
+    piece_sin: list[float] = column(PIECE)
+    piece_k: list[float] = column(PIECE)
+    """Curvature there, 1/m, and its rate, 1/m2; 0 of lines and polynomials."""
+    piece_dk: list[float] = column(PIECE)
+    piece_kind: list[int] = column(PIECE, 0, codes(POLYNOMIAL + 1))
+    """LINE, ARC, SPIRAL or POLYNOMIAL."""
+    piece_poly: list[int] = column(PIECE, -1, index_or_none(POLYNOMIAL_PIECE))
+    """Row of the polynomial's coefficients, or -1."""
+    cell_piece: list[int] = column(STRETCH, 0, index(PIECE))
+    """The last piece that starts at or before each stretch."""
+    poly_au: list[float] = column(POLYNOMIAL_PIECE)
+    """Coefficients of u(p) and v(p) in the frame of the piece's start."""
+    poly_bu: list[float] = column(POLYNOMIAL_PIECE)
+    poly_cu: list[float] = column(POLYNOMIAL_PIECE)
+    poly_du: list[float] = column(POLYNOMIAL_PIECE)
+    poly_av: list[float] = column(POLYNOMIAL_PIECE)
+    poly_bv: list[float] = column(POLYNOMIAL_PIECE)
+    poly_cv: list[float] = column(POLYNOMIAL_PIECE)
+    poly_dv: list[float] = column(POLYNOMIAL_PIECE)
+    poly_scale: list[float] = column(POLYNOMIAL_PIECE)
+    """dp/ds, constant over the piece."""
+
+    # Profiles.
+    cubic_s: list[float] = column(CUBIC)
+    """A cubic: a + b d + c d2 + d d3 with d = s - cubic_s."""
+    cubic_a: list[float] = column(CUBIC)
+    cubic_b: list[float] = column(CUBIC)
+    cubic_c: list[float] = column(CUBIC)
+    cubic_d: list[float] = column(CUBIC)
+    shape_s: list[float] = column(STATION)
+    """A station of the lateral shape and its cubics over t."""
+    shape_first: list[int] = column(STATION, 0, PLACE)
+    shape_last: list[int] = column(STATION, 0, PLACE)
+    type_s: list[float] = column(TYPE)
+    type_code: list[int] = column(TYPE, 0, codes(len(ROAD_TYPES)))
+    type_speed: list[float] = column(TYPE)
+    """Speed limit, m/s; NO_SPEED where none is stated."""
+
+    # Lanes.
+    section_s: list[float] = column(SECTION)
+    section_end: list[float] = column(SECTION)
+    section_road: list[int] = column(SECTION, 0, index(ROAD))
+    section_left: list[int] = column(SECTION, 0, whole(0))
+    """Number of its left lanes."""
+    section_lane: list[int] = row_starts(SECTION, LANE)
+    """Row starts of its lanes, from left to right, the centre lane included."""
+    lane_id: list[int] = column(LANE)
+    lane_type: list[int] = column(LANE, 0, codes(len(LANE_TYPES)))
+    """Code of the type, by `lane_types`."""
+    lane_section: list[int] = column(LANE, 0, index(SECTION))
+    lane_level: list[int] = column(LANE, 0, FLAG)
+    lane_direction: list[int] = column(LANE, 0, codes(3))
+    """0 by the side and the rule, 1 reversed, 2 both."""
+    lane_width_first: list[int] = column(LANE, 0, PLACE)
+    """Range of cubics over s: width, m."""
+    lane_width_last: list[int] = column(LANE, 0, PLACE)
+    lane_steady: list[int] = column(LANE, 0, FLAG, written=True)
+    """1 where t of the lane's centre is the same all along its section."""
+    lane_middle: list[float] = column(LANE, written=True)
+    """That t, m; 0 elsewhere."""
+    lane_wide: list[float] = column(LANE, written=True)
+    """Width of such a lane, which is the same all along too, m; 0 elsewhere."""
+    lane_height: list[int] = row_starts(LANE, HEIGHT)
+    lane_speed: list[int] = row_starts(LANE, SPEED)
+    lane_mark: list[int] = row_starts(LANE, MARK)
+    """Row starts of the marks on the lane's outer border."""
+    lane_link: list[int] = row_starts(LANE_END, LINK)
+    """Row starts of the links, two rows a lane: its end of low s, then the one of high s."""
+    link_lane: list[int] = column(LINK, 0, index(LANE))
+    link_contact: list[int] = column(LINK, 0, CONTACT)
+    """The end of that lane that is touched."""
+    link_turn: list[float] = column(LINK)
+    """Absolute change of heading along the linked road when it lies in a junction, else 0; rad. Pi where a road is
+    linked to a place inside another one: the main road goes on.
     """
+    height_s: list[float] = column(HEIGHT)
+    height_inner: list[float] = column(HEIGHT)
+    """Height above the road surface at the lane's inner and outer border, m."""
+    height_outer: list[float] = column(HEIGHT)
+    speed_s: list[float] = column(SPEED)
+    speed_max: list[float] = column(SPEED)
+    """Speed limit of the lane, m/s; NO_SPEED where none is stated."""
 
-    __slots__ = (
-        *(
-            "road_length",
-            "road_rule",
-            "road_junction",
-            "road_flat",
-            "road_directions",
-            "road_piece",
-            "road_cell",
-        ),
-        *("road_cell_scale", "road_elevation_first", "road_elevation_last", "road_superelevation_first"),
-        *("road_superelevation_last", "road_offset_first", "road_offset_last", "road_crossfall_left_first"),
-        *(
-            "road_crossfall_left_last",
-            "road_crossfall_right_first",
-            "road_crossfall_right_last",
-            "road_shape",
-        ),
-        *("road_section", "road_type", "road_start_road", "road_start_contact", "road_end_road"),
-        *(
-            "road_end_contact",
-            "road_start_junction",
-            "road_end_junction",
-            "road_exit",
-            "exit_road",
-            "exit_contact",
-        ),
-        *("piece_s", "piece_x", "piece_y", "piece_h", "piece_cos", "piece_sin", "piece_k"),
-        *("piece_dk", "piece_kind", "piece_poly"),
-        *(
-            "cell_piece",
-            "poly_au",
-            "poly_bu",
-            "poly_cu",
-            "poly_du",
-            "poly_av",
-            "poly_bv",
-            "poly_cv",
-            "poly_dv",
-        ),
-        *("poly_scale", "cubic_s", "cubic_a", "cubic_b", "cubic_c", "cubic_d", "shape_s", "shape_first"),
-        *(
-            "shape_last",
-            "section_s",
-            "section_end",
-            "section_road",
-            "section_left",
-            "section_lane",
-            "lane_id",
-        ),
-        *("lane_type", "lane_section", "lane_level", "lane_direction", "lane_width_first", "lane_width_last"),
-        *("lane_steady", "lane_middle", "lane_wide"),
-        *("lane_height", "lane_speed", "lane_mark", "lane_link", "link_lane", "link_contact", "link_turn"),
-        *("height_s", "height_inner", "height_outer", "type_s", "type_code", "type_speed", "speed_s"),
-        *("speed_max", "mark_s", "mark_end", "mark_type", "mark_colour", "mark_change", "mark_width"),
-        *(
-            "mark_quality_from",
-            "mark_quality_to",
-            "mark_sway_first",
-            "mark_sway_last",
-            "mark_line",
-            "line_length",
-            "line_space",
-            "line_t",
-            "line_s",
-        ),
-        *("line_width", "line_colour", "line_once", "chunk_road", "chunk_section", "chunk_piece", "chunk_s"),
-        *("chunk_end", "chunk_before", "chunk_after", "chunk_right", "chunk_left", "chunk_x0", "chunk_x1"),
-        *("chunk_y0", "chunk_y1", "cell_key", "cell_chunk", "chunk_of_cell", "wide_chunk"),
-    )
+    # Marks.
+    mark_s: list[float] = column(MARK)
+    """Range of s that the mark covers."""
+    mark_end: list[float] = column(MARK)
+    mark_type: list[int] = column(MARK, 0, CODE)
+    """Codes of `marks`."""
+    mark_colour: list[int] = column(MARK, 0, CODE)
+    mark_change: list[int] = column(MARK, 0, CODE)
+    mark_width: list[float] = column(MARK)
+    mark_quality_from: list[float] = column(MARK)
+    """Quality at both ends, 0 (gone) to 1 (new), linear between."""
+    mark_quality_to: list[float] = column(MARK)
+    mark_sway_first: list[int] = column(MARK, 0, PLACE)
+    """Range of cubics over s: lateral offset of the whole mark, m."""
+    mark_sway_last: list[int] = column(MARK, 0, PLACE)
+    mark_line: list[int] = row_starts(MARK, MARK_LINE)
+    """Row starts of the explicit lines of the mark's type."""
+    line_length: list[float] = column(MARK_LINE)
+    """Length of a dash, m, of the gap behind it (0: solid), lateral offset, start within the mark, width."""
+    line_space: list[float] = column(MARK_LINE)
+    line_t: list[float] = column(MARK_LINE)
+    line_s: list[float] = column(MARK_LINE)
+    line_width: list[float] = column(MARK_LINE)
+    line_colour: list[int] = column(MARK_LINE, 0, CODE)
+    line_once: list[int] = column(MARK_LINE, 0, FLAG)
+    """1 for a single explicit line, 0 for one that repeats."""
 
-    road_length: list[float]
-    road_rule: list[int]
-    road_junction: list[int]
-    road_flat: list[int]
-    road_directions: list[int]
-    road_piece: list[int]
-    road_cell: list[int]
-    road_cell_scale: list[float]
-    road_elevation_first: list[int]
-    road_elevation_last: list[int]
-    road_superelevation_first: list[int]
-    road_superelevation_last: list[int]
-    road_offset_first: list[int]
-    road_offset_last: list[int]
-    road_crossfall_left_first: list[int]
-    road_crossfall_left_last: list[int]
-    road_crossfall_right_first: list[int]
-    road_crossfall_right_last: list[int]
-    road_shape: list[int]
-    road_section: list[int]
-    road_type: list[int]
-    road_start_road: list[int]
-    road_start_contact: list[int]
-    road_end_road: list[int]
-    road_end_contact: list[int]
-    road_start_junction: list[int]
-    road_end_junction: list[int]
-    road_exit: list[int]
-    exit_road: list[int]
-    exit_contact: list[int]
-    piece_s: list[float]
-    piece_x: list[float]
-    piece_y: list[float]
-    piece_h: list[float]
-    piece_cos: list[float]
-    piece_sin: list[float]
-    piece_k: list[float]
-    piece_dk: list[float]
-    piece_kind: list[int]
-    piece_poly: list[int]
-    cell_piece: list[int]
-    poly_au: list[float]
-    poly_bu: list[float]
-    poly_cu: list[float]
-    poly_du: list[float]
-    poly_av: list[float]
-    poly_bv: list[float]
-    poly_cv: list[float]
-    poly_dv: list[float]
-    poly_scale: list[float]
-    cubic_s: list[float]
-    cubic_a: list[float]
-    cubic_b: list[float]
-    cubic_c: list[float]
-    cubic_d: list[float]
-    shape_s: list[float]
-    shape_first: list[int]
-    shape_last: list[int]
-    section_s: list[float]
-    section_end: list[float]
-    section_road: list[int]
-    section_left: list[int]
-    section_lane: list[int]
-    lane_id: list[int]
-    lane_type: list[int]
-    lane_section: list[int]
-    lane_level: list[int]
-    lane_direction: list[int]
-    lane_width_first: list[int]
-    lane_width_last: list[int]
-    lane_steady: list[int]
-    lane_middle: list[float]
-    lane_wide: list[float]
-    lane_height: list[int]
-    lane_speed: list[int]
-    lane_mark: list[int]
-    lane_link: list[int]
-    link_lane: list[int]
-    link_contact: list[int]
-    link_turn: list[float]
-    height_s: list[float]
-    height_inner: list[float]
-    height_outer: list[float]
-    type_s: list[float]
-    type_code: list[int]
-    type_speed: list[float]
-    speed_s: list[float]
-    speed_max: list[float]
-    mark_s: list[float]
-    mark_end: list[float]
-    mark_type: list[int]
-    mark_colour: list[int]
-    mark_change: list[int]
-    mark_width: list[float]
-    mark_quality_from: list[float]
-    mark_quality_to: list[float]
-    mark_sway_first: list[int]
-    mark_sway_last: list[int]
-    mark_line: list[int]
-    line_length: list[float]
-    line_space: list[float]
-    line_t: list[float]
-    line_s: list[float]
-    line_width: list[float]
-    line_colour: list[int]
-    line_once: list[int]
-    chunk_road: list[int]
-    chunk_section: list[int]
-    chunk_piece: list[int]
-    chunk_s: list[float]
-    chunk_end: list[float]
-    chunk_before: list[float]
-    chunk_after: list[float]
-    chunk_right: list[float]
-    chunk_left: list[float]
-    chunk_x0: list[float]
-    chunk_x1: list[float]
-    chunk_y0: list[float]
-    chunk_y1: list[float]
-    cell_key: list[int]
-    cell_chunk: list[int]
-    chunk_of_cell: list[int]
-    wide_chunk: list[int]
-
-    def __init__(self) -> None:
-        """Start with every column empty."""
-        for name in self.__slots__:
-            setattr(self, name, [])
-
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """Return the columns in the order of `__slots__` as arrays of float64 and int64."""
-        import numpy as np
-
-        return tuple(
-            np.array(getattr(self, name), dtype=np.float64 if name in FLOAT_COLUMNS else np.int64)
-            for name in self.__slots__
-        )
-
-
-FLOAT_COLUMNS = frozenset(name for name, kind in RoadTables.__annotations__.items() if "float" in str(kind))
-"""Names of the columns that hold floats; the others hold ints."""
+    # The index over the plane: short parts of reference lines, each in one piece and section, and the cells they touch.
+    chunk_road: list[int] = column(CHUNK, 0, index(ROAD), written=True)
+    chunk_section: list[int] = column(CHUNK, 0, index(SECTION), written=True)
+    chunk_piece: list[int] = column(CHUNK, 0, index(PIECE), written=True)
+    chunk_s: list[float] = column(CHUNK, written=True)
+    chunk_end: list[float] = column(CHUNK, written=True)
+    chunk_before: list[float] = column(CHUNK, written=True)
+    """How far beyond each end a point still belongs to the chunk (over a kink of the reference line), m."""
+    chunk_after: list[float] = column(CHUNK, written=True)
+    chunk_right: list[float] = column(CHUNK, written=True)
+    """Bounds of t of the lanes, m."""
+    chunk_left: list[float] = column(CHUNK, written=True)
+    chunk_x0: list[float] = column(CHUNK, written=True)
+    """Bounds of the surface in the plane."""
+    chunk_x1: list[float] = column(CHUNK, written=True)
+    chunk_y0: list[float] = column(CHUNK, written=True)
+    chunk_y1: list[float] = column(CHUNK, written=True)
+    cell_key: list[int] = column(CELL, 0, whole(0, 1 << 62), written=True)
+    """Sorted keys of the occupied cells of the plane."""
+    cell_chunk: list[int] = row_starts(CELL, CELL_CHUNK, written=True)
+    chunk_of_cell: list[int] = column(CELL_CHUNK, 0, index(CHUNK), written=True)
+    """The chunks that touch the cell."""
+    wide_chunk: list[int] = column(WIDE, 0, index(CHUNK), written=True)
+    """Chunks too wide for the cells; they are always looked at."""
 
 
 @dataclass
 class ParsedNetwork:
-    """The tables of a network and the names that its indices stand for."""
+    """What a road file is read to.
 
-    tables: RoadTables = field(default_factory=RoadTables)
-    road_ids: list[str] = field(default_factory=list)
-    junction_ids: list[str] = field(default_factory=list)
+    Attributes:
+        arrays: The tables, their columns as arrays.
+        road_ids: Ids of the roads, by their indices in the tables.
+        junction_ids: Ids of the junctions.
+    """
+
+    arrays: RoadTables
+    road_ids: list[str]
+    junction_ids: list[str]

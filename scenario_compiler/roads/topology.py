@@ -279,7 +279,6 @@ def _store(n: RoadTables, links: _Links) -> None:
         row, end = divmod(i, 2)
         section = n.lane_section[row]
         road = n.section_road[section]
-        n.lane_link.append(len(n.link_lane))
         for other, contact in ends:
             target = n.section_road[n.lane_section[other]]
             n.link_lane.append(other)
@@ -289,12 +288,11 @@ def _store(n: RoadTables, links: _Links) -> None:
             at_road_end = section == _end_section(n, road, end)
             if at_road_end and not branch and (target, contact) not in exits[2 * road + end]:
                 exits[2 * road + end].append((target, contact))
-    n.lane_link.append(len(n.link_lane))
+        n.lane_link.append(len(n.link_lane))
     for roads in exits:
-        n.road_exit.append(len(n.exit_road))
         n.exit_road.extend(road for road, _ in roads)
         n.exit_contact.extend(contact for _, contact in roads)
-    n.road_exit.append(len(n.exit_road))
+        n.road_exit.append(len(n.exit_road))
 
 
 def _turn(n: RoadTables, road: int) -> float:

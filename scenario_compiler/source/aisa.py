@@ -27,12 +27,13 @@ from scenario_compiler.source.expansion import catalog_driver, catalog_vehicles
 from scenario_compiler.source.parameters import report_unknown_arguments, typed
 from scenario_compiler.vocabulary.actions import LaneChangeAction, SpeedAction
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
+from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.entities import Actor, Dynamic, Ego, Static
 from scenario_compiler.vocabulary.positions import WorldPosition
 from scenario_compiler.vocabulary.scenario import Classification, Parameter, Scenario
 from scenario_compiler.vocabulary.sensors import Camera
 from scenario_compiler.vocabulary.storyboard import Do, When
-from scenario_compiler.vocabulary.takeover import Cause, Driver, Message, Takeover
+from scenario_compiler.vocabulary.takeover import Cause, Message, Takeover
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, weather_preset
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
@@ -45,8 +46,8 @@ DESIRED_SPEED = 5.0
 STEP, CONTROL_EVERY = 1.0 / 30.0, 2
 """The toolkit's time step, s, and the number of steps between two control steps."""
 
-MESSAGE = Message.model_construct(modality=("text", "audio"), content=("what", "why"))
-"""How the driver is told: the toolkit writes on the screen and, with --audio, speaks."""
+MESSAGE = Message.model_construct(modality=("text", "speech"), content=("what", "why"))
+"""How the driver is informed: the toolkit writes on the screen and, with --audio, speaks."""
 
 DURATION = 60.0
 """Length of a run, s; the toolkit runs until its window is closed."""
@@ -291,7 +292,7 @@ def _waypoints(element: etree._Element, values: Mapping[str, Value], reading: Re
 
 
 def _pose(name: str, text: str) -> Waypoint | None:
-    """Return the pose X,Y or X,Y,YAW, degrees; None when the text is none."""
+    """Return the pose X,Y or X,Y,YAW, degrees; None when the text is not a pose."""
     try:
         x, y, *rest = (float(part) for part in text.split(","))
     except ValueError:

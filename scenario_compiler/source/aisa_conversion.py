@@ -16,10 +16,10 @@ from scenario_compiler.source.aisa import filed_scenario, report_off_map
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
 from scenario_compiler.source.conflict import EntityWhen, ScenarioElement
+from scenario_compiler.vocabulary.driver import Driver, DriverModel
 from scenario_compiler.vocabulary.positions import WorldPosition
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import Do
-from scenario_compiler.vocabulary.takeover import Driver, DriverModel
 
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <!-- Converted from a file of the AISA toolkit. Obstacles that the toolkit's code keeps by a scenario's name stand here;

@@ -47,14 +47,14 @@ TEXT = """<?xml version="1.0" encoding="UTF-8"?>
     </ego>
     <!-- {summary}. What is not written takes the value named here. -->
 {use}
-    <!-- When the car asks: the time budget in s, its causes, and who answers (urgent, unhurried, absent, ...). -->
+    <!-- When the car asks: the time budget in s, its causes, and who answers (study_means, unhurried, absent, ...). -->
     <takeover budget="7">
       <cause kind="lane_confidence"/>
       <cause kind="sensor_health"/>
       <cause kind="path_blocked"/>
       <cause kind="lane_ends"/>
-      <driver preset="urgent"/>
-      <message modality="text audio" content="what why"/>
+      <driver preset="study_means"/>
+      <message modality="text tone" content="what why"/>
     </takeover>
     <!-- What the run is judged by. -->
     <criteria><no_collision/><stay_on_road/></criteria>

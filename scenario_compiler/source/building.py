@@ -21,7 +21,6 @@ from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.scenario import Scenario
 from scenario_compiler.vocabulary.storyboard import Storyboard, When
-from scenario_compiler.vocabulary.takeover import Driver
 from scenario_compiler.vocabulary.traversal import parameters_in, walk
 
 
@@ -41,8 +40,7 @@ def completed(scenario: Scenario, sink: Diagnostics) -> Scenario:
     happening = [scenario.storyboard, *(when for one in entities if not isinstance(one, Static) for when in one.whens)]
     vehicles.update((one.name, one) for one in kept_vehicles(happening, catalogs, sink))
     takeover = scenario.takeover
-    if isinstance(takeover.driver, Driver):
-        takeover = takeover.model_copy(update={"driver": catalog_driver(takeover.driver, catalogs, sink)})
+    takeover = takeover.model_copy(update={"driver": catalog_driver(takeover.driver, catalogs, sink)})
     changes = {
         "weather": settled_weather(scenario.weather, sink),
         "ego": None if scenario.ego is None else scenario.ego.model_copy(update={"whens": ()}),

@@ -1,4 +1,4 @@
-"""Catalogs: files of vehicles and drivers that scenarios name."""
+"""Catalogs: files of vehicles and drivers that scenarios name, and of what changes a driver's takeover time."""
 
 from __future__ import annotations
 
@@ -6,40 +6,45 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 from scenario_compiler.diagnostics import Diagnostic, Diagnostics
 from scenario_compiler.document import read_document
 from scenario_compiler.markup import names
 from scenario_compiler.markup.environment import Environment, ReadingContext
 from scenario_compiler.markup.reading import place_children, read_attributes, read_word
+from scenario_compiler.vocabulary.driver import DriverModel, Effect, EffectKind
 from scenario_compiler.vocabulary.entities import Vehicle
-from scenario_compiler.vocabulary.takeover import DriverModel
 from scenario_compiler.vocabulary.word import Word, attribute, child
+
+Name = TypeVar("Name", bound=str)
+Entry = TypeVar("Entry", bound=Word)
 
 
 class CatalogElement(Word):
-    """A file of vehicles and drivers."""
+    """A file of vehicles, drivers and effects on drivers."""
 
     word: Literal["catalog"] = "catalog"
 
     version: Literal["1"] = attribute("Version of the language.")
     summary: str = attribute("What the catalog holds.", default="")
-    entries: tuple[Vehicle | DriverModel, ...] = child("Its vehicles and drivers.", default=())
+    entries: tuple[Vehicle | DriverModel | Effect, ...] = child("Its vehicles, drivers and effects.", default=())
 
 
 @dataclass(frozen=True)
 class Catalogs:
-    """Vehicles and drivers by name.
+    """Vehicles and drivers by name, effects by kind.
 
     Attributes:
         vehicles: Vehicles by name.
         drivers: Drivers by name.
+        effects: Effects on a driver's takeover time by kind.
         complete: Everything could be read; else what is not known may well be there.
     """
 
     vehicles: Mapping[str, Vehicle] = field(default_factory=dict)
     drivers: Mapping[str, DriverModel] = field(default_factory=dict)
+    effects: Mapping[EffectKind, Effect] = field(default_factory=dict)
     complete: bool = True
 
     def extended(self, other: Catalogs) -> Catalogs:
@@ -47,6 +52,7 @@ class Catalogs:
         return Catalogs(
             {**self.vehicles, **other.vehicles},
             {**self.drivers, **other.drivers},
+            {**self.effects, **other.effects},
             self.complete and other.complete,
         )
 
@@ -62,6 +68,7 @@ def read_catalog(reading: ReadingContext) -> Catalogs:
     complete = True
     vehicles: dict[str, Vehicle] = {}
     drivers: dict[str, DriverModel] = {}
+    effects: dict[EffectKind, Effect] = {}
     elements = [
         (rule.words[str(element.tag)], element)
         for rule, elements in place_children(root, CatalogElement, reading)
@@ -69,21 +76,28 @@ def read_catalog(reading: ReadingContext) -> Catalogs:
     ]
     for word, element in elements:
         entry = read_word(element, word, reading)
-        if not isinstance(entry, Vehicle | DriverModel):
-            complete = False
-            continue
-        if entry.name in (vehicles if isinstance(entry, Vehicle) else drivers):
-            reading.sink.add(
-                names.DUPLICATE_NAME,
-                f"the catalog has '{entry.name}' already",
-                entry.place_of("name"),
-                related=names.first_at((vehicles | drivers)[entry.name].place_of("name")),
-            )
-        elif isinstance(entry, Vehicle):
-            vehicles[entry.name] = entry
+        if isinstance(entry, Vehicle):
+            _enter(vehicles, entry.name, entry, "name", reading)
+        elif isinstance(entry, DriverModel):
+            _enter(drivers, entry.name, entry, "name", reading)
+        elif isinstance(entry, Effect):
+            _enter(effects, entry.of, entry, "of", reading)
         else:
-            drivers[entry.name] = entry
-    return Catalogs(vehicles, drivers, complete)
+            complete = False
+    return Catalogs(vehicles, drivers, effects, complete)
+
+
+def _enter(entries: dict[Name, Entry], name: Name, entry: Entry, attribute: str, reading: ReadingContext) -> None:
+    """Enter an entry by its name, which stands in an attribute; report a name that is taken."""
+    if name in entries:
+        reading.sink.add(
+            names.DUPLICATE_NAME,
+            f"the catalog has '{name}' already",
+            entry.place_of(attribute),
+            related=names.first_at(entries[name].place_of(attribute)),
+        )
+    else:
+        entries[name] = entry
 
 
 def load_catalogs(folder: Path, sink: Diagnostics) -> Catalogs:

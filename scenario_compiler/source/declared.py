@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.markup.environment import Environment
 from scenario_compiler.source.conflict import Library
-from scenario_compiler.source.parameters import limits, read_parameters
+from scenario_compiler.source.parameters import read_parameters
 from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
 from scenario_compiler.vocabulary.word import AttributeSpelling
 
@@ -19,15 +19,17 @@ class Declaration:
     Attributes:
         kind: Its kind.
         limits: The limits of its values, in XML units; OpenSCENARIO's have none here.
+        summary: What it does, where the scenario says so.
     """
 
     kind: ParameterKind
     limits: AttributeSpelling
+    summary: str = ""
 
     @classmethod
     def of(cls, parameter: Parameter) -> Declaration:
         """Return what a parameter may be."""
-        return cls(parameter.type, limits(parameter))
+        return cls(parameter.type, parameter.limits, parameter.summary)
 
 
 def declared_in(library: Library, name: str | None) -> dict[str, Declaration]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import count
 from typing import Any
@@ -27,12 +27,13 @@ from scenario_compiler.source.parameters import (
 from scenario_compiler.source.templates import Expander, TemplateScope, template_parameters
 from scenario_compiler.source.variation import check_variation
 from scenario_compiler.vocabulary.actions import KeepsVehicles, TrafficKind
+from scenario_compiler.vocabulary.driver import Driver, DriverModel, Effect
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Traffic, Vehicle
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
-from scenario_compiler.vocabulary.scenario import Parameter, Scenario
+from scenario_compiler.vocabulary.scenario import NumberLimit, Parameter, Scenario
 from scenario_compiler.vocabulary.storyboard import When
-from scenario_compiler.vocabulary.takeover import Driver, DriverModel, Takeover
+from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import AnyWord, parameters_in, replaced, walk
 from scenario_compiler.vocabulary.weather import (
     WEATHER_PRESETS,
@@ -205,7 +206,22 @@ class _Attempt:
             for name, one in parameters.items()
             if name in in_use
         )
-        return scenario.model_copy(update={"parameters": still_open})
+        limits = tuple(self._limits(in_use, values))
+        return scenario.model_copy(update={"parameters": still_open, "limits": limits})
+
+    def _limits(self, in_use: set[str], values: Mapping[str, Value]) -> Iterator[NumberLimit]:
+        """Yield what numbers must keep that depend on parameters which stay open; the others are at their values."""
+        for (holder, _, limits), expression in self.reading.environment.limits.items():
+            settled = {name: values[name] for name in expression.names if name not in in_use}
+            value = expression.substitute(settled)
+            if value.names:
+                yield NumberLimit.model_construct(
+                    holder=holder,
+                    value=value,
+                    least=limits.minimum,
+                    exclusive=limits.exclusive,
+                    greatest=limits.maximum,
+                )
 
     def _bounded(self, happenings: Iterable[tuple[str, When | EntityWhen]]) -> list[tuple[str, When | EntityWhen]]:
         """Return what happens, without what can come about in too many ways; report that."""
@@ -282,12 +298,7 @@ class _Attempt:
         """Return the policy with the driver taken from the catalog."""
         origin = self.reading.origin(self.part.element)
         takeover: Takeover = self.words.get("takeover") or Takeover.model_construct().written_at(origin)
-        driver = takeover.driver
-        return (
-            takeover
-            if isinstance(driver, DriverModel)
-            else takeover.model_copy(update={"driver": catalog_driver(driver, catalogs, self.sink)})
-        )
+        return takeover.model_copy(update={"driver": catalog_driver(takeover.driver, catalogs, self.sink)})
 
 
 def with_weather(when: AnyWord, sink: Diagnostics) -> AnyWord:
@@ -308,19 +319,41 @@ def settled_weather(weather: AnyWeather, sink: Diagnostics) -> AnyWeather:
     return complete or weather
 
 
-def catalog_driver(driver: Driver, catalogs: Catalogs, sink: Diagnostics) -> Driver | DriverModel:
-    """Return the catalog's driver with the takeover time that the scenario fixes; report an unknown one."""
+def catalog_driver(driver: Driver | DriverModel, catalogs: Catalogs, sink: Diagnostics) -> Driver | DriverModel:
+    """Return the catalog's driver with what the scenario says of him and the catalog's effects; report an unknown one.
+
+    A takeover time and effects that the scenario gives count before those of the catalog's driver, and these before the
+    catalog's effects.
+    """
+    if isinstance(driver, DriverModel):
+        return driver.model_copy(update={"effects": _effects(catalogs.effects.values(), driver.effects)})
     found = catalogs.drivers.get(driver.preset)
     if found is None and catalogs.complete:
+        renamed = [one.name for one in catalogs.drivers.values() if one.formerly == driver.preset]
         sink.add(
             names.UNKNOWN_DRIVER,
             f"there is no driver '{driver.preset}'",
             driver.place_of("preset"),
-            hint=did_you_mean(driver.preset, catalogs.drivers),
+            hint=f"it is called '{renamed[0]}' now" if renamed else did_you_mean(driver.preset, catalogs.drivers),
         )
     if found is None:
         return driver
-    return found.model_copy(update={"takeover_time": driver.takeover_time}).written_at(driver.origin)
+    fixed = found.takeover_time if driver.takeover_time is None else driver.takeover_time
+    changes = {
+        "takeover_time": fixed,
+        "by_person": driver.by_person,
+        "task": driver.task,
+        "eyes_closed": driver.eyes_closed,
+        "traffic_density": driver.traffic_density,
+        "effects": _effects(catalogs.effects.values(), found.effects, driver.effects),
+        "driving": driver.driving or found.driving,
+    }
+    return found.model_copy(update=changes).written_at(driver.origin)
+
+
+def _effects(*groups: Iterable[Effect]) -> tuple[Effect, ...]:
+    """Return one effect of each kind: the last one."""
+    return tuple({one.of: one for group in groups for one in group}.values())
 
 
 def catalog_vehicles(

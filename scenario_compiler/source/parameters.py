@@ -14,10 +14,10 @@ from scenario_compiler.expressions import Expression, ExpressionError, Value, fo
 from scenario_compiler.markup import codes, names
 from scenario_compiler.markup.environment import Binding, Environment, ReadingContext
 from scenario_compiler.markup.reading import misspelt, read_word
-from scenario_compiler.markup.values import COMMAND_LINE, bound_value, outside
-from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, limits_text
+from scenario_compiler.markup.values import COMMAND_LINE, bound_value
+from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, limits_text, out_of_limits
 from scenario_compiler.vocabulary.scenario import Parameter
-from scenario_compiler.vocabulary.word import QUANTITIES, AttributeSpelling, Word
+from scenario_compiler.vocabulary.word import QUANTITIES, Word
 
 STRUCTURAL_KINDS = ("integer", "text", "boolean")
 """Kinds whose parameters are always replaced by their values; the others may stay open in a plan."""
@@ -136,7 +136,9 @@ def bind_use(declared: Declared, given: Mapping[str, str], reading: ReadingConte
         else:
             bindings[name] = value
     outer = reading.environment
-    return Environment(bindings, outer.values, frozenset(undetermined), not declared.all_read, outer.structural)
+    return Environment(
+        bindings, outer.values, frozenset(undetermined), not declared.all_read, outer.structural, outer.limits
+    )
 
 
 def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: ReadingContext) -> Binding | None:
@@ -149,7 +151,10 @@ def _typed_binding(bound: Binding, parameter: Parameter, place: Place, reading: 
         reading.sink.add(codes.BAD_EXPRESSION, str(error), place)
         return None
     value = typed(format_value(present), parameter, place, reading.sink)
-    return bound if value is not None and parameter.type not in STRUCTURAL_KINDS else value
+    if value is None or parameter.type in STRUCTURAL_KINDS:
+        return value
+    reading.environment.keep_within(parameter.name, bound, parameter.limits)
+    return bound
 
 
 def typed(text: str, parameter: Parameter, place: Place, sink: Diagnostics) -> Value | None:
@@ -169,32 +174,18 @@ def typed(text: str, parameter: Parameter, place: Place, sink: Diagnostics) -> V
         unit = QUANTITIES[kind].unit
         return _misfit(text, parameter, f"a number in {unit}" if unit not in ("", "1") else "a number", place, sink)
     number = float(stripped)
-    fault = outside(number, limits(parameter))
+    fault = out_of_limits(parameter.name, number, parameter.limits)
     if fault:
-        sink.add(
-            codes.OUT_OF_LIMITS,
-            f"{parameter.name} is {format_value(number)}, but must be {fault}",
-            place,
-            hint=parameter.summary,
-        )
+        sink.add(codes.OUT_OF_LIMITS, fault, place, hint=parameter.summary)
         return None
     return number
-
-
-def limits(parameter: Parameter) -> AttributeSpelling:
-    """Return the limits of a parameter, in XML units; a fraction lies between 0 and 1 without saying so."""
-    low = parameter.min if isinstance(parameter.min, float) else None
-    high = parameter.max if isinstance(parameter.max, float) else None
-    if parameter.type == "fraction":
-        low, high = (0.0 if low is None else low), (1.0 if high is None else high)
-    return AttributeSpelling(minimum=low, maximum=high)
 
 
 def parameter_kind(parameter: Parameter) -> str:
     """Return what a parameter holds, for people to read: its kind, unit and limits."""
     quantity = QUANTITIES.get(parameter.type)
     unit = f" in {quantity.unit}" if quantity is not None and quantity.unit not in ("", "1") else ""
-    return ", ".join(part for part in (f"{parameter.type}{unit}", limits_text(limits(parameter))) if part)
+    return ", ".join(part for part in (f"{parameter.type}{unit}", limits_text(parameter.limits)) if part)
 
 
 def _misfit(text: str, parameter: Parameter, expected: str, place: Place, sink: Diagnostics) -> Value | None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from scenario_compiler.diagnostics import Code, Diagnostics, did_you_mean
 from scenario_compiler.expressions import ExpressionError, format_value, parse_expression
 from scenario_compiler.markup import codes, names
-from scenario_compiler.markup.values import outside
-from scenario_compiler.source.parameters import Declared, limits, typed
+from scenario_compiler.source.parameters import Declared, typed
+from scenario_compiler.vocabulary.grammar import outside
 from scenario_compiler.vocabulary.scenario import Parameter
 from scenario_compiler.vocabulary.variation import Axis, Choice, Constraint, Grid, Poisson, Vary
 
@@ -57,7 +57,7 @@ def _check_values(axis: Axis, parameter: Parameter, sink: Diagnostics) -> None:
         message = f"'{parameter.name}' is a {parameter.type}, which only <choice>, <values> and <weighted> vary"
         sink.add(BAD_VARIATION, message, axis.place_of("parameter"))
     for value in axis.extent():
-        fault = outside(value, limits(parameter))
+        fault = outside(value, parameter.limits)
         if fault:
             message = f"{parameter.name} may become {format_value(value)}, but must be {fault}"
             sink.add(BAD_VARIATION, message, axis.origin)
@@ -70,7 +70,7 @@ def _counts(axis: Axis) -> bool:
 
 
 def _check_constraint(constraint: Constraint, declared: Declared, sink: Diagnostics) -> None:
-    """Report a constraint that cannot be read or names parameters that there are none."""
+    """Report a constraint that cannot be read or names parameters that are not declared."""
     place = constraint.place_of("holds")
     try:
         expression = parse_expression(constraint.holds)

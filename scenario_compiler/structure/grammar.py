@@ -59,7 +59,7 @@ class Grammar:
         words_since: First minor version whose words are checked.
         required_since: First minor version that requires attributes.
         stands_for_word: Tells which texts may stand in place of any word.
-        loosely: Returns the value of a kind (in a minor version) that a text which is none seems to mean, or None.
+        loosely: Returns the value of a kind (in a minor version) that a wrongly written text seems to mean, or None.
         groups: Models of the format's own words for children, by minor version.
         conditions: What an element demands beyond its declaration, by the declaration's name.
         conditions_since: First minor version with conditions.

@@ -31,7 +31,7 @@ _MINOR = re.compile(r"(?:^|[^0-9])1[._]?([0-9])(?:[^0-9]|$)")
 def find_schema(folder: Path, root: str, minor: int) -> Path | None:
     """Return the schema of version 1.`minor` in a folder or below it, the latest revision when there are several.
 
-    A schema is the file that declares the root element; its version is told by its name ("OpenDRIVE_1.4H.xsd",
+    A schema is the file that declares the root element; its version follows from its name ("OpenDRIVE_1.4H.xsd",
     "opendrive_16_core.xsd"), else by its folder's ("1.8.1"), else by its first lines ("ASAM OpenDRIVE V1.8.0").
     """
     found = [path for path in sorted(folder.rglob("*.xsd")) if _schema_minor(path, root) == minor]

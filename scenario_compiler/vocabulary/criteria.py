@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
@@ -13,9 +14,14 @@ class NoCollision(Word):
 
 
 class StayOnRoad(Word):
-    """The ego vehicle's reference point stays on a lane."""
+    """The ego vehicle's reference point stays on a lane.
+
+    An automated vehicle is judged by this whether it is written or not, unless `required` is false.
+    """
 
     word: Literal["stay_on_road"] = "stay_on_road"
+
+    required: bool = attribute("false: the ego vehicle may leave the road.", default=True)
 
 
 class ReachDestination(Word):
@@ -29,7 +35,7 @@ class MinimumTimeToCollision(Word):
 
     word: Literal["minimum_time_to_collision"] = "minimum_time_to_collision"
 
-    at_least: Number = attribute("Least time to collision, s.", quantity="time", minimum=0)
+    at_least: Number = attribute("Least time to collision, s.", quantity="time", minimum=0, maximum=HORIZON)
 
 
 class TakeoverWithin(Word):
@@ -54,6 +60,16 @@ class NoMinimumRisk(Word):
     word: Literal["no_minimum_risk"] = "no_minimum_risk"
 
 
+class MakesProgress(Word):
+    """The automated vehicle never stands without a reason for as long as the cause `no_progress` allows (5 s).
+
+    Reasons are a leader that moves or a queue behind one, a red signal, a stop that an action orders, and a
+    minimum-risk stop.
+    """
+
+    word: Literal["makes_progress"] = "makes_progress"
+
+
 class MaximumLateralOffset(Word):
     """The ego vehicle's reference point stays near the middle of a lane."""
 
@@ -70,5 +86,6 @@ Criterion = (
     | TakeoverWithin
     | Requested
     | NoMinimumRisk
+    | MakesProgress
     | MaximumLateralOffset
 )

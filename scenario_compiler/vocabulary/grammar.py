@@ -28,7 +28,7 @@ INTEGER = r"[+\-]?[0-9]{1,9}"
 """A whole number as XML writes it."""
 
 EXPRESSION = r"[$][A-Za-z_][A-Za-z0-9_.]*|[$]\{[ \t\r\n]*[^{} \t\r\n][^{}]*\}"
-"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal; `${}` is none.
+"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal; `${}` is not an expression.
 
 What an expression comes to is no matter of form: a schema takes any for any value, and the reader judges the value.
 """
@@ -170,3 +170,19 @@ def limits_text(spelling: AttributeSpelling) -> str:
     if spelling.maximum is not None:
         parts.append(f"to {format_value(float(spelling.maximum))}")
     return " ".join(parts)
+
+
+def outside(number: float, limits: AttributeSpelling) -> str:
+    """Return the limit that a number breaks, in words, in the XML unit; empty when it keeps them."""
+    low, high = limits.minimum, limits.maximum
+    if low is not None and (number < low or (limits.exclusive and number == low)):
+        return f"{'greater than' if limits.exclusive else 'at least'} {format_value(float(low))}"
+    if high is not None and number > high:
+        return f"at most {format_value(float(high))}"
+    return ""
+
+
+def out_of_limits(name: str, number: float, limits: AttributeSpelling) -> str:
+    """Return the sentence on a number that breaks limits, in the XML unit; empty when it keeps them."""
+    broken = outside(number, limits)
+    return f"{name} is {format_value(float(number))}, but must be {broken}" if broken else ""

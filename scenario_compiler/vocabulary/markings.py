@@ -22,7 +22,7 @@ class Markings(Word):
         default=None,
     )
     quality: Number | None = attribute(
-        "Quality at the begin: 1 is fresh paint, 0 is none. The map's when left out.",
+        "Quality at the begin: 1 is fresh paint, 0 is no paint. The map's when left out.",
         default=None,
         quantity="fraction",
         minimum=0,
@@ -68,7 +68,7 @@ class SecondaryMarkings(Word):
     type: Literal["solid", "broken"] = attribute("A broken line has 3 m of paint and 9 m of gap.", default="solid")
     width: Number = attribute("Width of the line, m.", default=0.12, quantity="length", minimum=0.01, maximum=1)
     quality: Number = attribute(
-        "Quality: 1 is fresh paint, 0 is none.", default=1.0, quantity="fraction", minimum=0, maximum=1
+        "Quality: 1 is fresh paint, 0 is no paint.", default=1.0, quantity="fraction", minimum=0, maximum=1
     )
 
 

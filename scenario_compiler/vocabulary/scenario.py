@@ -1,11 +1,12 @@
 """The scenario: what both languages end in once templates, catalogs and structural parameters are gone."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Literal
 
-from scenario_compiler.expressions import Value
+from scenario_compiler.expressions import ExpressionError, Value
 from scenario_compiler.vocabulary.criteria import Criterion
 from scenario_compiler.vocabulary.entities import Actor, Ego, Traffic, Vehicle
+from scenario_compiler.vocabulary.grammar import out_of_limits
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import SpawnPoints
 from scenario_compiler.vocabulary.signals import SignalController
@@ -14,7 +15,15 @@ from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.variables import Variable
 from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import Weather
-from scenario_compiler.vocabulary.word import IDENTIFIER, Number, Word, attribute, child
+from scenario_compiler.vocabulary.word import (
+    IDENTIFIER,
+    AttributeSpelling,
+    Number,
+    Word,
+    attribute,
+    child,
+    number_value,
+)
 
 
 class Classification(Word):
@@ -56,6 +65,15 @@ class Parameter(Word):
     max: Number | None = attribute("Greatest value.", default=None)
     summary: str = attribute("What it does.", default="")
 
+    @property
+    def limits(self) -> AttributeSpelling:
+        """Its limits, in XML units; a fraction lies between 0 and 1 without saying so."""
+        low = self.min if isinstance(self.min, float) else None
+        high = self.max if isinstance(self.max, float) else None
+        if self.type == "fraction":
+            low, high = (0.0 if low is None else low), (1.0 if high is None else high)
+        return AttributeSpelling(minimum=low, maximum=high)
+
     def value(self) -> Value:
         """Return the default as a value of the parameter's type, numbers in the unit that XML uses.
 
@@ -76,6 +94,31 @@ def parameter_values(parameters: Iterable[Parameter]) -> dict[str, Value]:
     return {parameter.name: parameter.value() for parameter in parameters}
 
 
+class NumberLimit(Word):
+    """What a number that depends on parameters must keep, whatever their values are.
+
+    The attribute that holds the number gives its limits, or the template's parameter that it is an argument of.
+    """
+
+    word: Literal["limit"] = "limit"
+
+    holder: str = attribute("Name of the attribute or parameter.")
+    value: Number = attribute("The number, in the unit that XML uses.")
+    least: float | None = attribute("Least value.", default=None)
+    exclusive: bool = attribute("The least value itself is left out.", default=False)
+    greatest: float | None = attribute("Greatest value.", default=None)
+
+    def fault(self, values: Mapping[str, Value]) -> str:
+        """Return what is wrong with the number at values of the parameters; empty where it is as it must be."""
+        try:
+            number = number_value(self.value, values)
+        except ExpressionError as error:
+            return str(error)
+        return out_of_limits(
+            self.holder, number, AttributeSpelling(minimum=self.least, maximum=self.greatest, exclusive=self.exclusive)
+        )
+
+
 class Scenario(Word):
     """A whole scenario: a map, an ego vehicle, the other actors, what happens, and how it is judged."""
 
@@ -92,6 +135,7 @@ class Scenario(Word):
     control_every: int = attribute("Number of time steps between two control steps.", default=1, minimum=1)
     weather: Weather = child("The weather.")
     parameters: tuple[Parameter, ...] = child("Parameters that numbers of the scenario use.", default=())
+    limits: tuple[NumberLimit, ...] = child("Limits of the numbers that depend on parameters.", default=())
     vary: Vary | None = child("How a sweep varies it.", default=None)
     classifications: tuple[Classification, ...] = child("Its places in published taxonomies.", default=())
     spawn_points: SpawnPoints | None = child("Spawn points of the scenario's own.", default=None)

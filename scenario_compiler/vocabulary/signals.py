@@ -11,7 +11,10 @@ class SignalState(Word):
     word: Literal["signal_state"] = "signal_state"
 
     signal: str = attribute("Id of the signal in the map.", names="signal")
-    state: str = attribute("Its state.")
+    state: str = attribute(
+        "Its state, by colours (`red`, `red;yellow`, `green`) or lamps from the top (`on;off;off`). Vehicles of "
+        "traffic and the automation stop at red, and at yellow where they can."
+    )
 
 
 class SignalPhase(Word):
@@ -21,6 +24,10 @@ class SignalPhase(Word):
 
     name: str = attribute("Name of the phase.")
     duration: Number = attribute("How long it lasts, s.", quantity="time", minimum=0)
+    state: str = attribute(
+        "State of every signal of the map's controller of this name or id, before those that are named one by one.",
+        default="",
+    )
     states: tuple[SignalState, ...] = child("States of its signals.", default=())
 
 

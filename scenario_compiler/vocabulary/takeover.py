@@ -6,9 +6,10 @@ after the request and its 4 m/s2 are after UN R157; the budget of 7 s is the mos
 
 from typing import Literal
 
+from scenario_compiler.vocabulary.driver import Driver, DriverModel, Inputs
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-CauseKind = Literal["lane_confidence", "sensor_health", "path_blocked", "lane_ends", "controller"]
+CauseKind = Literal["lane_confidence", "sensor_health", "path_blocked", "lane_ends", "no_progress", "controller"]
 """Why a takeover is requested."""
 
 
@@ -73,45 +74,46 @@ class Cause(Word):
         quantity="time",
         minimum=0,
     )
-
-
-class Driver(Word):
-    """Who answers a request: a preset of the driver catalog, or a fixed takeover time."""
-
-    word: Literal["driver"] = "driver"
-
-    preset: str = attribute("Name of a driver in the driver catalog.", default="urgent", names="driver")
-    takeover_time: Number | None = attribute(
-        "Time from the request to the driver's first input, s, in place of the preset's distribution.",
+    minimum_risk_after: Number | None = attribute(
+        "Time from a request for this cause to the minimum-risk manoeuvre, s; that of <takeover> when left out, and 0 "
+        "for sensor_health.",
+        default=None,
+        quantity="time",
+        minimum=0,
+    )
+    after: Number | None = attribute(
+        "no_progress: time for which the vehicle stands until it asks, s, while no leader that moves, no red signal "
+        "and no action holds it.",
         default=None,
         quantity="time",
         minimum=0,
     )
 
 
-class DriverModel(Word):
-    """A driver's takeover time as a lognormal distribution with lapses: the catalog's entry, which plans hold."""
+Modality = Literal["text", "icon", "overlay", "tone", "speech", "vibration", "none"]
+"""Channels of a message: a text, an icon, a mark laid over the road in the driver's view, a tone, speech, vibration of
+seat or wheel; `none` tells the driver nothing.
+"""
 
-    word: Literal["driver_model"] = "driver_model"
+RETIRED_MODALITIES = (("audio", "tone or speech"),)
+"""Channels of before, and what is to be written in their place."""
 
-    name: str = attribute("Name in the catalog.", defines="driver")
-    summary: str = attribute("Whom it stands for.", default="")
-    source: str = attribute("Where the numbers come from.", default="")
-    mu: float = attribute("Mean of the logarithm of the takeover time in seconds.", default=0.0)
-    sigma: float = attribute("Standard deviation of that logarithm.", default=0.0, minimum=0)
-    lapse: float = attribute("Probability of no answer at all.", default=0.0, quantity="fraction", minimum=0, maximum=1)
-    takeover_time: Number | None = attribute(
-        "Time from the request to the driver's first input, s, in place of the distribution.",
-        default=None,
-        quantity="time",
-        minimum=0,
-    )
-
-
-Modality = Literal["text", "audio", "icon"]
 Content = Literal["what", "why", "next"]
-Language = Literal["en", "de"]
+Language = Literal["en", "de", "fi", "sv"]
 """Languages of the messages, by their ISO 639-1 codes."""
+
+
+Told = Literal["warning", "request", "escalation", "minimum_risk"]
+"""Events that messages announce; a message ends when one of them gives way to another or its reason ends."""
+
+
+class Say(Word):
+    """A text of your own, in place of those that come along."""
+
+    word: Literal["say"] = "say"
+
+    at: Told = attribute("Event at which it is said.")
+    text: str = attribute("What is said.")
 
 
 class Message(Word):
@@ -119,11 +121,20 @@ class Message(Word):
 
     word: Literal["message"] = "message"
 
-    modality: tuple[Modality, ...] = attribute("By which channels.", default=("text",), separated=True)
+    modality: tuple[Modality, ...] = attribute(
+        "By which channels.", default=("text",), separated=True, retired=RETIRED_MODALITIES
+    )
     content: tuple[Content, ...] = attribute(
         "What is said: what happens, why, what to do next.", default=("what",), separated=True
     )
     language: Language = attribute("Language of the texts.", default="en")
+    after: Number = attribute(
+        "Time from the event to the message, s; it does not come where its reason has ended by then.",
+        default=0.0,
+        quantity="time",
+        minimum=0,
+    )
+    says: tuple[Say, ...] = child("Texts of your own.", default=())
 
 
 class Takeover(Word):
@@ -165,3 +176,4 @@ class Takeover(Word):
     causes: tuple[Cause, ...] = child("The causes that are switched on; all of them when none is given.", default=())
     driver: Driver | DriverModel = child("Who answers.", default_factory=Driver.model_construct)
     messages: tuple[Message, ...] = child("How the automation tells the driver.", default=())
+    inputs: Inputs = child("What counts as the driver's input in measures.", default_factory=Inputs.model_construct)

@@ -26,7 +26,7 @@ def seconds_of(text: str) -> float:
     """Return an ISO 8601 date and time as seconds since 1970; without a zone it is taken as universal time.
 
     Raises:
-        ValueError: The text is none.
+        ValueError: The text is not a value of that type.
     """
     text = text.strip()
     if text.endswith(("Z", "z")):
@@ -44,7 +44,7 @@ def seconds_of(text: str) -> float:
 
 
 def number_of(kind: VariableType, text: str) -> float | None:
-    """Return a value of a variable as a number: 0 and 1 for booleans, seconds for dates; None for text that is none."""
+    """Return a value of a variable as a number: 0 and 1 for booleans, seconds for dates; None for other text."""
     try:
         if kind == "boolean":
             return {"true": 1.0, "1": 1.0, "false": 0.0, "0": 0.0}[text.strip()]

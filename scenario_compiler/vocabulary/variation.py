@@ -238,7 +238,7 @@ class Vary(Word):
     word: Literal["vary"] = "vary"
 
     samples: int | None = attribute(
-        "Number of draws, where the command says none; 1 when left out.", default=None, minimum=1
+        "Number of draws at each listed point, where the command says none; 1 when left out.", default=None, minimum=1
     )
     seed: int | None = attribute("Seed of the draws, where the command says none; 1 when left out.", default=None)
     axes: tuple[

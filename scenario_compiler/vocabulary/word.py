@@ -38,6 +38,8 @@ QUANTITIES: dict[str, Quantity] = {
         Quantity("speed", "m/s"),
         Quantity("acceleration", "m/s2"),
         Quantity("angle", "deg", 0.017453292519943295),
+        Quantity("angle_rate", "deg/s", 0.017453292519943295),
+        Quantity("angle_random_walk", "deg/sqrt(s)", 0.017453292519943295),
         Quantity("grey_levels", "grey levels"),
     )
 }
@@ -134,6 +136,7 @@ class AttributeSpelling:
         separated: The text is a space-separated list.
         pattern: Regular expression that the whole text must match, in the syntax that Python and XML Schema share;
             empty for any text.
+        retired: Values of before, each with what is to be written in its place; they are refused with that hint.
     """
 
     name: str = ""
@@ -146,6 +149,7 @@ class AttributeSpelling:
     expression: bool = False
     separated: bool = False
     pattern: str = ""
+    retired: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,10 +194,13 @@ def attribute(
     expression: bool = False,
     separated: bool = False,
     pattern: str = "",
+    retired: tuple[tuple[str, str], ...] = (),
 ) -> Any:
     """Declare a field that XML writes as an attribute; limits are in the unit of `quantity` as XML writes it."""
     return _declare(
-        AttributeSpelling(name, quantity, minimum, maximum, exclusive, names, defines, expression, separated, pattern),
+        AttributeSpelling(
+            name, quantity, minimum, maximum, exclusive, names, defines, expression, separated, pattern, retired
+        ),
         default=default,
         description=description,
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, ClassVar
@@ -12,13 +11,9 @@ from typing_extensions import Self
 
 from scenario_compiler.controllers.model import CameraMounting, SensorData
 from scenario_compiler.plan.model import Plan
-from scenario_compiler.randomness import random_unit
-from scenario_compiler.roads import MarkStretch, Network, Pose, SecondaryLine
-from scenario_compiler.roads.lanes import lane_centre
-from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
-from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.plan.painted import lines_beside
+from scenario_compiler.roads import Network, SecondaryLine
 from scenario_compiler.vocabulary.weather import Weather
-from scenario_compiler.vocabulary.word import number_value
 from scenario_compiler.worlds.model import EgoCommand, EgoState, Snapshot, WorldEvent, WorldOptions
 
 if TYPE_CHECKING:
@@ -28,12 +23,7 @@ if TYPE_CHECKING:
     from scenario_compiler.perception.degradation import Degradation
     from scenario_compiler.perception.road_camera import RoadCamera
     from scenario_compiler.perception.solids import Box
-
-PIECE = 2.0
-"""Length of a piece of a mark that is covered or not, m."""
-
-PAINTS = ((38, 38, 160), (150, 92, 40), (60, 60, 60), (205, 205, 205), (40, 120, 60), (30, 140, 190))
-"""Colours of vehicles (blue, green, red); an entity's is chosen by its id."""
+    from scenario_compiler.perception.stage import Stage
 
 
 class KinematicWorld:
@@ -51,6 +41,7 @@ class KinematicWorld:
         self._seed = 1
         self._camera: RoadCamera | None = None
         self._viewer: RoadCamera | None = None
+        self._drawn: Stage | None = None
         self._lines: list[SecondaryLine] = []
         camera = plan.camera
         self._mounting = CameraMounting(
@@ -69,7 +60,7 @@ class KinematicWorld:
         """Begin a run: noise and rain are drawn from its seed."""
         lines = lines_beside(self.plan, self.network, snapshot.poses)
         if seed != self._seed or lines != self._lines:
-            self._camera = self._viewer = None
+            self._camera = self._viewer = self._drawn = None
         self._lines = lines
         if self._camera is not None:
             self._camera.forget()
@@ -93,8 +84,7 @@ class KinematicWorld:
         from scenario_compiler.perception.road_camera import RoadCamera
 
         if self._viewer is None:
-            scene = self._road_camera().scene
-            self._viewer = RoadCamera(scene, DRIVER, self._seed, self.plan.ego.vehicle.center)
+            self._viewer = RoadCamera(self._stage().scene, DRIVER, self._seed, self.plan.ego.vehicle.center)
         return self._viewer.frame(
             snapshot.poses[0],
             self._boxes(snapshot),
@@ -124,7 +114,7 @@ class KinematicWorld:
 
     def close(self) -> None:
         """Drop the camera's scene."""
-        self._camera = self._viewer = None
+        self._camera = self._viewer = self._drawn = None
 
     def __enter__(self) -> Self:
         """Return the world."""
@@ -140,45 +130,23 @@ class KinematicWorld:
         return self.plan.weather if snapshot.weather is None else snapshot.weather
 
     def _road_camera(self) -> RoadCamera:
-        from scenario_compiler.perception.road_camera import RoadCamera, scene_of
+        from scenario_compiler.perception.road_camera import RoadCamera
 
         if self._camera is None:
-            painted = self.network.with_mark_quality(mark_stretches(self.plan))
-            scene = scene_of(painted, [*secondary_lines(self.plan), *self._lines])
             center = self.plan.ego.vehicle.center
-            self._camera = RoadCamera(scene, self._mounting.camera(), self._seed, center)
+            self._camera = RoadCamera(self._stage().scene, self._mounting.camera(), self._seed, center)
         return self._camera
 
-    def _boxes(self, snapshot: Snapshot) -> list[Box]:
-        from scenario_compiler.perception.camera import vehicle_axes
-        from scenario_compiler.perception.models import Lamp
-        from scenario_compiler.perception.solids import Box
+    def _stage(self) -> Stage:
+        from scenario_compiler.perception.stage import Stage
 
-        boxes = []
-        placed = zip(self.plan.entities, snapshot.entities, strict=True)
-        for number, (entity, state) in enumerate(placed):
-            if number == 0 or not state.shown:
-                continue
-            vehicle, pose = entity.vehicle, state.pose
-            x, y, z = vehicle_axes(pose)[:, 0] * vehicle.center
-            boxes.append(
-                Box(
-                    pose.x + x,
-                    pose.y + y,
-                    pose.z + z,
-                    pose.heading,
-                    vehicle.length,
-                    vehicle.width,
-                    vehicle.height,
-                    PAINTS[zlib.crc32(entity.id.encode()) % len(PAINTS)],
-                    vehicle.category,
-                    pose.pitch,
-                    pose.roll,
-                    Lamp.AUTOMATIC | Lamp.BRAKE if state.braking else Lamp.AUTOMATIC,
-                    number,
-                )
-            )
-        return boxes
+        if self._drawn is None:
+            self._drawn = Stage(self.plan, self.network, self._lines)
+        return self._drawn
+
+    def _boxes(self, snapshot: Snapshot) -> list[Box]:
+        others = enumerate(snapshot.entities)
+        return self._stage().boxes((k, state.pose, state.braking) for k, state in others if k > 0 and state.shown)
 
 
 def degradation_of(snapshot: Snapshot) -> Degradation:
@@ -187,80 +155,3 @@ def degradation_of(snapshot: Snapshot) -> Degradation:
 
     faults = snapshot.faults
     return Degradation(snapshot.sigma, faults.dark, faults.blur, faults.dirt, faults.missing, faults.frozen)
-
-
-def mark_stretches(plan: Plan) -> list[MarkStretch]:
-    """Return the plan's overrides of the paint as stretches of the network's marks, at the parameters' values."""
-    values = parameter_values(plan.parameters)
-    stretches: list[MarkStretch] = []
-    for stretch in plan.markings:
-        s_from, s_to = number_value(stretch.s_from, values), number_value(stretch.s_to, values)
-        quality = end = None
-        if stretch.quality is not None:
-            quality = end = number_value(stretch.quality, values)
-            if stretch.quality_to is not None:
-                end = number_value(stretch.quality_to, values)
-        if quality is not None or stretch.colour is not None:
-            stretches.append(MarkStretch(stretch.road, stretch.lane, s_from, s_to, quality, end, stretch.colour))
-        coverage = number_value(stretch.coverage, values)
-        stretches += [
-            MarkStretch(stretch.road, stretch.lane, begin, min(begin + PIECE, s_to), 0.0, 0.0)
-            for begin in covered_pieces(stretch.road, s_from, s_to, coverage)
-        ]
-    return stretches
-
-
-def secondary_lines(plan: Plan) -> list[SecondaryLine]:
-    """Return the lines that the plan adds beside the network's marks, at the parameters' values."""
-    values = parameter_values(plan.parameters)
-    return [
-        SecondaryLine(
-            line.road,
-            number_value(line.s_from, values),
-            number_value(line.s_to, values),
-            number_value(line.t, values),
-            line.colour,
-            line.type == "broken",
-            number_value(line.width, values),
-            number_value(line.quality, values),
-        )
-        for line in plan.secondary_markings
-        if isinstance(line, SecondaryMarkings)
-    ]
-
-
-def lines_beside(plan: Plan, network: Network, poses: Sequence[Pose]) -> list[SecondaryLine]:
-    """Return the lines that the plan paints beside entities, which start at these poses; none beside one off the roads.
-
-    Args:
-        plan: The plan.
-        network: Its map.
-        poses: Where each entity starts, in the plan's order.
-    """
-    values = parameter_values(plan.parameters)
-    starts = {entity.id: pose for entity, pose in zip(plan.entities, poses, strict=True)}
-    found = []
-    for line in plan.secondary_markings:
-        if not isinstance(line, LineBeside):
-            continue
-        pose = starts[line.entity]
-        for place in network.locate(pose.x, pose.y, nearest=True)[:1]:
-            row = network.road_index(place.road)
-            centre, _ = lane_centre(network.tables, row, place.lane, place.s)
-            along = network.road_pose(place.road, place.s, 0.0).heading
-            facing = 1.0 if math.cos(pose.heading - along) > 0.0 else -1.0
-            ends = [place.s + facing * number_value(one, values) for one in (line.s_from, line.s_to)]
-            t = centre + place.offset + facing * number_value(line.across, values)
-            width, quality = number_value(line.width, values), number_value(line.quality, values)
-            broken = line.type == "broken"
-            found.append(SecondaryLine(place.road, min(ends), max(ends), t, line.colour, broken, width, quality))
-    return found
-
-
-def covered_pieces(road: str, s_from: float, s_to: float, coverage: float) -> list[float]:
-    """Return where the covered pieces of a stretch begin, m: the same places in every run."""
-    if coverage <= 0.0:
-        return []
-    seed = zlib.crc32(road.encode())
-    pieces = range(max(math.ceil((s_to - s_from) / PIECE), 0))
-    return [s_from + PIECE * k for k in pieces if random_unit(seed, 0, 0, k) < coverage]

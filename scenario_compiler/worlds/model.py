@@ -131,7 +131,7 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True)
 class EgoCommand:
-    """What the ego vehicle is told to do in a step.
+    """What the ego vehicle is commanded to do in a step.
 
     Attributes:
         throttle: 0 to 1.

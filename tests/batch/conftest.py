@@ -11,7 +11,7 @@ CONFLICT = """<?xml version="1.0" encoding="UTF-8"?>
   <scenario name="short" map="town_grid" duration="6" step="0.05" control_every="2">
     <parameter name="distance" type="length" default="60" min="10" max="350"/>
     <parameter name="speed" type="speed" default="13.9"/>
-    <parameter name="preset" type="text" default="urgent"/>
+    <parameter name="preset" type="text" default="study_means"/>
     <parameter name="weather" type="text" default="ClearNoon"/>
     <ego speed="$speed"><start><spawn_point name="main_street"/></start></ego>
     <use template="blocked_lane" distance="$distance"/>

@@ -19,12 +19,13 @@ import pyarrow.parquet as pq
 import pytest
 
 from scenario_compiler.batch.distributions import SweepError
-from scenario_compiler.batch.execute import Progress, execute, prepare, run_sweep
+from scenario_compiler.batch.execute import execute, prepare, run_sweep
 from scenario_compiler.batch.pool import Pool
 from scenario_compiler.batch.results import read_results
 from scenario_compiler.batch.runner import Batch, Part
 from scenario_compiler.batch.search import find_boundary
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import Progress
 from scenario_compiler.diagnostics import Diagnostics
 
 CONTROLLER = '''
@@ -62,8 +63,8 @@ def test_a_killed_worker_loses_and_doubles_nothing(conflict: Path, tmp_path: Pat
     sweep = prepare(conflict, spec, Diagnostics())
     store = sweep.store(tmp_path / "killed")
     store.open(resume=False)
-    pool = _KillingPool("interpreted", spec.seed, 2)
-    assert execute(sweep, store, pool) == 0
+    pool = _KillingPool("interpreted", 2)
+    assert execute(sweep, store, pool).broken_off == 0
     store.merge(sweep.parts)
     assert pool.killed == 2
     tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("whole", "killed")]
@@ -91,18 +92,19 @@ def test_variants_that_crash_or_hang_are_rows(conflict: Path, tmp_path: Path, mo
     spec = _spec(
         vary=("speed=choice(8, 12, 16, 20, 9)",),
         method="grid",
+        samples=1,
         perception="camera",
         controller="misbehaving:Misbehaving",
         duration=0.2,
-        time_limit=5.0,
+        time_limit=15.0,
     )
     result = run_sweep(conflict, spec, tmp_path / "sweep", workers=2, report=False)
     rows, _ = read_results(tmp_path / "sweep")
-    assert (result.form, result.failed) == ("camera", 3)
+    assert (result.form, result.tally.broken_off) == ("camera", 3)
     assert rows["error"] == [
         "",
         "controller 'misbehaving:Misbehaving', misbehaving.py:20: ValueError: too fast for me",
-        "it took longer than 5 s",
+        "it took longer than 15 s",
         "the process ended with code 9",
         "",
     ]
@@ -131,6 +133,7 @@ import resource, signal, sys
 from pathlib import Path
 from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import Progress, Tally
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
@@ -295,6 +298,7 @@ from pathlib import Path
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import Progress, Tally
 
 spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=64, perception="ideal", interpreted=True)
 try:
@@ -334,6 +338,7 @@ KILLED = """
 from pathlib import Path
 from scenario_compiler.batch.execute import run_sweep
 from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.tally import Progress, Tally
 
 spec = SweepSpec(vary=("distance=uniform(20, 350)",), samples=640, perception="ideal", interpreted=True)
 run_sweep("{target}", spec, Path("{folder}"), workers=1, report=False)

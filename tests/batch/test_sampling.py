@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from scenario_compiler.batch.distributions import SweepError, misfit, parse_distribution
 from scenario_compiler.batch.sampling import latin_hypercube, make_sampler, sobol
-from scenario_compiler.batch.spec import SweepSpec
+from scenario_compiler.batch.spec import Method, SweepSpec
 from scenario_compiler.vocabulary.scenario import ParameterKind
 
 
@@ -108,12 +108,37 @@ def test_a_grid_axis_is_crossed_with_the_draws() -> None:
     assert pairs == [(1.0, 0.0), (1.0, 10.0), (2.0, 0.0), (2.0, 10.0), (3.0, 0.0), (3.0, 10.0)]
 
 
+@pytest.mark.parametrize("method", ["random", "grid"])
+def test_listed_points_are_run_as_often_as_there_are_samples(method: Method) -> None:
+    vary = ("n=grid(1, 10, 4)", "a=values(x, y)")
+    sampler = make_sampler(SweepSpec(vary=vary, method=method, samples=50))
+    found = [tuple(sampler.sample(k).values()) for k in range(sampler.total)]
+    assert len(found) == 400
+    assert found[:3] == [("x", 1.0), ("y", 1.0), ("x", 4.0)]
+    assert {found.count(point) for point in found} == {50}
+    assert make_sampler(SweepSpec(vary=vary, method=method)).total == 8
+
+
 def test_a_grid_of_choices_needs_no_number_of_samples() -> None:
-    sampler = make_sampler(SweepSpec(vary=("a=choice(x, y)", "n=grid(1, 10, 4)"), method="grid", samples=7))
+    sampler = make_sampler(SweepSpec(vary=("a=choice(x, y)", "n=grid(1, 10, 4)"), method="grid"))
     assert [tuple(sampler.sample(k).values()) for k in range(3)] == [(1.0, "x"), (4.0, "x"), (7.0, "x")]
     assert sampler.total == 8
     with pytest.raises(SweepError, match="a grid needs points"):
         make_sampler(SweepSpec(vary=("a=uniform(1, 2)",), method="grid"))
+
+
+@pytest.mark.parametrize("method", ["random", "latin", "sobol"])
+@pytest.mark.parametrize("where", [(), ("a < 0.5",)])
+def test_repeats_have_the_same_values_and_other_seeds(method: Method, where: tuple[str, ...]) -> None:
+    vary = ("n=values(1, 2)", "a=uniform(0, 1)")
+    once, often = (
+        make_sampler(SweepSpec(vary=vary, method=method, samples=8, where=where, seed=5, repeat=repeat))
+        for repeat in (1, 3)
+    )
+    assert often.total == 3 * once.total
+    for index in range(often.total):
+        assert often.sample(index) == once.sample(index // 3)
+        assert often.seed_of(index) == 5 + index % 3
 
 
 def test_a_latin_hypercube_has_one_point_a_stratum() -> None:

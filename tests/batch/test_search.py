@@ -17,10 +17,10 @@ def _spec(*vary: str, **settings: object) -> SweepSpec:
 
 
 def test_the_distance_at_which_collisions_begin_is_found(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec("distance=uniform(12, 200)", "speed=uniform(20, 20)")
+    spec = _spec("distance=uniform(20, 200)", "speed=uniform(20, 20)")
     with pytest.raises(SweepError, match="along one parameter"):
         find_boundary(conflict, spec, tmp_path / "wrong", when="collision", tolerance=0.5)
-    spec = _spec("distance=uniform(12, 200)", settings={"speed": "20", "preset": "absent"})
+    spec = _spec("distance=uniform(20, 200)", settings={"speed": "20", "preset": "absent"})
     found = find_boundary(conflict, spec, tmp_path / "search", when="collision", tolerance=0.5)
     assert 0 < found.without - found.with_it <= 0.5
     rows, about = read_results(tmp_path / "search")
@@ -33,7 +33,7 @@ def test_the_distance_at_which_collisions_begin_is_found(conflict: Path, tmp_pat
 
 
 def test_a_search_is_taken_up_again(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec("distance=uniform(12, 200)", settings={"speed": "8"})
+    spec = _spec("distance=uniform(20, 200)", settings={"speed": "8"})
     whole = find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
     with pytest.raises(SweepError, match="--resume"):
         find_boundary(conflict, spec, tmp_path / "whole", when="request", tolerance=1.0)
@@ -43,7 +43,7 @@ def test_a_search_is_taken_up_again(conflict: Path, tmp_path: Path) -> None:
 
 
 def test_no_boundary_is_said(conflict: Path, tmp_path: Path) -> None:
-    spec = _spec("distance=uniform(12, 200)")
+    spec = _spec("distance=uniform(20, 200)")
     for when, text in (("final_speed > 1000", "at neither end"), ("braking", "neither a measure"), ("a <", "read")):
         with pytest.raises(SweepError, match=text):
             find_boundary(conflict, spec, tmp_path / text, when=when, tolerance=1.0)

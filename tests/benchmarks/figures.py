@@ -164,7 +164,7 @@ def figures(folder: Path, runs: int, *, short: bool) -> list[Figure]:
     run = [*program, "run", str(CUT_IN), "--perception", "ideal", "--trajectory", "cut_in.csv"]
     whole = median(runs, lambda: cpu_of_command(run, folder))
     if not short:
-        make = "from scenario_compiler.engine.forms.making import make; make()"
+        make = "from scenario_compiler.forms.making import make; make()"
         made = cpu_of_command([sys.executable, "-c", make], folder)
         found.append(Figure("building the engine", f"{made:.0f} s"))
     found.append(Figure("run of the cut-in, --trajectory only", f"{whole:.2f} s", "", "0.6 s (aim 0.3 s)"))

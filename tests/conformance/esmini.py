@@ -1,5 +1,8 @@
 """Runs of OpenSCENARIO files against trajectories recorded from esmini 3.6, entity by entity and step by step.
 
+There are two sets of recorded runs: of the scenarios that come with esmini and of ASAM's examples, which are in the
+corpus, and of scenarios that were written to show one variant of one feature each.
+
 `python -m tests.conformance.esmini [part of a name ...]` prints one line a run and a summary.
 """
 
@@ -10,7 +13,7 @@ import gzip
 import math
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,7 +54,7 @@ class Comparison:
     """One run beside its recorded one.
 
     Attributes:
-        scenario: Path of the scenario in the corpus.
+        scenario: Name of the recorded run.
         error: Why there is no run; empty when there is one.
         position: Greatest difference of position, m.
         speed: Greatest difference of speed, m/s.
@@ -89,20 +92,56 @@ Row = tuple[float, float, float, float]
 """x, y, heading and speed."""
 
 
-def runs_without_controllers(golden: Path) -> Iterator[tuple[str, str]]:
-    """Yield (scenario, recorded file) of the runs in which no controller of esmini's own drives."""
-    with (golden / "MANIFEST.csv").open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            if row["esmini_controllers"] == "no":
-                yield row["scenario"], row["golden"]
+FEATURES = "esmini_features"
+"""Folder of the runs of one feature each, beside that of the others, and what their names begin with."""
 
 
-def recorded(path: Path) -> list[dict[str, Row]]:
-    """Return the rows of a recorded run by step and entity."""
+@dataclass(frozen=True)
+class RecordedRun:
+    """A run that esmini has recorded.
+
+    Attributes:
+        name: Path of the scenario in the corpus, or in the folder of features with that folder's name before it.
+        scenario: Where the scenario is.
+        rows: Where the recorded rows are.
+        maps: Folders in which its road is looked for beside the scenario's own.
+    """
+
+    name: str
+    scenario: Path
+    rows: Path
+    maps: tuple[Path, ...] = ()
+
+    @property
+    def of_a_feature(self) -> bool:
+        """Whether the scenario was written to show one variant of one feature."""
+        return self.name.startswith(FEATURES)
+
+
+def recorded_runs(corpus: Path) -> Iterator[RecordedRun]:
+    """Yield the recorded runs in which no controller of esmini's own drives, those of one feature each last."""
+    golden = corpus.parent / "golden" / "esmini"
+    for row in _manifest(golden):
+        if row["esmini_controllers"] == "no":
+            file = corpus / row["scenario"]
+            yield RecordedRun(row["scenario"], file, golden / row["golden"], tuple(map_folders(corpus)))
+    features = golden.parent / FEATURES
+    for row in _manifest(features):
+        file = features / row["scenario"]
+        yield RecordedRun(f"{FEATURES}/{row['scenario']}", file, features / "golden" / row["golden"])
+
+
+def _manifest(folder: Path) -> list[dict[str, str]]:
+    with (folder / "MANIFEST.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def recorded(path: Path, length: float = STEP) -> list[dict[str, Row]]:
+    """Return the rows of a recorded run by step, of a length in s, and entity."""
     steps: list[dict[str, Row]] = []
     with gzip.open(path, "rt", encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
-            at = round(float(row["t"]) / STEP)
+            at = round(float(row["t"]) / length)
             while len(steps) <= at:
                 steps.append({})
             steps[at][row["name"]] = (float(row["x"]), float(row["y"]), float(row["h"]), float(row["v"]))
@@ -114,11 +153,11 @@ def map_folders(corpus: Path) -> list[Path]:
     return [corpus / "esmini" / "EnvironmentSimulator" / "Unittest" / "xodr", corpus / "esmini" / "resources" / "xodr"]
 
 
-def simulated(scenario: Path, maps: list[Path]) -> list[dict[str, Row]] | str:
-    """Return the rows of our run by step and entity, or why there is none."""
+def simulated(scenario: Path, maps: Sequence[Path], length: float = STEP) -> list[dict[str, Row]] | str:
+    """Return the rows of our run by step, of a length in s, and entity, or why there is none."""
     sink = Diagnostics()
-    overrides = Overrides(perception="ideal", step=STEP, duration=LONGEST)
-    done = compile_target(scenario, {}, sink, maps=maps, overrides=overrides)
+    overrides = Overrides(perception="ideal", step=length, duration=LONGEST)
+    done = compile_target(scenario, {}, sink, maps=list(maps), overrides=overrides)
     if done is None:
         first = next(one for one in sink if one.severity.name == "ERROR")
         return f"{first.code.id} line {first.place.line}: {first.message}"
@@ -164,10 +203,9 @@ def compare(scenario: str, ours: list[dict[str, Row]] | str, theirs: list[dict[s
 
 def comparisons(corpus: Path, parts: list[str]) -> Iterator[Comparison]:
     """Yield the comparison of every run whose name holds one of the parts; of all when there are none."""
-    golden = corpus.parent / "golden" / "esmini"
-    for scenario, file in runs_without_controllers(golden):
-        if not parts or any(part in scenario for part in parts):
-            yield compare(scenario, simulated(corpus / scenario, map_folders(corpus)), recorded(golden / file))
+    for run in recorded_runs(corpus):
+        if not parts or any(part in run.name for part in parts):
+            yield compare(run.name, simulated(run.scenario, run.maps), recorded(run.rows))
 
 
 def main() -> None:

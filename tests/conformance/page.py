@@ -1,4 +1,4 @@
-"""docs/conformance.md and its chart: every recorded run of esmini beside ours.
+"""docs/conformance.md and its chart: every variant of every feature, and every recorded run of esmini beside ours.
 
 `python -m tests.conformance.page` writes both, from the corpus that SCENARIO_COMPILER_CORPUS names.
 """
@@ -15,14 +15,18 @@ from tests.conformance.esmini import (
     STEP,
     TOO_FAST,
     Comparison,
+    RecordedRun,
     Row,
     compare,
-    map_folders,
     recorded,
-    runs_without_controllers,
+    recorded_runs,
     simulated,
 )
 from tests.conformance.explained import EXPLAINED
+from tests.conformance.matrix import Backing, backings
+
+VERDICTS = ("agrees", "differs by decision", "not recorded, law stated", "not recorded")
+"""What the page says of variants, best first."""
 
 CHARTED = 10
 """Number of runs in the chart: those that are furthest from the recorded ones."""
@@ -42,29 +46,73 @@ def difference(ours: Sequence[dict[str, Row]], theirs: Sequence[dict[str, Row]])
     ]
 
 
-def text_of(comparisons: Sequence[Comparison]) -> str:
+Compared = Sequence[tuple[RecordedRun, Comparison]]
+"""Recorded runs and how ours compare with them."""
+
+
+def text_of(compared: Compared) -> str:
     """Return the page."""
-    agreeing = sum(one.agrees for one in comparisons)
-    lines = [
+    found = backings(compared)
+    return "\n".join([*_begin(compared, found), *matrix_lines(found), *_runs(compared)]) + "\n"
+
+
+def _begin(compared: Compared, found: Sequence[Backing]) -> list[str]:
+    features = [one for run, one in compared if run.of_a_feature]
+    others = [one for run, one in compared if not run.of_a_feature]
+    counts = {verdict: sum(one.verdict == verdict for one in found) for verdict in dict.fromkeys(VERDICTS)}
+    return [
         "# Agreement with esmini",
         "",
         "<!-- written by python -m tests.conformance.page -->",
         "",
-        f"{agreeing} of {len(comparisons)} runs agree with those that esmini 3.6 recorded at a step of {STEP:g} s: "
-        f"every entity within {FAR_APART:g} m and {TOO_FAST:g} m/s at every step, and the end within two steps. Runs "
-        "in which controllers of esmini's own drive are left out.",
+        f"{sum(one.agrees for one in others)} of {len(others)} runs of the scenarios that come with esmini, and "
+        f"{sum(one.agrees for one in features)} of {len(features)} runs of scenarios with one variant of one feature "
+        f"each, agree with those that esmini 3.6 recorded at a step of {STEP:g} s: every entity within "
+        f"{FAR_APART:g} m and {TOO_FAST:g} m/s at every step, and the end within two steps. Runs in which controllers "
+        "of esmini's own drive are left out.",
         "",
         "![Distance of the ten runs that are furthest from the recorded ones](conformance.svg)",
+        "",
+        "## Variants of features",
+        "",
+        "A variant *agrees* where a recorded run that uses it agrees; it *differs by decision* where the standard says "
+        "something else than esmini does, or leaves it open to chance. Of what was *not recorded*, a *law stated* is "
+        "one that a test holds to numbers worked out by hand; nothing else is claimed.",
+        "",
+        "| " + " | ".join(counts) + " |",
+        "|" + "---|" * len(counts),
+        "| " + " | ".join(map(str, counts.values())) + " |",
+        "",
+    ]
+
+
+def matrix_lines(found: Sequence[Backing]) -> list[str]:
+    """Return the lines of the table of variants."""
+    lines = ["| feature | variant | verdict | runs that agree | why, or the test |", "|---|---|---|---|---|"]
+    for one in found:
+        runs = f"{one.agreeing} of {one.runs}" if one.runs else ""
+        why = one.decision or ", ".join(one.laws)
+        lines.append(f"| {one.variant.feature} | {one.variant.name} | {one.verdict} | {runs} | {_cell(why)} |")
+    return [*lines, ""]
+
+
+def _runs(compared: Compared) -> list[str]:
+    lines = [
+        "## Recorded runs",
         "",
         "| scenario | agrees | position, m | speed, m/s | heading, rad | end, steps | why not |",
         "|---|---|---|---|---|---|---|",
     ]
-    for one in sorted(comparisons, key=lambda each: (each.agrees, each.scenario)):
-        name = one.scenario.rpartition("/")[2].removesuffix(".xosc")
-        why = "" if one.agrees else EXPLAINED.get(one.scenario, one.error or "not explained yet").replace("|", "\\|")
+    for run, one in sorted(compared, key=lambda each: (each[1].agrees, each[0].of_a_feature, each[0].name)):
+        why = "" if one.agrees else EXPLAINED.get(run.name, one.error or "not explained yet")
         sizes = " | ".join(f"{worst.size:.2g}" for worst in (one.position, one.speed, one.heading))
-        lines.append(f"| {name} | {'yes' if one.agrees else 'no'} | {sizes} | {one.steps:+d} | {why} |")
-    return "\n".join(lines) + "\n"
+        name = run.scenario.stem
+        lines.append(f"| {name} | {'yes' if one.agrees else 'no'} | {sizes} | {one.steps:+d} | {_cell(why)} |")
+    return lines
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
 
 
 def draw(worst: Sequence[tuple[str, Difference]], path: Path) -> None:
@@ -92,18 +140,16 @@ def draw(worst: Sequence[tuple[str, Difference]], path: Path) -> None:
 
 def main() -> None:
     """Write the page and the chart."""
-    corpus = Path(os.environ["SCENARIO_COMPILER_CORPUS"])
-    golden = corpus.parent / "golden" / "esmini"
-    comparisons: list[Comparison] = []
+    compared: list[tuple[RecordedRun, Comparison]] = []
     apart: list[tuple[str, Difference]] = []
-    for scenario, file in runs_without_controllers(golden):
-        ours, theirs = simulated(corpus / scenario, map_folders(corpus)), recorded(golden / file)
-        comparisons.append(compare(scenario, ours, theirs))
+    for run in recorded_runs(Path(os.environ["SCENARIO_COMPILER_CORPUS"])):
+        ours, theirs = simulated(run.scenario, run.maps), recorded(run.rows)
+        compared.append((run, compare(run.name, ours, theirs)))
         if not isinstance(ours, str):
-            apart.append((scenario.rpartition("/")[2].removesuffix(".xosc"), difference(ours, theirs)))
+            apart.append((run.scenario.stem, difference(ours, theirs)))
     apart.sort(key=lambda one: -max(d for _, d in one[1]))
     docs = Path(__file__).resolve().parents[2] / "docs"
-    (docs / "conformance.md").write_text(text_of(comparisons), encoding="utf-8")
+    (docs / "conformance.md").write_text(text_of(compared), encoding="utf-8")
     draw(apart[:CHARTED], docs / "conformance.svg")
 
 

@@ -91,7 +91,7 @@ USUAL = {
     slots.K_DURATION: 30.0,
     slots.K_BUDGET: 7.0,
     slots.K_ESCALATE_AFTER: 4.0,
-    slots.K_MINIMUM_RISK_AFTER: 10.0,
+    **{slots.K_RISK_AFTER + cause: 10.0 for cause in range(op.CAUSES)},
     slots.K_MINIMUM_RISK_DECELERATION: 4.0,
     slots.K_CONFIDENCE_WARNING: 0.6,
     slots.K_CONFIDENCE_REQUEST: 0.3,
@@ -111,6 +111,21 @@ USUAL = {
     slots.K_GAP_FRONT: 1.0,
     slots.K_GAP_REAR: 2.0,
     slots.K_DRIVER_TIME: 2.0,
+    slots.K_NO_PROGRESS_AFTER: 5.0,
+    slots.K_EYES_ON: 0.3,
+    slots.K_STEERS: 1.0,
+    slots.K_DRIVER_DECELERATION: 7.59,
+    slots.K_DRIVER_LATERAL: 5.0,
+    slots.K_PERCEPTION_TIME: 0.4,
+    slots.K_REACTION_TIME: 0.75,
+    slots.K_SDLP: 0.2,
+    slots.K_SDLP_AT_FIRST: 0.35,
+    slots.K_SETTLED_AFTER: 37.5,
+    slots.K_HANDS_ON: 0.4,
+    slots.K_STAGE_SPREAD: 0.4,
+    slots.K_INPUT_STEERING: 0.035,
+    slots.K_INPUT_BRAKE: 0.1,
+    slots.K_STEERING_RATIO: 16.0,
 }
 
 
@@ -130,6 +145,7 @@ class Draft:
             op.CAUSE_LANE_CONFIDENCE,
             op.CAUSE_PATH_BLOCKED,
             op.CAUSE_LANE_ENDS,
+            op.CAUSE_NO_PROGRESS,
         )
 
     def causes(self, *codes: int) -> None:
@@ -332,6 +348,7 @@ class Draft:
         p.action_point.append(0)
         p.action_points.append(0)
         p.action_drives_on.append(0)
+        p.action_piece.append(p.piece_count[0])
         p.action_count[0] += 1
         return p.action_count[0] - 1
 

@@ -127,7 +127,7 @@ def _copy_with(parts: tuple[Part, ...], repository: Path, folder: Path) -> None:
     (folder / "tests" / "honk.xml").write_text(SCENARIO, encoding="utf-8")
     (folder / "tests" / "test_honk.py").write_text(PROOF, encoding="utf-8")
     subprocess.run(
-        [sys.executable, "-m", "scenario_compiler.engine.forms.making"], cwd=folder, capture_output=True, check=False
+        [sys.executable, "-m", "scenario_compiler.forms.making"], cwd=folder, capture_output=True, check=False
     )
 
 

@@ -112,8 +112,10 @@ def test_a_smooth_profile_keeps_its_jerk() -> None:
     jerks = [(later - before) / STEP for before, later in pairwise(a)]
     assert max(map(abs, jerks)) < 1.0 + 1e-6
     assert max(map(abs, a)) < 2.0 + 1e-6
-    assert run.at("smooth", 1.0 + 6.0 / 2.0 + 2.0) == pytest.approx(16.0)
-    assert run.at("smooth", 13.0) == pytest.approx(12.0)
+    corners = {2.5: 11.125, 4.2: 13.675, 6.7: 14.3, 8.5: 12.5, 9.5: 12.0}
+    """Begins and ends of the parabolas: the ramp to a slope of 1.5, about the corner at 5 s, and to a slope of 0."""
+    for time, speed in corners.items():
+        assert run.at("smooth", time) == pytest.approx(speed)
 
 
 def test_a_lane_is_reached_with_an_offset() -> None:

@@ -38,21 +38,39 @@ def test_the_distance_to_a_block_is_from_bumper_to_bumper() -> None:
     assert look(draft).st.blocked_distance[0] == pytest.approx(50.0 - CAR[0])
 
 
-@pytest.mark.parametrize(("offset", "blocked"), [(0.0, True), (1.0, True), (1.4, True), (1.5, False), (-1.5, False)])
-def test_the_path_is_blocked_while_the_rest_of_the_lane_is_too_narrow(offset: float, blocked: bool) -> None:
+@pytest.mark.parametrize("offset", [0.0, 1.0, -1.5, 2.0, 2.1, -2.1, 2.7])
+def test_the_path_is_blocked_by_what_reaches_into_the_corridor_of_a_car_that_keeps_to_the_middle(offset: float) -> None:
     draft = standing_ego()
     draft.parked(100.0, offset=offset)
-    widest_rest = 1.75 + abs(offset) - 0.9
-    assert (widest_rest < 1.8 + 0.5) == blocked
-    assert (look(draft).st.blocked_distance[0] < FAR) == blocked
+    room = abs(offset) - 0.9
+    assert (look(draft).st.blocked_distance[0] < FAR) == (room < 0.9 + 0.25)
 
 
-def test_two_that_leave_no_gap_between_them_block_together() -> None:
+def test_the_nearest_of_two_blocks_and_both_are_passed_before_the_path_is_free() -> None:
     draft = standing_ego()
     draft.parked(100.0, offset=1.75)
-    assert look(draft).st.blocked_distance[0] == FAR
     draft.parked(102.0, offset=-1.75)
-    assert look(draft).st.blocked_distance[0] < FAR
+    st = look(draft).st
+    assert st.blocked_distance[0] == pytest.approx(50.0 - CAR[0])
+    assert st.blocked_far[0] == pytest.approx(52.0)
+
+
+@pytest.mark.parametrize(("lead", "followed"), [(8.0, True), (0.0, False)])
+def test_a_queue_is_followed_while_its_first_vehicle_moves(lead: float, followed: bool) -> None:
+    draft = standing_ego()
+    draft.moving(-1, 90.0, 0.0)
+    draft.moving(-1, 99.0, 0.0)
+    draft.moving(-1, 110.0, lead)
+    st = look(draft).st
+    assert st.ahead_is[1] == (op.AHEAD_FOLLOWED if followed else op.AHEAD_BLOCKING)
+    assert (st.blocked_distance[0] == FAR) == followed
+
+
+def test_what_cannot_drive_on_is_no_queue() -> None:
+    draft = standing_ego()
+    draft.parked(90.0)
+    draft.moving(-1, 99.0, 8.0)
+    assert look(draft).st.ahead_is[1] == op.AHEAD_BLOCKING
 
 
 @pytest.mark.parametrize(("reach", "seen"), [(40.0, 0), (50.0, 1)])

@@ -110,7 +110,7 @@ def random_draft(number: int) -> Draft:
     if alone:
         draft.parked(900.0)
     if number % 10 == 2:
-        p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1], [op.CAUSE_LANE_ENDS], [1]
+        p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1, 0], [op.CAUSE_LANE_ENDS], [1]
     for _ in range(0 if alone else dice.pick(1, 2, 5)):
         add_other(draft, dice, right)
     p.stretch_road, p.stretch_count, p.stretch_lane = [0], [1], [(op.ALL_MARKS, op.ALL_MARKS, -1)[number % 3]]
@@ -126,6 +126,33 @@ def random_draft(number: int) -> Draft:
     add_story(draft, dice)
     add_camera_story(draft, Dice(number + PROGRAMS))
     add_world_story(draft, Dice(number + 2 * PROGRAMS))
+    for slot, low, high in (
+        (slots.K_DRIVER_MU, 0.0, 1.0),
+        (slots.K_BRAKES, 0.0, 0.5),
+        (slots.K_STEERS, 0.0, 1.0),
+        (slots.K_DRIVER_DECELERATION, 3.0, 8.0),
+        (slots.K_DRIVER_LATERAL, 2.0, 6.0),
+        (slots.K_REACTION_TIME, 0.0, 1.0),
+        (slots.K_SDLP, 0.0, 0.3),
+        (slots.K_SDLP_AT_FIRST, 0.0, 0.5),
+        (slots.K_SETTLED_AFTER, 0.0, 40.0),
+        (slots.K_DRIVER_PERSON, 0.0, 1.0),
+        (slots.K_DRIVER_LATE, -0.5, 0.5),
+        (slots.K_DRIVER_LATEST, 0.0, 12.0),
+        (slots.K_EYES_ON, 0.05, 0.9),
+        (slots.K_HANDS_ON, 0.05, 0.9),
+        (slots.K_STAGE_SPREAD, 0.0, 1.0),
+        (slots.K_EFFECT_REQUEST, -2.0, 2.0),
+        (slots.K_EFFECT_REPETITION, -2.0, 0.0),
+        (slots.K_EFFECT_BUDGET, -0.5, 0.5),
+        (slots.K_REFERENCE_BUDGET, -5.0, 10.0),
+        (slots.K_INPUT_STEERING, 0.0, 0.1),
+        (slots.K_INPUT_BRAKE, 0.0, 0.3),
+        (slots.K_STEERING_RATIO, 8.0, 20.0),
+    ):
+        p.const[slot] = dice.between(low, high)
+    if p.driver_kind[0] == op.DRIVER_LOGNORMAL:
+        p.driver_kind[0] = dice.pick(op.DRIVER_LOGNORMAL, op.DRIVER_NORMAL, op.DRIVER_SUMO)
     return draft
 
 
@@ -323,7 +350,7 @@ def variants_of(draft: Draft, number: int) -> list[list[float]]:
     scaled = [value * 1.03125 for value in usual]
     scaled[slots.K_STEP] = usual[slots.K_STEP]
     broken = list(usual)
-    where = slots.K_BUDGET + number % (len(usual) - slots.K_BUDGET)
+    where = slots.K_BUDGET + 17 * number % (len(usual) - slots.K_BUDGET)
     broken[where] = (math.nan, math.inf, 0.0, -1.0e300)[number % 4]
     return [usual, scaled, broken]
 

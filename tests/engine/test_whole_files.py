@@ -16,7 +16,7 @@ from scenario_compiler.engine.columns.totals import SUMMARY
 from scenario_compiler.engine.program import Program, build_program
 from scenario_compiler.listing import list_library
 from scenario_compiler.resources import library_folder
-from tests.conformance.esmini import runs_without_controllers
+from tests.conformance.esmini import recorded_runs
 from tests.engine.both import Both, run_both
 
 STEP = 0.05
@@ -77,7 +77,7 @@ def test_every_library_scenario_leaves_the_same_bytes() -> None:
 
 
 def test_every_recorded_scenario_leaves_the_same_bytes(golden: Path) -> None:
-    scenarios = [golden.parent / "corpus" / name for name, _ in runs_without_controllers(golden / "esmini")]
+    scenarios = [run.scenario for run in recorded_runs(golden.parent / "corpus")]
     different, ran = differing(scenarios)
     assert different == []
     assert ran >= 0.9 * len(scenarios)

@@ -123,6 +123,15 @@ def test_exported_file_runs_as_the_plan_does(target: str, tmp_path: Path) -> Non
         assert_same_course(before, recorded(again))
 
 
+@pytest.mark.parametrize("target", EITHER)
+def test_no_text_looks_like_a_parameter(target: str, tmp_path: Path) -> None:
+    """Esmini 3.6 evaluates `$` in the text of a CustomCommandAction, and ends where it has no meaning."""
+    compilation = compiled(LIBRARY / target)
+    for version in VERSIONS:
+        root = etree.parse(str(exported(compilation, tmp_path, version))).getroot()
+        assert not [one.text for one in root.iter() if "$" in (one.text or "")]
+
+
 def test_parameters_stay_open(tmp_path: Path) -> None:
     path = exported(compiled(LIBRARY / "obstacle_ahead.xml#obstacle_ahead"), tmp_path, (1, 3))
     properties = etree.parse(str(path)).getroot().iter("Property")

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
 from scenario_compiler.recording.recording import Floats, Recording
-from scenario_compiler.recording.traces import TIMED_EVENTS, Traces, traces_of
+from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
+from scenario_compiler.vocabulary.horizon import HORIZON
 from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
 IDS = ("ego", "parked")
@@ -54,6 +56,10 @@ def answered() -> Recording:
     [
         ("takeover_time", 2.0),
         ("first_brake_time", 2.1),
+        ("braking_time", 2.1),
+        ("input_time", 2.1),
+        ("steering_time", math.nan),
+        ("eyes_on_time", math.nan),
         ("limit_distance", 49.0),
         ("time_budget", 4.9),
         ("takeover_buffer", 2.9),
@@ -77,9 +83,92 @@ def test_an_answered_request_before_a_parked_car(answered: Recording, name: str,
     assert value(name, answered) == pytest.approx(expected, abs=1e-9, nan_ok=True)
 
 
+def _turning(t: float) -> Row:
+    """Return rows that drive on, the front wheels turning by 0.001 rad a row, and the brake by a fiftieth."""
+    k = round(t / STEP)
+    return {
+        "x": (float(k), 90.0),
+        "v": (10.0, 0.0),
+        "steer": (0.001 * k, 0.0),
+        "brake": (0.02 * (k - 10) * (k > 10), 0.0),
+        "takeover_state": (opcodes.TAKEOVER_MANUAL if k > 20 else opcodes.TAKEOVER_REQUEST,),
+    }
+
+
+def test_steering_counts_from_the_angle_at_the_response_by_the_steering_wheel() -> None:
+    events = [(1.0, "request", "path_blocked"), (1.2, "eyes_on", ""), (1.5, "hands_on", ""), (2.0, "response", "")]
+    recording = record(IDS, 51, _turning, events)
+    assert value("eyes_on_time", recording) == pytest.approx(0.2)
+    assert value("hands_on_time", recording) == pytest.approx(0.5)
+    assert value("steering_time", recording) == pytest.approx(1.3)  # 0.0349 rad / 16 = 0.0022 rad: 3 rows after 2.0 s
+    # The brake is past a tenth before the response; the driver's own begins with the row after it.
+    assert value("braking_time", recording) == value("first_brake_time", recording) == 11 * STEP
+    assert value("input_time", recording) == 11 * STEP
+    runs = dataclasses.replace(traces(recording), inputs=InputLimits(math.radians(4), 0.5, 8.0))
+    later = BY_NAME["steering_time"]
+    assert float(later.compute(runs)) == pytest.approx(1.9)  # 0.0698 rad / 8 = 0.0087 rad: 9 rows after 2.0 s
+    same("steering_time", np.array([later.compute(runs)]), later.total(added_up(runs)))
+    assert float(BY_NAME["braking_time"].compute(runs)) == pytest.approx(2.6)
+
+
 def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
     assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {"final_speed"}
+
+
+@pytest.mark.parametrize(("handed_back", "expected"), [(math.inf, 0.9), (2.05, math.nan), (2.55, math.nan)])
+def test_only_the_brake_of_the_driver_who_drives_counts(handed_back: float, expected: float) -> None:
+    """The automation brakes until 1.95 s and from the hand-back on, the driver from 2.85 s on; a second one at 4 s."""
+
+    def row(t: float) -> Row:
+        manual = 2.05 < t < handed_back or t > 4.05
+        brakes = t < 2.05 or t > (2.85 if handed_back > 5 else 3.85)
+        state = opcodes.TAKEOVER_MANUAL if manual else opcodes.TAKEOVER_REQUEST
+        return {"x": (t,), "v": (9.0,), "brake": (0.5 if brakes else 0.0,), "takeover_state": (state,)}
+
+    run = record(("ego",), 60, row, [(2.0, "request", "path_blocked"), (2.0, "response", "")])
+    assert value("first_brake_time", run) == pytest.approx(expected, nan_ok=True)
+    assert value("braking_time", run) == pytest.approx(expected, nan_ok=True)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: float) -> None:
+    """At 1 m/s to the left from 2 s to 5.5 s, over lanes 3.5 m wide: 3.5 m, half of it in the offset."""
+
+    def row(t: float) -> Row:
+        left = 0.25 + min(max(t - 2.0, 0.0), 3.5)
+        lane = left > 1.75
+        off = left - 3.5 * lane
+        s = 100.0 + direction * 10.0 * t
+        return {
+            "x": (10.0 * t,), "v": (10.0,), "s": (s,), "road": (0,), "lane": (-1 if lane else -2,),
+            "off": (direction * off,),
+        }  # fmt: skip
+
+    run = record(("ego",), 80, row, [(1.0, "request", "path_blocked")])
+    assert value("maximum_lateral_offset", run) == pytest.approx(3.75)
+    late = record(("ego",), 80, row, [(5.0, "request", "path_blocked")])
+    assert value("maximum_lateral_offset", late) == pytest.approx(0.25)
+    assert value("maximum_lateral_offset", record(("ego",), 80, row)) == pytest.approx(math.nan, nan_ok=True)
+
+
+def test_equal_durations_are_equal_numbers() -> None:
+    found: dict[str, set[float]] = {"takeover_time": set(), "time_budget": set(), "takeover_buffer": set()}
+    for k in range(1, 40):
+        events = [(k * STEP, "request", "path_blocked"), ((k + 7) * STEP, "response", "")]
+
+        def row(t: float, k: int = k) -> Row:
+            there = t > k * STEP - 0.05
+            blocked = 12.0 + 1e-9 * k if there else opcodes.FAR
+            cause = opcodes.CAUSE_PATH_BLOCKED if there else opcodes.CAUSE_NONE
+            return {"x": (t,), "v": (10.0,), "cause": (cause,), "blocked_distance": (blocked,)}
+
+        run = record(("ego",), 60, row, events)
+        for name, values in found.items():
+            values.add(value(name, run))
+    assert {name: len(values) for name, values in found.items()} == dict.fromkeys(found, 1)
+    assert found["takeover_time"] == {7 * STEP}
+    assert found["time_budget"] == {12 * STEP}
 
 
 def test_a_collision_has_a_time_and_the_speed_before_it() -> None:
@@ -97,6 +186,21 @@ def test_a_car_beside_the_path_gives_no_time_to_collision_but_a_distance() -> No
     run = record(IDS, 80, row)
     assert math.isnan(value("minimum_time_to_collision", run))
     assert value("minimum_distance", run) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("closing", "expected"),
+    [(2.5, 24.0), (2.0625, 60.0 / 2.0625), (2.0, math.nan), (1.75, math.nan), (0.0009765625, math.nan)],
+)
+def test_beyond_the_horizon_there_is_no_time_to_collision(closing: float, expected: float) -> None:
+    def row(t: float) -> Row:
+        return {"x": (0.0, 64.0), "y": (0.0, 0.0), "h": (0.0, 0.0), "v": (20.0, 20.0 - closing)}
+
+    run = record(IDS, 3, row)
+    assert value("minimum_time_to_collision", run) == pytest.approx(expected, nan_ok=True)
+    rows = traces(run)
+    in_time = time_to_collision(rows, np.asarray(math.inf))
+    assert in_time[1:].tolist() == pytest.approx([expected] * 2, nan_ok=True)
 
 
 def test_time_to_collision_follows_the_curve_that_is_driven() -> None:
@@ -192,9 +296,9 @@ def test_measures_of_many_runs_at_once_equal_those_of_each() -> None:
 
 def _stacked(parts: list[Traces]) -> Traces:
     rows = max(len(part.t) for part in parts)
-    columns = {}
+    columns: dict[str, Any] = {}
     for field in dataclasses.fields(Traces):
-        if field.name in ("length", "width", "height", "center", "times"):
+        if field.name in ("length", "width", "height", "center", "step", "inputs", "times", "requests"):
             continue
         arrays = [getattr(part, field.name) for part in parts]
         padded = []
@@ -203,7 +307,8 @@ def _stacked(parts: list[Traces]) -> Traces:
             padded.append(np.concatenate([array, more]))
         columns[field.name] = np.stack(padded)
     times = {kind: np.stack([part.times[kind] for part in parts]) for kind in TIMED_EVENTS}
-    return dataclasses.replace(parts[0], **columns, times=times)
+    requests = np.stack([part.requests for part in parts])
+    return dataclasses.replace(parts[0], **columns, times=times, requests=requests)
 
 
 def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats]:
@@ -253,7 +358,7 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     np.minimum.at(least_distance, places[1], distance)
     np.minimum.at(least_time, places[1], time)
     assert np.isfinite(least_time).any()
-    expected = np.where(touched, 0.0, least_time)
+    expected = np.where(touched, 0.0, np.where(least_time < HORIZON, least_time, np.inf))
     for found, exact in (
         (least_box_distance(runs), np.where(touched, 0.0, least_distance)),
         (least_time_to_collision(runs), expected),
@@ -277,10 +382,17 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
     }
     road = np.where(runs.present, dice.integers(-1, 2, runs.road.shape), -1)
     lane = np.where(road >= 0, dice.integers(-2, 2, runs.lane.shape), 0)
-    off = np.where(runs.present, np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape), 0.0), np.nan)
+    off = np.where(
+        runs.present,
+        np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape) + dice.choice([0.0, 1.5], runs.off.shape), 0.0),
+        np.nan,
+    )
     brake = np.where(runs.present, dice.random(runs.brake.shape) ** 8, np.nan)
     a = np.where(runs.present, dice.normal(0.0, 2.0, runs.a.shape), np.nan)
-    runs = dataclasses.replace(runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a)
+    states = np.repeat(dice.choice([1, 2, opcodes.TAKEOVER_MANUAL, opcodes.TAKEOVER_HAND_BACK], (6, 12)), 10, axis=-1)
+    runs = dataclasses.replace(
+        runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a, takeover_state=states, requests=np.ones(6)
+    )
     totals = added_up(runs)
     for measure in MEASURES:
         same(measure.name, measure.compute(runs), measure.total(totals))

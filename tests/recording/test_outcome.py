@@ -30,6 +30,7 @@ def test_a_collision_fails_and_says_with_whom_and_when() -> None:
         "criterion": "no_collision",
         "passed": False,
         "when": 6.0,
+        "where": {"road": "1", "lane": -1, "s": 60.0, "x": 60.0, "y": 0.0},
         "why": "collision with parked at 6.00 s",
     }
 

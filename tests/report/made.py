@@ -15,7 +15,8 @@ from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.report.run import Run
 from scenario_compiler.roads.network import Network, load_network
-from scenario_compiler.vocabulary.takeover import Cause, DriverModel, Takeover
+from scenario_compiler.vocabulary.driver import DriverModel
+from scenario_compiler.vocabulary.takeover import Cause, Takeover
 from tests.recording.made import plan_of
 
 IDS = ("ego", "parked", "oncoming")
@@ -34,7 +35,7 @@ def plan() -> Plan:
             Cause(kind="lane_confidence", warning_below=0.6, request_below=0.3, count=5, of=8),
             Cause(kind="path_blocked", sensor_range=100.0, field_of_view=math.radians(60), margin=0.4),
         ),
-        driver=DriverModel(name="urgent", mu=0.876, sigma=0.5, lapse=0.03),
+        driver=DriverModel(name="study_means", mu=0.876, sigma=0.5, lapse=0.03),
     )
     return plan_of(*IDS).model_copy(
         update={"takeover": takeover, "map": MapReference(name="town_grid", file="town_grid.xodr", sha256="0" * 64)}

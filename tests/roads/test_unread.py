@@ -10,6 +10,7 @@ from lxml import etree
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import Document, drop_namespace, parse_document, read_document
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads.check import unread
 from scenario_compiler.roads.check.coverage import KEPT_ATTRIBUTES, coverage_page
 from scenario_compiler.roads.check.unread import READ_ATTRIBUTES
@@ -17,6 +18,7 @@ from scenario_compiler.roads.model import read_model
 from scenario_compiler.roads.parse import read_network
 from scenario_compiler.roads.structure import road_version
 from scenario_compiler.roads.structure.grammar import FIRST_MINOR, LAST_MINOR, declarations
+from scenario_compiler.roads.tables import RoadTables
 from tests.roads.make import lane, road, section
 
 
@@ -131,7 +133,7 @@ def state(
     parsed = read_network(document, sink)
     if parsed is None:
         return None
-    tables = [getattr(parsed.tables, column) for column in parsed.tables.__slots__]
+    tables = [getattr(parsed.arrays, column) for column in columns_of(RoadTables)]
     return repr((tables, parsed.road_ids, parsed.junction_ids)), repr(read_model(document, sink))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from scenario_compiler.batch.results import read_results
 from scenario_compiler.engine.columns import opcodes
-from scenario_compiler.recording.break_off import break_off_text
+from scenario_compiler.recording.break_off import QUANTITIES, break_off_text
 from scenario_compiler.recording.store import read_recording
 from tests.command import call
 
@@ -61,23 +61,23 @@ def test_a_sweep_says_why_in_the_variants_row(conflict: Path, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("columns", "said"),
+    ("values", "said"),
     [
-        ({"x": [0.0, math.nan]}, "'b' has the x nan m at 1.5 s"),
-        ({"v": [0.0, -math.inf]}, "'b' has the speed -inf m/s at 1.5 s"),
-        ({"h": [math.nan, 1e16]}, "'b' has the heading 1e+16 rad at 1.5 s"),
+        ({"x": math.nan}, "'b' has the x nan m at 1.5 s"),
+        ({"v": -math.inf}, "'b' has the speed -inf m/s at 1.5 s"),
+        ({"h": 1e16}, "'b' has the heading 1e+16 rad at 1.5 s"),
         ({}, "'b' at 1.5 s: a position or speed is no longer a finite number"),
     ],
 )
-def test_the_first_quantity_that_is_none_is_named(columns: dict[str, list[float]], said: str) -> None:
-    whole = {name: [0.0, 0.0] for name in ("x", "y", "h", "v", "steer")} | columns
+def test_the_first_quantity_that_is_none_is_named(values: dict[str, float], said: str) -> None:
+    whole = dict.fromkeys(QUANTITIES, 0.0) | values
     assert break_off_text(opcodes.FAULT_NOT_FINITE, 1, ["a", "b"], whole, 1.5) == said
 
 
 def test_every_fault_of_the_engine_has_words() -> None:
     codes = [value for name, value in vars(opcodes).items() if name.startswith("FAULT_") and value]
     for code in codes:
-        why = break_off_text(code, 0, ["a"], {}, 0.0)
+        why = break_off_text(code, 0, ["a"], dict.fromkeys(QUANTITIES, 0.0), 0.0)
         assert why
         assert "of the engine" not in why
     assert break_off_text(0, -1, [], {}, 0.0) == ""

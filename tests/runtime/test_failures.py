@@ -12,8 +12,8 @@ import pytest
 
 from scenario_compiler import compile_scenario, load_network, run
 from scenario_compiler.compiler import Overrides
-from scenario_compiler.engine.forms.failure import EngineError
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.recording.store import read_recording
 from scenario_compiler.worlds.kinematic import KinematicWorld
 

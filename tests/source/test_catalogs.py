@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.languages import expand
 from scenario_compiler.source.catalogs import Catalogs, load_catalogs
-from tests.source.made import EGO, codes_of, library_text, parsed
+from scenario_compiler.vocabulary.driver import DriverModel
+from tests.source.made import EGO, codes_of, expanded, library_text, parsed
 
 CAR = '<vehicle name="our.car" length="4" width="2" height="1.5" wheelbase="2.5" center="1.2"/>'
 DRIVER = '<driver_model name="ours" mu="1" sigma="0.3"/>'
@@ -55,3 +57,28 @@ def test_what_a_faulty_entry_would_have_been_is_not_missed(tmp_path: Path) -> No
     (tmp_path / "fleet.xml").write_text(_catalog(CAR.replace('"4"', '"four"')))
     text = library_text(head='<include file="fleet.xml"/>', ego=EGO.replace("<ego", '<ego model="our.car"'))
     assert codes_of(text, tmp_path / "made.xml") == ["SC111"]
+
+
+def _driver_of(tmp_path: Path, word: str, entry: str) -> DriverModel:
+    (tmp_path / "people.xml").write_text(_catalog(entry))
+    text = library_text(head='<include file="people.xml"/>', items=f"<takeover>{word}</takeover>")
+    driver = expanded(text, tmp_path / "made.xml").takeover.driver
+    assert isinstance(driver, DriverModel)
+    return driver
+
+
+def test_a_takeover_time_of_the_catalog_counts_until_the_scenario_gives_one(tmp_path: Path) -> None:
+    entry = '<driver_model name="quick" takeover_time="0.75" source="ours"/>'
+    assert _driver_of(tmp_path, '<driver preset="quick"/>', entry).takeover_time == 0.75
+    assert _driver_of(tmp_path, '<driver preset="quick" takeover_time="2"/>', entry).takeover_time == 2.0
+
+
+def _hints(items: str) -> list[str]:
+    sink = Diagnostics()
+    expand(parsed(library_text(items), sink), None, {}, sink)
+    return [one.hint for one in sink]
+
+
+def test_old_names_are_refused_with_the_new_ones() -> None:
+    assert _hints('<takeover><driver preset="urgent"/></takeover>') == ["it is called 'study_means' now"]
+    assert _hints('<takeover><message modality="text audio"/></takeover>') == ["write tone or speech"]

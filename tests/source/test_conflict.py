@@ -11,9 +11,9 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Expression
 from scenario_compiler.languages import ScenarioNameNeededError, check_source, expand
 from scenario_compiler.vocabulary.conditions import TimeHeadwayCondition
+from scenario_compiler.vocabulary.driver import DriverModel
 from scenario_compiler.vocabulary.entities import Dynamic, Static
 from scenario_compiler.vocabulary.positions import LanePositionWord, RelativeLanePosition
-from scenario_compiler.vocabulary.takeover import DriverModel
 from tests.source.made import EGO, codes_of, expanded, library_text, parsed
 
 DESIGN = """<scenarios version="1" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
@@ -41,8 +41,8 @@ DESIGN = """<scenarios version="1" xmlns:xsi="http://www.w3.org/2001/XMLSchema-i
     </dynamic>
     <takeover budget="7" escalate_after="4" minimum_risk_after="10">
       <cause kind="lane_confidence" warning_below="0.6" request_below="0.3"/> <cause kind="path_blocked"/>
-      <driver preset="urgent"/>
-      <message modality="text audio" content="what why"/>
+      <driver preset="study_means"/>
+      <message modality="text tone" content="what why"/>
     </takeover>
     <criteria><no_collision/><stay_on_road/></criteria>
   </scenario>
@@ -62,7 +62,7 @@ def test_a_whole_conflict() -> None:
     assert (blocker.id, oncoming.id) == ("blocked_lane1.blocker", "oncoming")
     assert blocker.at == RelativeLanePosition(entity="ego", distance=150.0, offset=0.0, turn=math.pi / 2)
     assert [vehicle.name for vehicle in scenario.vehicles] == ["vehicle.audi.tt", "vehicle.tesla.model3"]
-    assert scenario.takeover.messages[0].modality == ("text", "audio")
+    assert scenario.takeover.messages[0].modality == ("text", "tone")
     assert [cause.kind for cause in scenario.takeover.causes] == ["lane_confidence", "path_blocked"]
     assert [criterion.word for criterion in scenario.criteria] == ["no_collision", "stay_on_road"]
     assert scenario.parameters == ()
@@ -102,7 +102,7 @@ def test_a_scenario_without_events_has_no_story() -> None:
 def test_driver_comes_from_the_catalog() -> None:
     driver = expanded(DESIGN).takeover.driver
     assert isinstance(driver, DriverModel)
-    assert (driver.name, driver.mu, driver.takeover_time) == ("urgent", 0.876, None)
+    assert (driver.name, driver.mu, driver.takeover_time) == ("study_means", 0.877, None)
     fixed = expanded(library_text('<takeover><driver preset="absent" takeover_time="9"/></takeover>')).takeover.driver
     assert isinstance(fixed, DriverModel)
     assert (fixed.lapse, fixed.takeover_time) == (1.0, 9.0)

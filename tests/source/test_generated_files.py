@@ -31,7 +31,7 @@ DEEPEST = 7
 """Depth from which on an element holds as little as it may."""
 
 TEXTS = ("a", "b_1", "Z-9", "SC401", "1", "with space", "\u00e9")
-JUNK = (*VALUES, "-1e30", "1e30", "1 -1 x", "text  audio", "a,b", "true false", "\u00a07", "1\n2")
+JUNK = (*VALUES, "-1e30", "1e30", "1 -1 x", "text  tone", "a,b", "true false", "\u00a07", "1\n2")
 
 
 T = TypeVar("T")

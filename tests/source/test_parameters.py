@@ -7,7 +7,7 @@ import pytest
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.expressions import Value
 from scenario_compiler.markup.values import COMMAND_LINE
-from scenario_compiler.source.parameters import Declared, bind_arguments, default_value, limits, typed
+from scenario_compiler.source.parameters import Declared, bind_arguments, default_value, typed
 from scenario_compiler.vocabulary.scenario import Parameter, ParameterKind
 
 
@@ -51,9 +51,9 @@ def test_texts_that_do_not_fit(kind: ParameterKind, text: str, code: str) -> Non
 
 
 def test_a_fraction_lies_between_zero_and_one() -> None:
-    found = limits(Parameter(name="p", type="fraction"))
+    found = Parameter(name="p", type="fraction").limits
     assert (found.minimum, found.maximum) == (0.0, 1.0)
-    narrower = limits(Parameter(name="p", type="fraction", min=0.5))
+    narrower = Parameter(name="p", type="fraction", min=0.5).limits
     assert (narrower.minimum, narrower.maximum) == (0.5, 1.0)
 
 

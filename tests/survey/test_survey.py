@@ -35,7 +35,7 @@ def scenario(
     return f"""
   <scenario name="{name}" map="town_grid" duration="20">{classified}
     <ego speed="{speed}"><start><spawn_point name="main_street"/></start></ego>{body}
-    <takeover budget="7"><cause kind="path_blocked"/><driver preset="urgent"/></takeover>{judged}
+    <takeover budget="7"><cause kind="path_blocked"/><driver preset="study_means"/></takeover>{judged}
   </scenario>"""
 
 

@@ -135,7 +135,7 @@ test("the lens over a scenario draws its plan", async () => {
 });
 
 test("findings follow the text", async () => {
-  const wrong = TEXT.replace('preset="urgent"', 'preset="urgnt"');
+  const wrong = TEXT.replace('preset="study_means"', 'preset="study_mean"');
   const change = (version: number, text: string) =>
     connection.sendNotification(DidChangeTextDocumentNotification.type, {
       textDocument: { uri, version },
@@ -144,7 +144,7 @@ test("findings follow the text", async () => {
   await change(2, wrong);
   const [finding] = await found((now) => now.length > 0);
   assert.equal(finding?.code, "SC218");
-  assert.match(JSON.stringify(finding?.message), /did you mean 'urgent'/);
+  assert.match(JSON.stringify(finding?.message), /did you mean 'study_means'/);
   await change(3, TEXT);
   await found((now) => now.length === 0);
 });

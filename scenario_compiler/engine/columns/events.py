@@ -28,6 +28,14 @@ EVENTS: dict[int, tuple[str, str]] = {
         "response",
         "The driver takes over.",
     ),
+    op.EVENT_EYES_ON: (
+        "eyes_on",
+        "The driver's eyes are on the road after a request; `value` is the time since it.",
+    ),
+    op.EVENT_HANDS_ON: (
+        "hands_on",
+        "The driver's hands are on the wheel after a request; `value` is the time since it.",
+    ),
     op.EVENT_HAND_BACK: (
         "hand_back",
         "The driver hands back to the automation.",
@@ -38,7 +46,8 @@ EVENTS: dict[int, tuple[str, str]] = {
     ),
     op.EVENT_STANDSTILL: (
         "standstill",
-        "The automated vehicle stands; `cause` is `driver` where a driver stopped it.",
+        "The automated vehicle stands; `cause` is `driver` where a driver stopped it, `message` says where: "
+        "`own_lane`, `other_lane`, `shoulder` or `off_road`.",
     ),
     op.EVENT_COLLISION: (
         "collision",
@@ -83,6 +92,15 @@ EVENTS: dict[int, tuple[str, str]] = {
     op.EVENT_HAZARD_LIGHTS: (
         "hazard_lights",
         "`value` 1: on, 0: off.",
+    ),
+    op.EVENT_NO_PROGRESS: (
+        "no_progress",
+        "The automated vehicle has stood for as long as the cause `no_progress` allows, and nothing that it follows, "
+        "no red signal and no action held it.",
+    ),
+    op.EVENT_OVERRIDE: (
+        "override",
+        "The person at the wheel takes over without being asked.",
     ),
     op.EVENT_CONTACT: (
         "contact",

@@ -148,6 +148,8 @@ FLAG_SMOOTH = 128
 """Speeds are met smoothly."""
 FLAG_OWN_PATH = 256
 """The entity moves along points of its own, not along the road."""
+FLAG_ON_TRACK = 1024
+"""These points are a trajectory's."""
 
 # Whether a value is added to another entity's or multiplied by it.
 MODE_DELTA = 0
@@ -214,10 +216,42 @@ CAUSE_SENSOR_HEALTH = 2
 CAUSE_LANE_CONFIDENCE = 3
 CAUSE_PATH_BLOCKED = 4
 CAUSE_LANE_ENDS = 5
-CAUSES = 6
+CAUSE_NO_PROGRESS = 6
+CAUSES = 7
+
+# What the state of a traffic signal says.
+ASPECT_NONE = 0
+"""Nothing: dark, or not known; and green."""
+ASPECT_CAUTION = 1
+ASPECT_STOP = 2
+
+# What an object ahead is.
+AHEAD_NOTHING = 0
+AHEAD_FOLLOWED = 1
+AHEAD_BLOCKING = 2
 
 DRIVER_LOGNORMAL = 0
 DRIVER_FIXED = 1
+DRIVER_NORMAL = 2
+DRIVER_SUMO = 3
+
+# Where a vehicle stands.
+STANDS_NOWHERE = 0
+STANDS_IN_OWN_LANE = 1
+STANDS_IN_OTHER_LANE = 2
+STANDS_ON_SHOULDER = 3
+STANDS_OFF_ROAD = 4
+
+# What a driver does about something in the way.
+STYLE_BRAKES = 0
+STYLE_STEERS = 1
+STYLE_BOTH = 2
+
+WISH_NONE = 0
+WISH_TAKE_OVER = 1
+WISH_HAND_BACK = 2
+WISH_LEAVE = 3
+"""What the person at the wheel wants of the automation."""
 
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
@@ -247,6 +281,10 @@ EVENT_FAILURE = 17
 EVENT_FAILURE_END = 18
 EVENT_HAZARD_LIGHTS = 19
 EVENT_CONTACT = 20
+EVENT_NO_PROGRESS = 21
+EVENT_EYES_ON = 22
+EVENT_HANDS_ON = 23
+EVENT_OVERRIDE = 24
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 
@@ -293,6 +331,9 @@ STREAM_PLACE = 2
 STREAM_TURN = 3
 STREAM_FAILURE = 4
 STREAM_TRAFFIC = 5
+STREAM_DRIVER = 6
+STREAM_ODOMETRY = 7
+STREAM_WANDER = 8
 
 # Sizes of scratch columns.
 BUCKETS = 128
@@ -308,12 +349,14 @@ WAY_SIZE = 16
 """Roads that a look ahead crosses at most."""
 
 ROUTE_REACH = 40
-"""How far ahead the way is told to the ego's controller, m: what a camera sees of the ground, and some more."""
+"""How far ahead the ego's controller knows the way, m: what a camera sees of the ground, and some more."""
 
 OUTLOOK_HEAD = 3
 """Numbers of an outlook before its points: gap to the leader, its speed, and the distance to the next junction."""
 
 OUTLOOK_SIZE = OUTLOOK_HEAD + 2 * (ROUTE_REACH + 1)
 
-DRAWS_PER_RUN = 9
-"""Takeover time and lapse of up to four requests, and the seed of the counter hash."""
+DRAW_PERSON = 0
+DRAW_SEED = 1
+DRAWS_PER_RUN = 2
+"""The standard normal number of the driver as a person, and the seed of the counter hash."""

@@ -9,13 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import (
+from scenario_compiler.forms.declaration import (
     FLAG,
     RUN,
     Allowed,
     Of,
     codes,
     column,
+    container,
     fixed,
     index,
     index_or_none,
@@ -47,10 +48,13 @@ SET = Of("set of whole numbers", lambda p: len(p.set_first) - 1)
 MEMBER = Of("member of a set", lambda p: len(p.set_member))
 VARIABLE = Of("variable", lambda p: p.variable_count[0])
 SIGNAL = Of("signal", lambda p: p.signal_count[0])
+HEAD = Of("head of a signal", lambda p: p.head_count[0])
+TEXT = Of("text", lambda p: len(p.text_aspect))
 SIGNAL_CONTROLLER = Of("controller of signals", lambda p: p.controller_count[0])
 PHASE = Of("phase", lambda p: len(p.phase_name))
 LIGHT = Of("state of a signal", lambda p: len(p.light_signal))
 ACTION = Of("action", lambda p: p.action_count[0])
+PIECE = Of("piece of a plan of speeds", lambda p: p.piece_count[0])
 POINT = Of("point of a path", lambda p: len(p.point_position))
 INIT = Of("action of the init", lambda p: p.init_count[0])
 CAUSE = fixed("cause", op.CAUSES)
@@ -65,11 +69,12 @@ SLOT = Allowed(Of("place of a number", lambda p: len(p.const) + 1))
 COUNT = whole(0)
 
 
+@container("p", 1)
 @dataclass(slots=True)
 class Program:
     """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
 
-    const: list[float] = column(NUMBER)
+    const: list[float] = column(NUMBER, written=True)
     """Every number, by the slots of `slots`; replaced row by row in a sweep."""
 
     # The run.
@@ -80,7 +85,9 @@ class Program:
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))
     """Number of time steps between two images of the camera, whole control steps."""
-    driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_FIXED + 1))
+    driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
+    person: list[int] = column(RUN, 0, FLAG)
+    """1 where a person is at the wheel, whose inputs Python writes."""
     hazard_lights: list[int] = column(RUN, 1, FLAG)
     """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
     destination_road: list[int] = column(RUN, op.NONE, index_or_none(ROAD))
@@ -99,6 +106,7 @@ class Program:
     action_count: list[int] = column(RUN, 0, COUNT)
     init_count: list[int] = column(RUN, 0, COUNT)
     vertex_count: list[int] = column(RUN, 0, COUNT)
+    piece_count: list[int] = column(RUN, 0, COUNT)
     span_count: list[int] = column(RUN, 0, COUNT)
     traffic_count: list[int] = column(RUN, 0, COUNT)
     """Number of entities that are background traffic."""
@@ -134,6 +142,8 @@ class Program:
     track_kind: list[int] = column(TRACK, 0, codes(op.TRACK_NURBS + 1))
     track_closed: list[int] = column(TRACK, 0, FLAG)
     """1 where a trajectory goes on at its begin."""
+    track_raised: list[int] = column(TRACK, 0, FLAG)
+    """1 where positions of a trajectory give heights."""
     track_order: list[int] = column(TRACK, 0, whole(0, 1000))
     """Order of a NURBS."""
     track_corner: list[int] = row_starts(TRACK, CORNER)
@@ -255,6 +265,8 @@ class Program:
     """Number of its points."""
     action_drives_on: list[int] = column(ACTION, 0, FLAG)
     """1 where the entity goes on along the lane at the end of its path."""
+    action_piece: list[int] = row_starts(ACTION, PIECE)
+    """Pieces of the plan of a speed profile."""
     point_position: list[int] = column(POINT, 0, index(POSITION))
     point_const: list[int] = column(POINT, 0, SLOT)
     init_action: list[int] = column(INIT, 0, index(ACTION))
@@ -279,6 +291,20 @@ class Program:
     light_first: list[int] = row_starts(PHASE, LIGHT)
     light_signal: list[int] = column(LIGHT, 0, index(SIGNAL))
     light_state: list[int] = column(LIGHT, 0, COUNT)
+
+    head_count: list[int] = column(RUN)
+    """Number of heads: a signal where it stands, and where another road refers to it."""
+    head_signal: list[int] = column(HEAD, 0, index(SIGNAL))
+    head_road: list[int] = column(HEAD, 0, index(ROAD))
+    head_const: list[int] = column(HEAD, 0, SLOT)
+    """Slot of its s."""
+    head_sense: list[int] = column(HEAD, 0, whole(-1, 2))
+    """1 for travel along s, -1 against it, 0 for both."""
+    head_from: list[int] = column(HEAD)
+    """First and last lane that it is meant for."""
+    head_to: list[int] = column(HEAD)
+    text_aspect: list[int] = column(TEXT, 0, codes(op.ASPECT_STOP + 1))
+    """By text what it says as the state of a signal, ASPECT_...; as long as there are texts."""
 
     # The takeover.
     cause_on: list[int] = column(CAUSE, 0, FLAG)

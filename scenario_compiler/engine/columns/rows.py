@@ -86,6 +86,7 @@ class ActionRow:
         point: First point of its path.
         points: Number of its points.
         drives_on: 1 where the entity goes on along the lane at the end of its path.
+        pieces: Number of pieces that a plan of speeds has room for.
     """
 
     const: tuple[Slot, ...] = ()
@@ -99,6 +100,7 @@ class ActionRow:
     point: int = 0
     points: int = 0
     drives_on: int = 0
+    pieces: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,4 +13,4 @@ def run_seed(st: State, own: int) -> int:
     """Return a seed of the counter hash: one of its own, else the run's."""
     if own >= 0:
         return own
-    return int(clip(st.draw[op.DRAWS_PER_RUN - 1], 0.0, 4294967295.0))
+    return int(clip(st.draw[op.DRAW_SEED], 0.0, 4294967295.0))

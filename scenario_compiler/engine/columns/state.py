@@ -1,6 +1,6 @@
 """State: everything that changes during a run, as flat columns of a fixed size.
 
-`clear_state` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
+`put_to_start` puts every column to its declared start but what is kept, so one state serves all variants of a sweep.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import RUN, Of, at_start, column, fixed, put_to_start
 from scenario_compiler.engine.columns.program import (
     ACTION,
     CAUSE,
@@ -16,6 +15,7 @@ from scenario_compiler.engine.columns.program import (
     ELEMENT,
     ENTITY,
     FAILURE,
+    PIECE,
     POSITION,
     RING,
     SIGNAL,
@@ -24,8 +24,8 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.marker import compiled
-from scenario_compiler.randomness import hash_bits, normal, uniform
+from scenario_compiler.forms.declaration import RUN, Of, at_start, column, container, fixed
+from scenario_compiler.randomness import hash_bits, normal
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
 WAY = fixed("stretch of the way ahead", op.WAY_SIZE)
@@ -37,12 +37,15 @@ WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 
+@container("st", 2, written=True)
 @dataclass(slots=True)
 class State:
     """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
 
     # The run, one element each.
     clock: list[float] = column(RUN)
+    """Time, s: the number of steps times the step, so that equal times are equal numbers."""
+    steps: list[int] = column(RUN)
     """Time, s: the sum of the steps."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""
@@ -53,7 +56,7 @@ class State:
     flag_at: list[int] = column(RUN, op.NONE)
     """The entity, condition or action that the fault is about."""
     draw: list[float] = column(DRAW, kept=True)
-    """Draws made before the run: normal and uniform ones of four requests, then the seed of the counter hash."""
+    """Draws made before the run: DRAW_PERSON and DRAW_SEED."""
 
     # Entities.
     present: list[int] = column(ENTITY)
@@ -86,8 +89,10 @@ class State:
     turn: list[float] = column(ENTITY)
     """Heading relative to `facing` along the lane."""
     kept_lane: list[int] = column(ENTITY)
-    """Lane that a scripted entity is led by: its own, or the target of a lane change."""
+    """Lane that a scripted entity is led by: the one it belongs to, or the target of a lane change."""
     kept_off: list[float] = column(ENTITY)
+    changing: list[int] = column(ENTITY)
+    """1 where a lane change leads the entity, until it settles: it belongs to the lane that its point is in."""
     here_road: list[int] = column(ENTITY, op.NONE)
     """Where the lane's row and the road's piece below were found last: road and lane."""
     here_lane: list[int] = column(ENTITY)
@@ -204,13 +209,22 @@ class State:
     action_span: list[float] = column(ACTION)
     action_from: list[float] = column(ACTION)
     action_change: list[float] = column(ACTION)
+    action_phase: list[int] = column(ACTION)
+    """Phase that an action is in, of those that go through several."""
     action_a: list[float] = column(ACTION)
     """Free memory of whoever executes the action; so is `action_b`."""
     action_b: list[float] = column(ACTION)
+    piece_time: list[float] = column(PIECE)
+    """Plans of speed profiles: from when a piece holds, its speed and acceleration then, and its jerk."""
+    piece_speed: list[float] = column(PIECE)
+    piece_slope: list[float] = column(PIECE)
+    piece_jerk: list[float] = column(PIECE)
     track_x: list[float] = column(VERTEX)
     """Vertices of trajectories, as they lay when their action began last."""
     track_y: list[float] = column(VERTEX)
     track_h: list[float] = column(VERTEX)
+    track_z: list[float] = column(VERTEX)
+    track_pitch: list[float] = column(VERTEX)
     track_s: list[float] = column(VERTEX)
     track_time: list[float] = column(VERTEX)
     track_v: list[float] = column(VERTEX)
@@ -329,6 +343,9 @@ class State:
     """Offset from the path lane's centre before it, positive to the left of the direction of travel."""
     shift_to: list[float] = column(RUN)
 
+    aside: list[float] = column(RUN)
+    """How far left of the planned offset is steered for, m; 0 but while a driver steers."""
+
     # What lies ahead: the way, then each entity as seen along it.
     way_road: list[int] = column(WAY)
     way_lane: list[int] = column(WAY)
@@ -363,6 +380,10 @@ class State:
     border_left: list[float] = column(ENTITY)
     """Left border of the lane at the entity, relative to its centre."""
     border_right: list[float] = column(ENTITY)
+    ahead_is: list[int] = column(ENTITY)
+    """AHEAD_...: what the entity is to the ego."""
+    red_line: list[float] = column(RUN, op.FAR)
+    """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
     """From the front bumper to where the path is blocked, FAR when it is free."""
     blocked_far: list[float] = column(RUN, op.FAR)
@@ -402,16 +423,58 @@ class State:
     time_response: list[float] = column(RUN, -1.0)
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
+    time_no_progress: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver answers the present request, FAR for never."""
+    looking: list[int] = column(RUN)
+    """1 while the driver's eyes are on the road: from a request on, and while he drives."""
+    style: list[int] = column(RUN, op.STYLE_STEERS)
+    """STYLE_... of the driver at this takeover."""
+    noticed_at: list[float] = column(ENTITY, -1.0)
+    """Time since which the entity has called for a reaction of the driver, -1 where it does not."""
+    called_at: list[float] = column(ENTITY, -1.0)
+    """Time at which it did so last."""
+    evaded: list[int] = column(RUN, op.NONE)
+    """Moving entity that the driver goes around, NONE without one."""
+    person_throttle: list[float] = column(RUN)
+    """What the person at the wheel does, written between steps: throttle and brake, 0 to 1."""
+    person_brake: list[float] = column(RUN)
+    person_steer: list[float] = column(RUN)
+    """-1 to 1 of the greatest steering angle, positive to the left."""
+    person_wish: list[int] = column(RUN)
+    """What the person wants of the automation, a WISH code."""
+    eyes_on_at: list[float] = column(RUN, op.FAR)
+    """Time at which the driver will look at the road, FAR where that is not to come."""
+    hands_on_at: list[float] = column(RUN, op.FAR)
+    time_eyes_on: list[float] = column(RUN, -1.0)
+    """When the driver's eyes were on the road first after a request, and the hands on the wheel; -1 before."""
+    time_hands_on: list[float] = column(RUN, -1.0)
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""
+    held_up_since: list[float] = column(RUN, -1.0)
+    """Time since which the automated ego stands without a reason, -1 while it does not."""
+    held_up: list[int] = column(RUN)
+    """1 where it has done so for too long; and where this stop has been logged."""
+    held_up_logged: list[int] = column(RUN)
     hazard_lights: list[int] = column(RUN)
-    trusted_steer: list[float] = column(RUN)
-    """Last steering command that the automation could rely on."""
+    lane_lost: list[int] = column(RUN)
+    """1 from when neither side of the lane is seen until it is recognised again; and how often that was."""
+    lane_losses: list[int] = column(RUN)
+    lane_seen_since: list[float] = column(RUN, -1.0)
+    """Time since which a side of the lane is seen, -1 while neither is."""
+    recall_off: list[float] = column(RUN)
+    """What the ego believes of its place while the lane is lost, less what is true: offset to the left, m, ..."""
+    recall_heading: list[float] = column(RUN)
+    """... heading, rad, ..."""
+    recall_along: list[float] = column(RUN)
+    """... distance along the lane, m; and the rates of the last two: rad/s, and per metre."""
+    recall_bias: list[float] = column(RUN)
+    recall_share: list[float] = column(RUN)
+    path_anew: list[int] = column(RUN)
+    """1 where the ego has left its path for another place since this was last put to 0."""
     manoeuvre: list[int] = column(RUN, op.MANOEUVRE_KEEP)
     merging: list[int] = column(RUN)
     merge_from_lane: list[int] = column(RUN)
@@ -431,23 +494,9 @@ def new_state(program: Program) -> State:
     return at_start(State, program)
 
 
-@compiled
-def clear_state(st: State) -> None:
-    """Put every column to its declared start, but those that are kept."""
-    put_to_start(st)
-
-
-REQUESTS_DRAWN = 4
-
-
 def make_draws(seed: int, variant: int = 0) -> list[float]:
-    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone.
-
-    A normal and a uniform one for each of four requests, and the seed of the counter hash.
-    """
-    drawn: list[float] = []
-    for k in range(REQUESTS_DRAWN):
-        drawn.append(normal(seed, variant, f"driver/takeover_time/{k}"))
-        drawn.append(uniform(seed, variant, f"driver/lapse/{k}"))
-    drawn.append(float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF))
+    """Return DRAWS_PER_RUN numbers for `State.draw` that depend on the seed and the variant's index alone."""
+    drawn = [0.0] * op.DRAWS_PER_RUN
+    drawn[op.DRAW_PERSON] = normal(seed, variant, "driver/person")
+    drawn[op.DRAW_SEED] = float(hash_bits(seed, variant, "steps") & 0xFFFFFFFF)
     return drawn

@@ -84,7 +84,7 @@ def image_fails(st: State, kind: int) -> int:
     share = st.failure_now[kind]
     if share <= 0.0:
         return 0
-    seed = int(clip(st.draw[op.DRAWS_PER_RUN - 1], 0.0, 4294967295.0))
+    seed = int(clip(st.draw[op.DRAW_SEED], 0.0, 4294967295.0))
     return 1 if random_unit(seed, op.STREAM_FAILURE, kind, st.frame[0]) < share else 0
 
 

@@ -1,4 +1,4 @@
-"""What the ego's controller is told of the way ahead: the leader that the sensor sees, and the planned way.
+"""What the ego's controller knows of the way ahead: what it keeps its distance to, and the planned way.
 
 The way is the middle of the lanes that the plan's route leads over; without a route, and off it, of those that go on
 straight. It ends where the lanes do.
@@ -12,9 +12,10 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.objects_ahead import gap_to_keep, judge_objects
 from scenario_compiler.engine.ego.sensor import look_ahead
-from scenario_compiler.engine.motion.following import leader_gap
 from scenario_compiler.engine.motion.path import advance_routed
+from scenario_compiler.engine.motion.signals_ahead import red_ahead
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_pose
 from scenario_compiler.roads.tables import RoadTables
@@ -24,13 +25,15 @@ from scenario_compiler.roads.tables import RoadTables
 def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     """Write what lies ahead of the ego; return the number of the way's points, each 1 m after the one before.
 
-    `out` has OUTLOOK_SIZE numbers: the gap from the front bumper to the leader, FAR without one, and its speed along
-    the way; the distance to the next junction, FAR where there is none in reach; then x (ahead) and y (left) of each
-    point in the ego's axes.
+    `out` has OUTLOOK_SIZE numbers: the gap from the front bumper to what the automation keeps its distance to (see
+    `gap_to_keep`), FAR without such a thing, and its speed along the way; the distance to the next junction, FAR where
+    there is none in reach; then x (ahead) and y (left) of each point in the ego's axes.
     """
     ego = p.ego[0]
     look_ahead(n, p, st, ego, p.const[slot.K_SENSOR_RANGE], p.const[slot.K_FIELD_OF_VIEW])
-    gap, lead = leader_gap(p, st, ego, 0.0, 1, -op.FAR)
+    st.red_line[0] = red_ahead(n, p, st, ego) if p.head_count[0] > 0 else op.FAR
+    judge_objects(p, st, ego)
+    gap, lead = gap_to_keep(p, st, ego)
     out[0] = gap
     out[1] = lead
     out[2] = op.FAR

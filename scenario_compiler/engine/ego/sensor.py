@@ -1,4 +1,4 @@
-"""The forward sensor: what is seen, how wide the path is, where the lane ends, whether the gap beside is free."""
+"""The forward sensor: what is seen, how wide gaps are, where the lane ends, whether the gap beside is free."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import distance_to_lane_end
 
 SLOW = 2.0
-"""Speed along the way below which an entity blocks rather than leads, m/s."""
+"""Speed along the way below which an entity does not lead, m/s."""
 
 LANE_END_HORIZON = 300.0
 """How far ahead the end of the lane is looked for, m."""
@@ -214,40 +214,6 @@ def gap_between(
                 found = 1
         widest = max(widest, width)
     return found, best, widest
-
-
-@compiled
-def find_block(p: Program, st: State, i: int) -> int:
-    """Write where the path is first blocked; return the entity that blocks it, -1 for a free path.
-
-    It is blocked where the widest gap that the seen obstacles leave between the lane's borders is less than the ego's
-    width and the margin.
-    """
-    base = p.entity_const[i]
-    size = p.const[base + slot.E_LENGTH]
-    front = p.const[base + slot.E_CENTER] + 0.5 * size
-    need = p.const[base + slot.E_WIDTH] + p.const[slot.K_BLOCKED_MARGIN]
-    st.blocked_distance[0] = op.FAR
-    st.blocked_far[0] = op.FAR
-    blocker = -1
-    for j in range(p.entity_count[0]):
-        if obstructs(st, j, front) == 0:
-            continue
-        left = st.border_left[j]
-        right = st.border_right[j]
-        if st.low[j] >= left or st.high[j] <= right or st.near[j] - front >= st.blocked_distance[0]:
-            continue
-        found, _, _ = gap_between(p, st, j, front, size, right, left, need, 0.0)
-        if found == 0:
-            st.blocked_distance[0] = max(st.near[j] - front, 0.0)
-            blocker = j
-    if blocker >= 0:
-        far = st.far[blocker]
-        for j in range(p.entity_count[0]):
-            if obstructs(st, j, front) == 1 and st.near[j] <= st.far[blocker] + size and st.far[j] > far:
-                far = st.far[j]
-        st.blocked_far[0] = far - front
-    return blocker
 
 
 @compiled

@@ -1,21 +1,22 @@
 """The takeover machine: from a cause to a warning, a request, escalation, an answer or the minimum-risk manoeuvre.
 
 It is stepped on control steps. Causes look back on a number of control steps (`count` of the last `of`). The driver
-answers at a time drawn before the run; before it nothing but the automation acts.
+answers at a time that is drawn when he is asked; before it nothing but the automation acts.
 """
 
 from __future__ import annotations
 
-from math import exp
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
-from scenario_compiler.engine.columns.numbers import clip
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.answering import note_stages, plan_answer
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
+from scenario_compiler.engine.ego.standing import standing_place
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.tables import RoadTables
 
 CLOSE = 5.0
 """Distance to a blocked path within which the automation asks at any speed, m."""
@@ -51,22 +52,34 @@ def budget_distance(p: Program, st: State, i: int) -> float:
 
 
 @compiled
-def lane_ends(st: State, budget: float) -> int:
-    """Return 1 where the lane ends within the budget and the gap beside it is not free."""
-    if st.through_lane[0] != 0 and st.gap_free[0] == 0 and st.merging[0] == 0:
-        return 1 if st.lane_end_distance[0] <= budget else 0
+def arrives_before(n: RoadTables, p: Program, st: State, distance: float) -> int:
+    """Return 1 where the destination lies on the way that was walked last, nearer than a distance."""
+    road = p.destination_road[0]
+    for w in range(st.way_count[0]):
+        if st.way_road[w] == road and lane_direction(n, road, p.destination_lane[0]) == st.way_sign[w]:
+            ahead = st.way_sign[w] * (p.const[slot.K_DESTINATION_S] - st.way_s[w])
+            return 1 if ahead >= 0.0 and st.way_from[w] + ahead <= distance else 0
     return 0
 
 
 @compiled
-def asking_cause(p: Program, st: State, i: int) -> int:
+def lane_ends(n: RoadTables, p: Program, st: State, budget: float) -> int:
+    """Return 1 where the lane ends within the budget, before the destination, and no gap beside it is free."""
+    if st.merging[0] == 1 or st.lane_end_distance[0] > budget or (st.through_lane[0] != 0 and st.gap_free[0] == 1):
+        return 0
+    return 1 - arrives_before(n, p, st, st.lane_end_distance[0] + CLOSE)
+
+
+@compiled
+def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
     """Return the cause that asks for a takeover now, CAUSE_NONE without one; every history is brought up to date."""
     budget = budget_distance(p, st, i)
     unwell = 1 if st.health[0] < p.const[slot.K_HEALTH_REQUEST] else 0
     blocked = 1 if st.blocked_distance[0] <= budget else 0
     low = lacks_confidence(p, st)
-    ending = lane_ends(st, budget)
-    st.quiet[0] = st.quiet[0] + 1 if low + unwell + blocked + ending + st.auto_request[0] == 0 else 0
+    ending = lane_ends(n, p, st, budget)
+    reasons = low + unwell + blocked + ending + st.auto_request[0] + st.held_up[0]
+    st.quiet[0] = st.quiet[0] + 1 if reasons == 0 else 0
     if st.quiet[0] > HISTORY_SIZE:
         return op.CAUSE_NONE
     remember(st, op.CAUSE_LANE_CONFIDENCE, low, p.const[slot.K_CONFIDENCE_COUNT], p.const[slot.K_CONFIDENCE_OF])
@@ -74,6 +87,7 @@ def asking_cause(p: Program, st: State, i: int) -> int:
     remember(st, op.CAUSE_PATH_BLOCKED, blocked, p.const[slot.K_BLOCKED_COUNT], p.const[slot.K_BLOCKED_OF])
     remember(st, op.CAUSE_LANE_ENDS, ending, p.const[slot.K_LANE_END_COUNT], p.const[slot.K_LANE_END_OF])
     st.asking[op.CAUSE_CONTROLLER] = st.auto_request[0]
+    st.asking[op.CAUSE_NO_PROGRESS] = st.held_up[0]
     for k in range(p.cause_count[0]):
         if st.asking[p.cause_order[k]] == 1:
             return p.cause_order[k]
@@ -99,21 +113,6 @@ def warning_cause(p: Program, st: State) -> int:
 
 
 @compiled
-def takeover_time(p: Program, st: State) -> float:
-    """Return the driver's takeover time for the present request, s; FAR for no answer.
-
-    Fixed, or lognormal exp(mu + sigma z) with a probability of a lapse. The draws of the fourth request serve later
-    ones.
-    """
-    if p.driver_kind[0] == op.DRIVER_FIXED:
-        return max(p.const[slot.K_DRIVER_TIME], 0.0)
-    k = min(st.requests[0] - 1, 3)
-    if st.draw[2 * k + 1] < p.const[slot.K_DRIVER_LAPSE]:
-        return op.FAR
-    return exp(clip(p.const[slot.K_DRIVER_MU] + p.const[slot.K_DRIVER_SIGMA] * st.draw[2 * k], -20.0, 20.0))
-
-
-@compiled
 def request_takeover(p: Program, st: State, cause: int) -> None:
     """Ask the driver, for a cause."""
     now = st.clock[0]
@@ -121,16 +120,17 @@ def request_takeover(p: Program, st: State, cause: int) -> None:
     st.cause[0] = cause
     st.requests[0] += 1
     st.request_at[0] = now
+    st.path_anew[0] = 0
     if st.time_request[0] < 0.0:
         st.time_request[0] = now
-    st.answer_at[0] = now + takeover_time(p, st)
+    plan_answer(p, st)
     log_event(st, op.EVENT_REQUEST, 1.0 * cause)
 
 
 @compiled
-def step_automated(p: Program, st: State, i: int) -> None:
+def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Automated or warning: request for a cause, warn, or end the warning."""
-    cause = asking_cause(p, st, i)
+    cause = asking_cause(n, p, st, i)
     warned = warning_cause(p, st)
     if cause != op.CAUSE_NONE:
         request_takeover(p, st, cause)
@@ -169,17 +169,18 @@ def answer(st: State) -> None:
 
 
 @compiled
-def step_requested(p: Program, st: State, i: int) -> None:
+def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Requested, escalated or in the minimum-risk manoeuvre: look for an answer, standstill, manoeuvre, escalation."""
     now = st.clock[0]
     state = st.takeover_state[0]
+    note_stages(st)
     if now >= st.answer_at[0] - 1.0e-6:
         answer(st)
     elif state == op.TAKEOVER_MINIMUM_RISK:
         if st.v[i] <= 0.0:
             st.takeover_state[0] = op.TAKEOVER_STANDSTILL
             st.time_standstill[0] = now
-            log_event(st, op.EVENT_STANDSTILL, 0.0)
+            log_event(st, op.EVENT_STANDSTILL, 2.0 * standing_place(n, st, i))
     elif minimum_risk_due(p, st, i) == 1:
         st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
         if st.time_minimum_risk[0] < 0.0:
@@ -194,31 +195,38 @@ def step_requested(p: Program, st: State, i: int) -> None:
 
 
 @compiled
-def step_manual(p: Program, st: State, i: int) -> None:
+def hand_back(st: State) -> None:
+    """Let the automation take the wheel again."""
+    st.takeover_state[0] = op.TAKEOVER_HAND_BACK
+    st.cause[0] = op.CAUSE_NONE
+    for c in range(op.CAUSES):
+        st.history[c] = 0
+    log_event(st, op.EVENT_HAND_BACK, 0.0)
+
+
+@compiled
+def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Manual: hand back after the given time where nothing asks; a control step later the automation drives."""
-    cause = asking_cause(p, st, i)
+    cause = asking_cause(n, p, st, i)
     if st.takeover_state[0] == op.TAKEOVER_HAND_BACK:
         st.takeover_state[0] = op.TAKEOVER_AUTOMATED
+        st.looking[0] = 0
         log_event(st, op.EVENT_ACTIVATION, 0.0)
         return
     wait = p.const[slot.K_HAND_BACK_AFTER]
     if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != op.CAUSE_NONE:
         return
     if warning_cause(p, st) == op.CAUSE_NONE and st.manoeuvre[0] == op.MANOEUVRE_KEEP and st.crashed[0] == 0:
-        st.takeover_state[0] = op.TAKEOVER_HAND_BACK
-        st.cause[0] = op.CAUSE_NONE
-        for c in range(op.CAUSES):
-            st.history[c] = 0
-        log_event(st, op.EVENT_HAND_BACK, 0.0)
+        hand_back(st)
 
 
 @compiled
-def step_takeover(p: Program, st: State, i: int) -> None:
+def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Step the machine once."""
     state = st.takeover_state[0]
     if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
-        step_automated(p, st, i)
+        step_automated(n, p, st, i)
     elif state in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
-        step_manual(p, st, i)
+        step_manual(n, p, st, i)
     elif state != op.TAKEOVER_STANDSTILL:
-        step_requested(p, st, i)
+        step_requested(n, p, st, i)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.log import first_logged
+from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.engine.measures.inputs import add_inputs
 from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping
 from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover
+from scenario_compiler.engine.measures.takeovers import add_takeovers
 from scenario_compiler.marker import compiled
 
 
@@ -17,9 +20,12 @@ def note_events(st: State, m: Totals) -> None:
     m.time_warning[0] = st.time_warning[0]
     m.time_request[0] = st.time_request[0]
     m.time_escalation[0] = st.time_escalation[0]
+    m.time_eyes_on[0] = st.time_eyes_on[0]
+    m.time_hands_on[0] = st.time_hands_on[0]
     m.time_response[0] = st.time_response[0]
     m.time_minimum_risk[0] = st.time_minimum_risk[0]
     m.time_standstill[0] = st.time_standstill[0]
+    m.time_no_progress[0] = st.time_no_progress[0]
     if st.crashed[0] == 1 and m.time_collision[0] < 0.0:
         at = first_logged(st, op.EVENT_COLLISION)
         if at >= 0:
@@ -28,7 +34,7 @@ def note_events(st: State, m: Totals) -> None:
 
 
 @compiled
-def judge_row(st: State, m: Totals) -> None:
+def judge_row(p: Program, st: State, m: Totals) -> None:
     """Add the last row, whose time is over: all events of that time are known."""
     if st.log_count[0] != m.events[0]:
         m.events[0] = st.log_count[0]
@@ -42,17 +48,33 @@ def judge_row(st: State, m: Totals) -> None:
     if before or m.rows[0] == 1:
         m.speed_before_collision[0] = m.row_v[0]
     add_takeover(m)
+    add_takeovers(st, m)
+    add_inputs(p, m)
     add_to_keeping(m)
 
 
 @compiled
-def finish_totals(st: State, m: Totals) -> None:
-    """Add the last row, after which none follows, and how the run ended."""
-    judge_row(st, m)
-    add_keeping(m, 0)
-    m.stop[0] = st.stop[0]
+def note_fault(st: State, m: Totals) -> None:
+    """Take over what broke the run off, and the numbers of the entity that it is about."""
     m.flag[0] = st.flag[0]
     m.flag_at[0] = st.flag_at[0]
+    m.flag_time[0] = st.clock[0]
+    at = st.flag_at[0]
+    if st.flag[0] != op.FAULT_NONE and 0 <= at < len(st.x):
+        m.flag_x[0] = st.x[at]
+        m.flag_y[0] = st.y[at]
+        m.flag_h[0] = st.h[at]
+        m.flag_v[0] = st.v[at]
+        m.flag_steer[0] = st.steer[at]
+
+
+@compiled
+def finish_totals(p: Program, st: State, m: Totals) -> None:
+    """Add the last row, after which none follows, and how the run ended."""
+    judge_row(p, st, m)
+    add_keeping(m, 0)
+    m.stop[0] = st.stop[0]
+    note_fault(st, m)
     asked = first_logged(st, op.EVENT_REQUEST)
     if asked >= 0:
         m.asked_for[0] = st.log_value[asked]

@@ -48,6 +48,7 @@ def take_row(p: Program, st: State, m: Totals) -> None:
         m.row_lane[0] = st.lane[ego] if st.road[ego] >= 0 else 0
         m.row_s[0] = st.s[ego] if st.road[ego] >= 0 else 0.0
         m.row_off[0] = st.off[ego] if st.road[ego] >= 0 else 0.0
+        m.row_steer[0] = st.steer[ego]
         m.row_brake[0] = st.brake[ego]
     else:
         m.row_present[0] = 0
@@ -56,6 +57,7 @@ def take_row(p: Program, st: State, m: Totals) -> None:
         m.row_lane[0] = 0
         m.row_brake[0] = 0.0
     m.row_time[0] = st.clock[0]
+    m.row_state[0] = st.takeover_state[0]
     m.row_cause[0] = st.cause[0]
     m.row_confidence[0] = max(st.conf_left[0], st.conf_right[0])
     m.row_blocked[0] = st.blocked_distance[0]

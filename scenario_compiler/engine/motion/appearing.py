@@ -36,6 +36,7 @@ def lead_along(n: RoadTables, st: State, i: int, road: int, lane: int, s: float,
     st.s[i] = s
     st.kept_lane[i] = lane
     st.kept_off[i] = offset
+    st.changing[i] = 0
     st.facing[i] = direction
     st.turn[i] = away
     if cos(away) < 0.0:
@@ -137,10 +138,11 @@ def add_entity(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
 
 @compiled
 def delete_entity(p: Program, st: State, i: int) -> None:
-    """Let an entity disappear; what it tows stays behind."""
+    """Let an entity disappear; what it tows stays behind.
+
+    It keeps its speed, which its running actions go on changing, for when it appears again (esmini 3.6).
+    """
     st.present[i] = 0
-    st.v[i] = 0.0
-    st.a[i] = 0.0
     if st.towed[i] >= 0:
         st.towed_by[st.towed[i]] = op.NONE
         st.towed[i] = op.NONE

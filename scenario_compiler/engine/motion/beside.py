@@ -1,10 +1,34 @@
-"""Lanes beside a lane, counted to the left as an entity faces."""
+"""The lane that an entity belongs to, and lanes beside a lane, counted to the left as an entity faces.
+
+A scripted entity that moves to an offset goes on belonging to its lane, however far over the border it drifts: only a
+lane change, a teleport, a trajectory or the link to the next lane gives it another one (esmini 3.6).
+"""
 
 from __future__ import annotations
 
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_exists
 from scenario_compiler.roads.tables import RoadTables
+
+
+@compiled
+def own_lane(p: Program, st: State, i: int) -> tuple[int, float]:
+    """Return the lane that an entity belongs to, and its offset from that lane's centre."""
+    if p.entity_motion[i] == op.MOTION_SCRIPTED and st.changing[i] == 0:
+        return st.kept_lane[i], st.kept_off[i]
+    return st.lane[i], st.off[i]
+
+
+@compiled
+def settle_in_lane(st: State, i: int) -> None:
+    """Let an entity whose lane change is over belong to the lane that its point is in."""
+    if st.changing[i] == 1:
+        st.kept_lane[i] = st.lane[i]
+        st.kept_off[i] = st.off[i]
+        st.changing[i] = 0
 
 
 @compiled

@@ -2,8 +2,9 @@
 
 Scripted motion is esmini's: (road, lane, s, offset) is kept and x, y and heading are evaluated from it; s moves by v
 dt / (1 - curvature t), with curvature and t at the start of the step; at the end of a road the entity stops exactly
-there, its speed is kept for the step that no longer moves it and is then 0. Where only its lane ends it goes on in the
-middle of the nearest lane that does. The bicycle is the usual kinematic one about the rear axle, without side slip.
+there, its speed is kept for the step that no longer moves it and is then 0. Where only its lane ends, or narrows to
+nothing, it goes on in the middle of a lane that does not. The bicycle is the usual kinematic one about the rear axle,
+without side slip.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from scenario_compiler.engine.columns.log import fault
 from scenario_compiler.engine.columns.numbers import CIRCLE, LARGEST, clip, heading_in_circle
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.beside import settle_in_lane
 from scenario_compiler.engine.motion.following import follow_leader
 from scenario_compiler.engine.motion.path import locate_ego
 from scenario_compiler.engine.motion.routes import leave_guide, next_turn
@@ -34,6 +36,9 @@ from scenario_compiler.roads.lanes import (
 )
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.roads.travel import advance, stretch_at
+
+NO_WIDTH = 1.0e-6
+"""Width below which a lane is not there, m (esmini 3.6)."""
 
 PITCH_TIME = 0.2
 """Time constant of the body's pitch, s: a quarter of the period of a spring of 1.25 Hz."""
@@ -86,18 +91,54 @@ def glide(n: RoadTables, p: Program, st: State, i: int, distance: float) -> None
     else:
         glide_beyond(n, p, st, i, st.facing[i] * distance / stretch)
         look_here(n, st, i)
+    row = st.here_row[i]
+    if row >= 0 and n.lane_steady[row] == 0 and st.kept_lane[i] != 0 and row_width(n, row, st.s[i]) < NO_WIDTH:
+        leave_vanished_lane(n, st, i)
+
+
+@compiled
+def leave_vanished_lane(n: RoadTables, st: State, i: int) -> None:
+    """Lead an entity whose lane has narrowed to nothing along the middle of the next lane that has width.
+
+    That is the nearest towards the road's reference line, else the nearest away from it; without either it stays.
+    """
+    row = st.here_row[i]
+    section = n.lane_section[row]
+    inwards = 1 if st.kept_lane[i] > 0 else -1
+    found = row + inwards
+    while n.lane_id[found] != 0 and row_width(n, found, st.s[i]) < NO_WIDTH:
+        found = found + inwards
+    if n.lane_id[found] == 0:
+        found = row - inwards
+        while found >= n.section_lane[section] and found < n.section_lane[section + 1]:
+            if row_width(n, found, st.s[i]) >= NO_WIDTH:
+                break
+            found = found - inwards
+        if found < n.section_lane[section] or found >= n.section_lane[section + 1]:
+            return
+    st.kept_lane[i] = n.lane_id[found]
+    st.kept_off[i] = 0.0
+    look_here(n, st, i)
 
 
 @compiled
 def glide_beyond(n: RoadTables, p: Program, st: State, i: int, along: float) -> None:
-    """Move a scripted entity by a distance along s that takes it to where another lane's row or piece begins."""
+    """Move a scripted entity by a distance along s that takes it to where another lane's row or piece begins.
+
+    The centre lane goes on to the end of its road.
+    """
     road = st.road[i]
     lane = st.kept_lane[i]
     s = st.s[i]
     direction = lane_direction(n, road, lane)
     ahead = direction * along
     sense = st.facing[i] * direction
-    to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
+    if lane == 0:
+        to_road, to_lane = road, lane
+        to_s = clip(s + along, 0.0, n.road_length[road])
+        rest = abs(s + along - to_s)
+    else:
+        to_road, to_lane, to_s, rest = advance(n, road, lane, s, ahead, next_turn(n, p, st, i, road))
     if rest > op.TOLERANCE:
         forward = 1 if ahead > 0.0 else -1
         beside, from_s = lane_after_end(n, to_road, to_lane, to_s, st.kept_off[i], forward)
@@ -154,11 +195,10 @@ def place_here(n: RoadTables, st: State, i: int) -> None:
             lane = inside
             centre, _ = lane_centre(n, road, lane, s)
             off = t - centre
-            if st.lateral[i] < 0:
-                st.kept_lane[i] = lane
-                st.kept_off[i] = off
     st.lane[i] = lane
     st.off[i] = off
+    if st.lateral[i] < 0:
+        settle_in_lane(st, i)
 
 
 @compiled
@@ -247,7 +287,10 @@ def move_entities(n: RoadTables, p: Program, st: State, dt: float) -> None:
 
 @compiled
 def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
-    """After all have moved: places on the road, distance covered, acceleration, what is watched; and no numbers."""
+    """After all have moved: places on the road, distance covered, acceleration, what is watched.
+
+    A number that became NaN or infinite is a fault.
+    """
     watches = p.watches[0]
     for i in range(p.entity_count[0]):
         x = st.x[i]

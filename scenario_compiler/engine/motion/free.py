@@ -27,6 +27,7 @@ def place_free(n: RoadTables, st: State, i: int) -> None:
     note_lane(n, st, i, road, s, t, lane)
     st.kept_lane[i] = lane
     st.kept_off[i] = st.off[i]
+    st.changing[i] = 0
     _, _, _, along, _, _ = lane_pose(n, road, lane, s, st.off[i])
     direction = lane_direction(n, road, lane)
     away = angle_between(st.h[i], along if direction > 0 else along + pi)

@@ -6,7 +6,7 @@ even parameters, each sample a weighted sum of control points.
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import atan2, cos, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
@@ -14,7 +14,7 @@ from scenario_compiler.engine.columns.log import fault
 from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip, length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.motion.positions import PLACE_NONE, place_of
+from scenario_compiler.engine.motion.positions import PLACE_NONE, place_of, point_of
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -65,12 +65,17 @@ def spiral_step(h: float, bend: float, rate: float, length: float) -> tuple[floa
 
 
 @compiled
-def corner_place(n: RoadTables, p: Program, st: State, c: int, i: int) -> tuple[float, float, float]:
-    """Return (x, y, heading) of a corner for entity i; a fault where it lies nowhere."""
-    kind, _, _, _, _, x, y, _, h = place_of(n, p, st, p.corner_position[c], i)
+def corner_place(n: RoadTables, p: Program, st: State, c: int, i: int) -> tuple[float, float, float, float]:
+    """Return (x, y, z, heading) of a corner for entity i, z as given or on the road; a fault where it lies nowhere."""
+    k = p.corner_position[c]
+    kind, _, _, _, _, x, y, z, h = place_of(n, p, st, k, i)
     if kind == PLACE_NONE:
         fault(st, op.FAULT_OFF_ROAD_START, i)
-    return x, y, h
+    if p.position_op[k] in (op.POSITION_FREE, op.POSITION_RELATIVE_OBJECT, op.POSITION_RELATIVE_WORLD):
+        _, _, given, _, with_height = point_of(p, st, k)
+        if with_height == 1:
+            z = given
+    return x, y, z, h
 
 
 @compiled
@@ -78,9 +83,10 @@ def lay_polyline(n: RoadTables, p: Program, st: State, track: int, i: int) -> No
     """Place the vertices of a polyline."""
     v = p.track_vertex[track]
     for c in range(p.track_corner[track], p.track_corner[track + 1]):
-        x, y, h = corner_place(n, p, st, c, i)
+        x, y, z, h = corner_place(n, p, st, c, i)
         st.track_x[v] = x
         st.track_y[v] = y
+        st.track_z[v] = z
         st.track_h[v] = h
         st.track_time[v] = p.const[p.corner_const[c] + slot.T_TIME]
         v = v + 1
@@ -104,7 +110,7 @@ def lay_clothoids(n: RoadTables, p: Program, st: State, track: int, i: int) -> N
     for c in range(p.track_corner[track], last + 1):
         base = p.corner_const[c]
         if p.corner_position[c] >= 0:
-            x, y, h = corner_place(n, p, st, c, i)
+            x, y, _, h = corner_place(n, p, st, c, i)
         h = h + p.const[base + slot.T_TURN]
         count = p.corner_samples[c]
         length = p.const[base + slot.T_LENGTH] / max(count, 1)
@@ -155,10 +161,11 @@ def lay_nurbs(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
     for v in range(first, last):
         st.track_x[v] = 0.0
         st.track_y[v] = 0.0
+        st.track_z[v] = 0.0
         st.track_h[v] = 0.0
         st.track_time[v] = time_of_sample(p, track, p.const[p.sample_const[sample + v] + order])
     for c in range(corner, p.track_corner[track + 1]):
-        x, y, h = corner_place(n, p, st, c, i)
+        x, y, z, h = corner_place(n, p, st, c, i)
         if c == corner:
             base_h = h
         for v in range(first, last):
@@ -167,6 +174,7 @@ def lay_nurbs(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
                 weight = p.const[p.sample_const[sample + v] + q]
                 st.track_x[v] += weight * x
                 st.track_y[v] += weight * y
+                st.track_z[v] += weight * z
                 st.track_h[v] += weight * angle_between(h, base_h)
     for v in range(first, last):
         st.track_h[v] += base_h
@@ -222,6 +230,21 @@ def head_vertices(p: Program, st: State, track: int) -> None:
 
 
 @compiled
+def pitch_vertices(p: Program, st: State, track: int) -> None:
+    """Give the vertices the pitch of the line behind them, the last one that of the line before; up is negative."""
+    first = p.track_vertex[track]
+    last = p.track_vertex[track + 1] - 1
+    for v in range(first, last + 1):
+        st.track_pitch[v] = 0.0
+        if p.track_raised[track] == 1 and v < last:
+            st.track_pitch[v] = -atan2(
+                st.track_z[v + 1] - st.track_z[v], max(st.track_s[v + 1] - st.track_s[v], op.TOLERANCE)
+            )
+    if last > first:
+        st.track_pitch[last] = st.track_pitch[last - 1]
+
+
+@compiled
 def pace_vertices(p: Program, st: State, track: int, speed: float, smooth: int) -> None:
     """Give the vertices the speeds and accelerations with which a polyline's times are kept.
 
@@ -261,3 +284,4 @@ def lay_track(n: RoadTables, p: Program, st: State, track: int, i: int) -> None:
         lay_polyline(n, p, st, track, i)
     measure_track(p, st, track)
     head_vertices(p, st, track)
+    pitch_vertices(p, st, track)

@@ -14,6 +14,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.numbers import is_number
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.beside import own_lane
 from scenario_compiler.engine.motion.places import resolve_position
 from scenario_compiler.engine.motion.routes import next_turn
 from scenario_compiler.marker import compiled
@@ -93,7 +94,7 @@ def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> t
     if road < 0:
         return -1, 0, 0.0, 0.0, 0.0
     base = p.position_const[k]
-    lane = st.lane[other]
+    lane, beside = own_lane(p, st, other)
     direction = lane_direction(n, road, lane)
     ahead = p.const[base + slot.P_S]
     along_lane = 1 if p.position_flags[k] & op.POSITION_ALONG_LANE != 0 else 0
@@ -103,7 +104,7 @@ def place_from_entity(n: RoadTables, p: Program, st: State, k: int, i: int) -> t
     if p.position_op[k] == op.POSITION_LANES_AWAY:
         lane, offset, h = lanes_away(n, road, lane, s, p.position_lane[k], p.const[base + slot.P_OFFSET], along_lane)
     else:
-        aside = st.off[other] * direction * lane_direction(n, road, lane)
+        aside = beside * direction * lane_direction(n, road, lane)
         lane, offset, h = across_road(n, road, lane, s, aside, p.const[base + slot.P_OFFSET])
     if lane == 0:
         return -1, 0, 0.0, 0.0, 0.0

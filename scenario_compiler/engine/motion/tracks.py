@@ -1,4 +1,4 @@
-"""Poses on a trajectory, at a distance or a time.
+"""Poses on a trajectory, at a distance or a time, and which trajectory an entity follows.
 
 A clothoid is integrated; everything else is straight between two vertices. The heading of a line is that of esmini
 3.6: it turns near the corners alone, or, where the vertices give headings and are followed smoothly, evenly from one
@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip
+from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip, length_of, ratio
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.laying import spiral_step
@@ -82,21 +82,45 @@ def time_at_distance(p: Program, st: State, track: int, s: float) -> float:
 
 
 @compiled
-def corner_heading(p: Program, st: State, track: int, v: int, s: float) -> float:
-    """Return the heading behind vertex v of a polyline that turns near its corners alone."""
+def near_corner(p: Program, st: State, track: int, v: int, s: float) -> tuple[int, int, float]:
+    """Return (vertex, vertex, share): angles of a polyline turn from one vertex's to the other's, near corners alone.
+
+    `v` is the vertex that s lies behind.
+    """
     begin = st.track_s[v]
     end = st.track_s[v + 1]
     radius = min(CORNER, 0.5 * (end - begin))
-    h = st.track_h[v]
     if radius <= op.TOLERANCE:
-        return h
+        return v, v, 0.0
     if s < begin + radius and v > p.track_vertex[track]:
-        share = (radius + s - begin) / (2.0 * radius)
-        return st.track_h[v - 1] + share * angle_between(h, st.track_h[v - 1])
+        return v - 1, v, (radius + s - begin) / (2.0 * radius)
     if s > end - radius:
-        share = (s - end + radius) / (2.0 * radius)
-        return h + share * angle_between(st.track_h[v + 1], h)
-    return h
+        return v, v + 1, (s - end + radius) / (2.0 * radius)
+    return v, v, 0.0
+
+
+@compiled
+def corner_heading(p: Program, st: State, track: int, v: int, s: float) -> float:
+    """Return the heading behind vertex v of a polyline that turns near its corners alone."""
+    before, after, share = near_corner(p, st, track, v, s)
+    h = st.track_h[before]
+    return h + share * angle_between(st.track_h[after], h)
+
+
+@compiled
+def track_height(p: Program, st: State, track: int, s: float) -> tuple[float, float]:
+    """Return (z, pitch) at a distance along a trajectory that gives heights; the pitch turns near the corners alone."""
+    last = p.track_vertex[track + 1] - 1
+    if last == p.track_vertex[track]:
+        return st.track_z[last], 0.0
+    s = clip(s, 0.0, st.track_s[last])
+    v = vertex_before(p, st, track, s)
+    length = st.track_s[v + 1] - st.track_s[v]
+    share = clip((s - st.track_s[v]) / length, 0.0, 1.0) if length > op.TOLERANCE else 0.0
+    z = st.track_z[v] + share * (st.track_z[v + 1] - st.track_z[v])
+    before, after, turned = near_corner(p, st, track, v, s)
+    pitch = st.track_pitch[before]
+    return z, pitch + turned * (st.track_pitch[after] - pitch)
 
 
 @compiled
@@ -128,6 +152,32 @@ def track_pose(p: Program, st: State, track: int, s: float, smooth: int) -> tupl
 
 
 @compiled
+def nearest_on_track(p: Program, st: State, track: int, x: float, y: float) -> float:
+    """Return the distance along a trajectory of its point that is nearest to a point, straight between vertices."""
+    first = p.track_vertex[track]
+    best = st.track_s[first]
+    nearest = length_of(x - st.track_x[first], y - st.track_y[first])
+    for v in range(first, p.track_vertex[track + 1] - 1):
+        dx = st.track_x[v + 1] - st.track_x[v]
+        dy = st.track_y[v + 1] - st.track_y[v]
+        share = clip(ratio((x - st.track_x[v]) * dx + (y - st.track_y[v]) * dy, dx * dx + dy * dy, 0.0), 0.0, 1.0)
+        away = length_of(x - st.track_x[v] - share * dx, y - st.track_y[v] - share * dy)
+        if away < nearest:
+            nearest = away
+            best = st.track_s[v] + share * (st.track_s[v + 1] - st.track_s[v])
+    return best
+
+
+@compiled
 def beside_track(x: float, y: float, h: float, ahead: float, left: float) -> tuple[float, float]:
     """Return the point ahead and to the left of a pose."""
     return x + ahead * cos(h) + left * cos(h + 0.5 * pi), y + ahead * sin(h) + left * sin(h + 0.5 * pi)
+
+
+@compiled
+def track_followed(p: Program, st: State, i: int) -> int:
+    """Return the action by which an entity follows a trajectory, or NONE."""
+    k = st.lateral[i]
+    if k < 0 or k >= p.action_count[0] or p.action_flags[k] & op.FLAG_ON_TRACK == 0:
+        return op.NONE
+    return k

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import codes, index
 from scenario_compiler.engine.columns.program import FAILURE, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.failures import begin_failure, end_failures, update_camera
 from scenario_compiler.engine.moves.entry import Entry, Told
+from scenario_compiler.forms.declaration import codes, index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import codes
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
@@ -19,6 +18,7 @@ from scenario_compiler.engine.ego.controllers import (
     switch_controller,
 )
 from scenario_compiler.engine.moves.entry import Entry
+from scenario_compiler.forms.declaration import codes
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from scenario_compiler.engine.columns.declaration import Allowed
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.forms.declaration import Allowed
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import angle_between, clip, heading_in_circle, safe_sqrt
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
@@ -24,6 +23,7 @@ from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
 from scenario_compiler.engine.motion.watching import WATCH_MOTION
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
 from scenario_compiler.engine.moves.keeping_distance import limit_or
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre
 from scenario_compiler.roads.tables import RoadTables

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
-from scenario_compiler.engine.columns.numbers import angle_between, clip
+from scenario_compiler.engine.columns.numbers import angle_between
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ActionRow, ProgramDraft, flags_of, limits_of
 from scenario_compiler.engine.columns.state import State
@@ -22,6 +21,7 @@ from scenario_compiler.engine.motion.entities import glide, place_scripted
 from scenario_compiler.engine.motion.spring import spring_acceleration
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, set_speed
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -92,7 +92,7 @@ def start_keep_distance(n: RoadTables, p: Program, st: State, k: int) -> None:
 
 @compiled
 def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Go on towards the distance; return 1 where it is reached and need not be kept."""
+    """Go on towards the distance; return 1 in the step that begins within reach of one that need not be kept."""
     i = p.action_entity[k]
     j = p.action_other[k]
     if j < 0 or (p.entity_motion[i] != op.MOTION_SCRIPTED and i != p.ego[0]):
@@ -105,8 +105,7 @@ def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) 
     if flags & op.FLAG_TIME_GAP != 0:
         wanted = wanted * abs(st.v[j])
     error = gap_beyond(ahead, reach) - st.action_a[k] * wanted
-    if flags & op.FLAG_CONTINUOUS == 0 and abs(error) < NEAR_ENOUGH:
-        return 1
+    done = 1 if flags & op.FLAG_CONTINUOUS == 0 and abs(error) < NEAR_ENOUGH else 0
     if flags & op.FLAG_LIMITED != 0:
         drive_to_distance(p, st, k, error, dt)
     else:
@@ -114,7 +113,19 @@ def step_keep_distance(n: RoadTables, p: Program, st: State, k: int, dt: float) 
             glide(n, p, st, i, error)
             place_scripted(n, p, st, i)
         set_speed(p, st, i, st.v[j])
-    return 0
+    return done
+
+
+@compiled
+def within_jerk(p: Program, k: int, before: float, wanted: float, dt: float) -> float:
+    """Return an acceleration as near to the wanted one as the action's limits of jerk let it come in a step.
+
+    They hold while acceleration or deceleration grows; letting go of the throttle or the brake is not limited (esmini
+    3.6).
+    """
+    if wanted < 0.0:
+        return max(wanted, before - limit_or(p, k, slot.A_DECELERATION_RATE, op.FAR) * dt)
+    return min(wanted, before + limit_or(p, k, slot.A_ACCELERATION_RATE, op.FAR) * dt)
 
 
 @compiled
@@ -125,10 +136,7 @@ def drive_to_distance(p: Program, st: State, k: int, error: float, dt: float) ->
     least = limit_of_vehicle(p, k, slot.A_DECELERATION, slot.E_MAX_DECELERATION)
     stiff = most if error < 0.0 else least
     acceleration = spring_acceleration(error, st.v[i] - st.v[p.action_other[k]], stiff, most, least)
-    before = st.action_change[k]
-    rise = limit_or(p, k, slot.A_ACCELERATION_RATE, op.FAR) * dt
-    fall = limit_or(p, k, slot.A_DECELERATION_RATE, op.FAR) * dt
-    acceleration = clip(acceleration, before - fall, before + rise)
+    acceleration = within_jerk(p, k, st.action_change[k], acceleration, dt)
     st.action_change[k] = acceleration
     fastest = limit_of_vehicle(p, k, slot.A_MOST_SPEED, slot.E_MAX_SPEED)
     push_speed(p, st, i, acceleration, fastest, dt)

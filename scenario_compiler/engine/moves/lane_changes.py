@@ -18,7 +18,7 @@ from scenario_compiler.engine.columns.numbers import is_number, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, dynamics_of
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.motion.beside import count_lanes
+from scenario_compiler.engine.motion.beside import count_lanes, own_lane, settle_in_lane
 from scenario_compiler.engine.motion.entities import glide, place_scripted
 from scenario_compiler.engine.motion.path import set_path
 from scenario_compiler.engine.motion.shapes import shape_slope, shape_value, transition_span
@@ -43,7 +43,8 @@ OFFSET_ACCELERATION = 1.0
 def lane_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> int:
     """Return the target lane of a change, on the road that its entity is on, 0 where there is none.
 
-    Lanes are counted from the lane of the entity itself, or of another one, to the left of where that one faces.
+    Lanes are counted from the lane that the entity itself, or another one, belongs to, to the left of where that one
+    faces.
     """
     i = p.action_entity[k]
     target = p.action_lanes[k]
@@ -53,7 +54,8 @@ def lane_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> int:
             of = i
         if st.road[of] < 0:
             return 0
-        target = count_lanes(st.lane[of], p.action_lanes[k], st.facing[of])
+        lane, _ = own_lane(p, st, of)
+        target = count_lanes(lane, p.action_lanes[k], st.facing[of])
     return target if lane_exists(n, st.road[i], target, st.s[i]) == 1 else 0
 
 
@@ -83,6 +85,7 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
             if offset != 0.0:
                 plan_shift(st, i, st.facing[i] * offset, shift_distance(st.v[i], offset, OFFSET_ACCELERATION))
         return
+    settle_in_lane(st, i)
     if target == 0:
         st.action_from[k] = st.facing[i] * st.kept_off[i]
         return
@@ -90,6 +93,7 @@ def start_lane_change(n: RoadTables, p: Program, st: State, k: int) -> None:
     gap = st.t[i] - centre
     st.kept_lane[i] = target
     st.kept_off[i] = gap
+    st.changing[i] = 1 if st.guide[i] < 0 else 0
     st.turn[i] = 0.0
     st.action_from[k] = st.facing[i] * gap
     st.action_change[k] = st.facing[i] * (offset - gap)

@@ -17,6 +17,7 @@ from scenario_compiler.engine.columns.numbers import is_number, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, flags_of
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.beside import settle_in_lane
 from scenario_compiler.engine.motion.entities import place_scripted
 from scenario_compiler.engine.motion.shapes import shape_slope, shape_value, transition_span
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
@@ -51,6 +52,7 @@ def start_lane_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
             least = shift_distance(st.v[i], left - st.path_off[0], OFFSET_ACCELERATION)
             plan_shift(st, i, left, max(least, st.v[i] * p.const[base + slot.A_DYNAMICS]))
         return
+    settle_in_lane(st, i)
     st.turn[i] = 0.0
     st.action_from[k] = st.facing[i] * st.kept_off[i]
     st.action_change[k] = left - st.action_from[k]
@@ -62,17 +64,19 @@ def start_lane_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
 def offset_aimed_at(n: RoadTables, p: Program, st: State, k: int) -> float:
     """Return the offset from the lane's centre that is to be reached, along the t axis.
 
-    Relative to another entity it is counted from where that one is, or, on another road, from its offset in its lane.
+    Relative to another entity it is counted to that one's own left, from where it is, or, on another road, from its
+    offset in its lane.
     """
     i = p.action_entity[k]
     target = p.const[p.action_const[k] + slot.A_TARGET]
     of = p.action_other[k]
     if of < 0 or st.road[of] < 0:
         return target
+    left = st.facing[of] * target
     if st.road[of] != st.road[i]:
-        return target + st.off[of]
+        return left + st.off[of]
     centre, _ = lane_centre(n, st.road[i], st.kept_lane[i], st.s[i])
-    return target + st.t[of] - centre
+    return left + st.t[of] - centre
 
 
 @compiled
@@ -106,9 +110,8 @@ def start_limited_offset(n: RoadTables, p: Program, st: State, k: int) -> None:
             most = acceleration if acceleration > op.TOLERANCE else USUAL_ACCELERATION
             plan_shift(st, i, left, shift_distance(st.v[i], left - st.path_off[0], most))
         return
-    st.kept_lane[i] = st.lane[i]
-    st.kept_off[i] = st.off[i]
-    st.action_from[k] = st.facing[i] * st.off[i]
+    settle_in_lane(st, i)
+    st.action_from[k] = st.facing[i] * st.kept_off[i]
     st.action_change[k] = st.facing[i] * offset_aimed_at(n, p, st, k) - st.action_from[k]
     st.action_span[k] = limited_span(p.action_shape[k], st.action_change[k], acceleration)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.appearing import add_entity, delete_entity, put_at
 from scenario_compiler.engine.motion.trailers import connect_trailer, disconnect_trailer, straighten_trailers
 from scenario_compiler.engine.moves.entry import Entry
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import index_or_none
 from scenario_compiler.engine.columns.program import GUIDE, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.moves.entry import Entry
+from scenario_compiler.forms.declaration import index_or_none
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

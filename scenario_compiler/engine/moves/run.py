@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.program import WEATHER, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.weather import begin_weather
 from scenario_compiler.engine.motion.surroundings import SETS_FRICTION, SETS_TIME, TIME_RUNS, change_surroundings
 from scenario_compiler.engine.moves.entry import Entry, Told
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -95,7 +95,7 @@ MESSAGE = Entry(
     ("message",),
     message_row,
     whose="ego",
-    told=Told("message", "The driver is told `message`; `cause` is the modality."),
+    told=Told("message", "The driver gets `message`; `cause` is the modality."),
 )
 STOP = Entry(("stop",), stop_row, start_stop, whose="run")
 COMMAND = Entry(

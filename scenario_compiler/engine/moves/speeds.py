@@ -1,8 +1,9 @@
 """Actions on an entity's speed: to a target, or to one that depends on another entity's speed.
 
 The speed of a change is read at the progress after the step, so it moves in the first one. A relative target is read
-anew in every step. A change that is faster than the entity's limits takes longer; what still is, is cut off. After
-esmini 3.6.
+anew in every step; a change by a rate keeps its rate while the target moves, so that its time is that of the whole
+change anew ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that is faster than the entity's
+limits takes longer; what still is, is cut off. After esmini 3.6.
 """
 
 from __future__ import annotations
@@ -11,13 +12,13 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import clip, ratio
 from scenario_compiler.engine.columns.program import ENTITY, Program
 from scenario_compiler.engine.columns.rows import SHAPES, ActionRow, ProgramDraft, dynamics_of, flags_of
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.shapes import shape_peak, shape_value, transition_span
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -111,14 +112,29 @@ def start_speed(n: RoadTables, p: Program, st: State, k: int) -> None:
     )
     if p.action_dimension[k] == op.DIMENSION_DISTANCE and span > 0.0:
         span = time_over_distance(begin, target, span)
+    st.action_a[k] = 1.0
     if span > 0.0:
         limit = greatest_rate(p, i, change)
-        span = max(span, shape_peak(p.action_shape[k]) * ratio(abs(change), limit, 0.0))
+        least = shape_peak(p.action_shape[k]) * ratio(abs(change), limit, 0.0)
+        st.action_a[k] = max(ratio(least, span, 1.0), 1.0)
+        span = span * st.action_a[k]
     else:
         set_speed(p, st, i, target)
     st.action_change[k] = change
     st.action_span[k] = span
     st.longitudinal[i] = k
+
+
+@compiled
+def span_to_moving_target(p: Program, st: State, k: int) -> float:
+    """Return the time of a change to a speed that has moved: by a rate that of the whole change, else as it began.
+
+    What the entity's limits stretched at the begin stays stretched by the same factor (esmini 3.6).
+    """
+    if p.action_dimension[k] != op.DIMENSION_RATE:
+        return st.action_span[k]
+    rate = p.const[p.action_const[k] + slot.A_DYNAMICS]
+    return st.action_a[k] * transition_span(p.action_shape[k], op.DIMENSION_RATE, rate, st.action_change[k])
 
 
 @compiled
@@ -129,14 +145,15 @@ def step_speed(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
     """
     del n
     i = p.action_entity[k]
-    span = st.action_span[k]
     continuous = p.action_flags[k] & op.FLAG_CONTINUOUS
     if p.action_other[k] >= 0:
         st.action_change[k] = wanted_speed(p, st, k) - st.action_from[k]
-    elif span <= 0.0:
+        st.action_span[k] = span_to_moving_target(p, st, k)
+    elif st.action_span[k] <= 0.0:
         return 1
+    span = st.action_span[k]
     before = speed_before(p, st, i)
-    progress = st.action_progress[k] + dt
+    progress = min(st.action_progress[k] + dt, span)
     share = 1.0
     if progress < span - op.TOLERANCE:
         share = shape_value(st, p.action_shape[k], progress / max(span, op.TOLERANCE))

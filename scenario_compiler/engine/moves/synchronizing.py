@@ -1,26 +1,28 @@
 """Arriving at a position when another entity, the master, arrives at its own.
 
-The speed is solved for anew in each step from the ways that remain up to the tolerances. With a speed on arrival the
-acceleration is that of the smoothest motion that ends at the position, at that speed, at that time (of least squared
-acceleration; a straight line of speed where one does); without one it is twice what the mean speed asks for. The
-entity waits rather than goes back, and waits while the master stands. Where the last stretch is driven at the final
-speed, the speed before it goes in a straight line down or up to it, from the first step on (esmini 3.6).
+The speed is solved for anew in each step from the ways that remain up to the tolerances. With a speed on arrival two
+phases of even acceleration meet way, time and speed; whether the entity speeds up or slows down first is decided once.
+Near the second phase the rest is a straight line of speed. The last stretch may be driven at the final speed; the way
+and the time of it are taken off first. While the master stands the entity comes to a stand and waits. Without a final
+speed the speed goes in a straight line towards whatever it is on arrival. After esmini 3.6.
 """
 
 from __future__ import annotations
 
+from math import cos
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
-from scenario_compiler.engine.columns.numbers import length_of
+from scenario_compiler.engine.columns.numbers import length_of, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.distances import distance_to, place_now
+from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, related_speed, set_speed
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -29,6 +31,31 @@ if TYPE_CHECKING:
 
 ALONG_ROAD = 4 * op.FRAME_ROAD + op.MEASURE_ALONG
 """Along the roads, as `distance_to` takes it."""
+
+PHASE_UNDECIDED = 0
+PHASE_RUSH = 1
+PHASE_LINGER = 2
+PHASE_LINE = 3
+PHASE_BRAKE = 4
+PHASE_WAIT = 5
+PHASE_REST = 6
+PHASE_STEADY = 7
+"""Phases of an arrival at a final speed: not decided yet; first faster, or first slower, than in a straight line of
+speed; on such a line to the end; braking hard because the way is too short; standing until the master moves; standing
+until a straight line from rest arrives in time; at the final speed.
+"""
+
+HARD_BRAKING = 8.0
+"""Deceleration where the way to stop is too short, m/s2 (esmini 3.6)."""
+
+ON_THE_LINE = 0.1
+"""How near the speed must come to the straight line of speed to go on along it, m/s (esmini 3.6)."""
+
+NEARLY = 0.001
+"""Way, m, and time, s, under which a line of speed is not solved any more (esmini 3.6)."""
+
+FOREVER = 1.0e10
+"""Time until a master that stands, or goes backwards, arrives, s (esmini 3.6)."""
 
 
 @compiled
@@ -42,14 +69,17 @@ def on_own_path(p: Program, st: State, i: int) -> int:
 
 @compiled
 def way_to(n: RoadTables, p: Program, st: State, i: int, k: int) -> float:
-    """Return how far an entity is from a position: along the roads, or straight where it goes its own way."""
-    if on_own_path(p, st, i) == 0:
+    """Return how far an entity is from a position: along its trajectory or the roads, straight on a path of its own."""
+    on_track = track_followed(p, st, i)
+    if on_track < 0 and on_own_path(p, st, i) == 0:
         along = distance_to(n, p, st, i, k, ALONG_ROAD, 0)
         if abs(along) < op.FAR:
             return abs(along)
     found, x, y, _, _, _ = place_now(n, p, st, k, i)
     if found == 0:
         return op.FAR
+    if on_track >= 0:
+        return max(nearest_on_track(p, st, p.action_other[on_track], x, y) - st.action_a[on_track], 0.0)
     return length_of(x - st.x[i], y - st.y[i])
 
 
@@ -65,64 +95,142 @@ def final_speed(p: Program, st: State, k: int) -> float:
 
 @compiled
 def start_synchronize(n: RoadTables, p: Program, st: State, k: int) -> None:
-    """Begin with no distances known."""
+    """Begin with no distances known, and fix how far the last stretch at the final speed goes."""
     del n
     st.longitudinal[p.action_entity[k]] = k
     st.action_a[k] = op.FAR
     st.action_b[k] = op.FAR
+    st.action_phase[k] = PHASE_UNDECIDED
+    base = p.action_const[k]
+    st.action_from[k] = max(p.const[base + slot.A_STEADY_DISTANCE], 0.0)
+    if p.const[base + slot.A_STEADY_TIME] > 0.0:
+        st.action_from[k] = p.const[base + slot.A_STEADY_TIME] * final_speed(p, st, k)
 
 
 @compiled
-def acceleration_to_meet(p: Program, st: State, k: int, way: float, time: float, dt: float) -> float:
-    """Return the acceleration for a step with a way and a time left."""
-    v = st.v[p.action_entity[k]]
-    if p.action_mode[k] == op.FINAL_NONE:
-        return 2.0 * (way / time - v) / time
-    last = final_speed(p, st, k)
-    steady = p.const[p.action_const[k] + slot.A_STEADY_TIME]
-    stretch = p.const[p.action_const[k] + slot.A_STEADY_DISTANCE]
-    if steady > 0.0:
-        time = time - steady
-        way = way - last * steady
-    elif stretch > 0.0 and last > op.TOLERANCE:
-        time = time - stretch / last
-        way = way - stretch
-    if time <= dt or way <= 0.0:
-        return (last - v) / dt
-    if steady > 0.0 or stretch > 0.0:
-        return (2.0 * way / time - last - v) / dt
-    return (6.0 * way / time - 4.0 * v - 2.0 * last) / time
+def speed_ahead(st: State, i: int) -> float:
+    """Return how fast an entity moves along its road, m/s; what it moves to the side is not counted."""
+    if st.road[i] < 0:
+        return st.v[i]
+    return st.v[i] * abs(cos(st.turn[i]))
+
+
+@compiled
+def bend(st: State, k: int, v: float, last: float, way: float, time: float, dt: float) -> float:
+    """Return the acceleration for a step of the first of two phases of even acceleration; set the phase that follows.
+
+    With the mean m = way / time, the speeds v now and w at the end, and an acceleration a, then -a, the way and the
+    speeds give the peak u = m +- r with r^2 = ((m - v)^2 + (m - w)^2) / 2, and a = (2 u - v - w) / time: plus where m
+    lies above the mean of v and w, minus where it lies below. Where u would be negative the entity brakes to a stop in
+    the share v^2 / (v^2 + w^2) of the way; it brakes at HARD_BRAKING where that is more than half of it.
+    """
+    time = max(time, op.TOLERANCE)
+    mean = way / time
+    over = mean - 0.5 * (v + last)
+    spread = safe_sqrt(0.5 * ((mean - v) * (mean - v) + (mean - last) * (mean - last)))
+    acceleration = 0.0
+    peak = mean
+    if over > 0.0:
+        peak = mean + spread
+        acceleration = 2.0 * (over + spread) / time
+    elif over < 0.0:
+        peak = mean - spread
+        acceleration = 2.0 * (over - spread) / time
+    rushes = 1 if st.action_phase[k] == PHASE_RUSH else 0
+    if (rushes == 1 and acceleration < 0.0) or (rushes == 0 and acceleration > 0.0):
+        st.action_phase[k] = PHASE_LINE
+        return 0.0
+    if peak >= 0.0:
+        return acceleration
+    squares = v * v + last * last
+    acceleration = -0.5 * ratio(squares, way, 0.0)
+    if v * v > 0.5 * squares:
+        acceleration = -HARD_BRAKING
+        st.action_phase[k] = PHASE_BRAKE
+    if v + acceleration * dt < 0.0:
+        st.action_phase[k] = PHASE_REST
+    return acceleration
+
+
+@compiled
+def meet_at_speed(p: Program, st: State, k: int, last: float, way: float, time: float, dt: float) -> None:
+    """Choose the speed of a step towards a position that is to be reached at a final speed, by phases (esmini 3.6)."""
+    i = p.action_entity[k]
+    v = st.v[i]
+    least = max(last, op.TOLERANCE)
+    phase = st.action_phase[k]
+    if st.action_from[k] > 0.0 and phase != PHASE_STEADY:
+        if way - st.action_from[k] < op.TOLERANCE or time - st.action_from[k] / least < op.TOLERANCE:
+            phase = PHASE_STEADY
+        else:
+            way = way - st.action_from[k]
+            time = time - st.action_from[k] / least
+    if phase == PHASE_WAIT and time < FOREVER:
+        phase = PHASE_UNDECIDED
+    if phase == PHASE_REST and time < 2.0 * way / least:
+        phase = PHASE_LINE
+    if phase in (PHASE_RUSH, PHASE_LINGER) and time < FOREVER and abs(v - 2.0 * way / time + last) < ON_THE_LINE:
+        st.action_phase[k] = PHASE_LINE
+        return
+    if phase == PHASE_UNDECIDED:
+        phase = PHASE_RUSH if 0.5 * (v + last) < way / time else PHASE_LINGER
+    st.action_phase[k] = phase
+    if phase == PHASE_STEADY:
+        set_speed(p, st, i, last)
+    elif phase == PHASE_REST:
+        set_speed(p, st, i, 0.0)
+    elif phase == PHASE_LINE:
+        near = way < NEARLY or time < NEARLY or time >= FOREVER
+        set_speed(p, st, i, 0.0 if near else max(2.0 * way / time - max(last, 0.0), 0.0))
+    elif phase == PHASE_BRAKE:
+        if v - HARD_BRAKING * dt < 0.0:
+            st.action_phase[k] = PHASE_WAIT
+        slow_down(p, st, i, -HARD_BRAKING, dt)
+    elif phase != PHASE_WAIT:
+        slow_down(p, st, i, bend(st, k, speed_ahead(st, i), last, way, time, dt), dt)
+
+
+@compiled
+def slow_down(p: Program, st: State, i: int, acceleration: float, dt: float) -> None:
+    """Let an entity accelerate for a step, or brake, to a stop at most."""
+    if dt > 0.0:
+        fastest = max(p.const[p.entity_const[i] + slot.E_MAX_SPEED], 0.0)
+        push_speed(p, st, i, max(acceleration, -max(st.v[i], 0.0) / dt), fastest, dt)
 
 
 @compiled
 def step_synchronize(n: RoadTables, p: Program, st: State, k: int, dt: float) -> int:
-    """Choose the speed for one step; return 1 on arrival of either, or where one goes away from its position."""
+    """Choose the speed for one step; return 1 on arrival of either, or where one goes away from its position.
+
+    Without a final speed the acceleration is twice what the mean speed asks for; while the master stands nothing is
+    asked.
+    """
     i = p.action_entity[k]
     master = p.action_other[k]
     if master < 0 or (p.entity_motion[i] != op.MOTION_SCRIPTED and i != p.ego[0]):
         return 1
-    if dt <= 0.0:
-        return 0
     base = p.action_const[k]
     way = way_to(n, p, st, i, p.action_position[k])
-    way = way - p.const[base + slot.A_TOLERANCE]
     masters = way_to(n, p, st, master, p.point_position[p.action_point[k]])
-    masters = masters - p.const[base + slot.A_MASTER_TOLERANCE]
-    speed = abs(st.v[master])
-    there = way <= op.TOLERANCE or masters <= op.TOLERANCE
+    there = way < p.const[base + slot.A_TOLERANCE] + op.TOLERANCE
+    master_there = masters < p.const[base + slot.A_MASTER_TOLERANCE] + op.TOLERANCE
     passed = way > st.action_a[k] + op.TOLERANCE or masters > st.action_b[k] + op.TOLERANCE
     st.action_a[k] = way
     st.action_b[k] = masters
-    if there or passed or masters < speed * dt:
+    way = max(way - p.const[base + slot.A_TOLERANCE], op.TOLERANCE)
+    masters = max(masters - p.const[base + slot.A_MASTER_TOLERANCE], op.TOLERANCE)
+    speed = speed_ahead(st, master)
+    time = FOREVER
+    if speed > op.TOLERANCE:
+        time = masters / speed
+    if there or master_there or passed or time < dt:
         if p.action_mode[k] != op.FINAL_NONE:
             set_speed(p, st, i, final_speed(p, st, k))
         return 1
-    if speed < op.TOLERANCE:
-        set_speed(p, st, i, 0.0)
-        return 0
-    fastest = max(p.const[p.entity_const[i] + slot.E_MAX_SPEED], 0.0)
-    acceleration = acceleration_to_meet(p, st, k, way, masters / speed, dt)
-    push_speed(p, st, i, max(acceleration, -max(st.v[i], 0.0) / dt), fastest, dt)
+    if p.action_mode[k] == op.FINAL_NONE:
+        slow_down(p, st, i, 2.0 * (way / time - st.v[i]) / time, dt)
+    else:
+        meet_at_speed(p, st, k, final_speed(p, st, k), way, time, dt)
     return 0
 
 

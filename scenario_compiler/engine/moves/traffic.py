@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import Allowed, Of, index
 from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.moves.entry import Entry
 from scenario_compiler.engine.traffic.sources import emit_due, take_due
 from scenario_compiler.engine.traffic.swarms import keep_swarm
+from scenario_compiler.forms.declaration import Allowed, Of, index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import heading_in_circle, ratio
 from scenario_compiler.engine.columns.program import TRACK, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft, flags_of
@@ -27,11 +26,13 @@ from scenario_compiler.engine.motion.tracks import (
     beside_track,
     distance_at_time,
     time_at_distance,
+    track_height,
     track_is_timed,
     track_length,
     track_pose,
 )
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -55,6 +56,7 @@ def heads_itself(p: Program, track: int) -> int:
 def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond: float) -> int:
     """Put an entity at a distance along its trajectory, and straight on beyond it.
 
+    Where the trajectory gives heights it is at that height, else on the road's surface.
     Returns 1 where it faces the way the trajectory goes, else -1.
     """
     i = p.action_entity[k]
@@ -67,7 +69,13 @@ def put_on_track(n: RoadTables, p: Program, st: State, k: int, s: float, beyond:
     st.y[i] = y
     st.h[i] = heading_in_circle(h)
     place_free(n, st, i)
-    return 1 if cos(h - along) >= 0.0 else -1
+    sense = 1 if cos(h - along) >= 0.0 else -1
+    if p.track_raised[p.action_other[k]] == 1:
+        z, pitch = track_height(p, st, p.action_other[k], s)
+        st.z[i] = z
+        st.pitch[i] = sense * pitch
+        st.roll[i] = 0.0
+    return sense
 
 
 @compiled
@@ -177,7 +185,9 @@ def follow_trajectory_row(draft: ProgramDraft, word: FollowTrajectoryAction, act
         (word.begin, offset, scale),
         other=draft.track(word.trajectory),
         mode=op.TIMING_NONE if timing is None else TIMINGS[timing.domain],
-        flags=flags_of((op.FLAG_OWN_PATH, True), (op.FOLLOW_SMOOTHLY, word.following == "follow")),
+        flags=flags_of(
+            (op.FLAG_OWN_PATH, True), (op.FLAG_ON_TRACK, True), (op.FOLLOW_SMOOTHLY, word.following == "follow")
+        ),
     )
 
 

@@ -12,7 +12,7 @@ from scenario_compiler.engine.program.plan_builder import PlanBuilder
 from scenario_compiler.engine.program.run import add_markings, add_run
 from scenario_compiler.engine.program.storyboard import add_init, add_storyboard
 from scenario_compiler.engine.program.takeover import add_takeover
-from scenario_compiler.engine.program.world import add_world
+from scenario_compiler.engine.program.world import add_heads, add_world
 from scenario_compiler.expressions import Expression, Value
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads.network import Network
@@ -93,4 +93,5 @@ def _drafted(plan: Plan, network: Network, *, posed: bool) -> PlanBuilder:
     add_markings(draft)
     add_init(draft)
     add_storyboard(draft)
+    add_heads(draft)
     return draft

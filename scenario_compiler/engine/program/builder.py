@@ -96,6 +96,8 @@ class ProgramBuilder:
         p.action_point.append(row.point)
         p.action_points.append(row.points)
         p.action_drives_on.append(row.drives_on)
+        p.piece_count[0] += row.pieces
+        p.action_piece.append(p.piece_count[0])
         p.action_count[0] = len(p.action_op)
         return p.action_count[0] - 1
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.declaration import check_columns, check_values, index
 from scenario_compiler.engine.columns.program import ENTITY, ROAD, TRACK, Program
 from scenario_compiler.engine.moves.table import ACTIONS
 from scenario_compiler.engine.story.table import CONDITIONS
+from scenario_compiler.forms.declaration import check_columns, check_values, index
 
 FROM_AN_ENTITY = (
     op.POSITION_RELATIVE,

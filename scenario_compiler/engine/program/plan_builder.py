@@ -73,7 +73,7 @@ class PlanBuilder(ProgramBuilder):
     def vehicles_of(self, word: KeepsVehicles) -> tuple[int, int]:
         """Return the first of the entities that an action on traffic keeps, and their number.
 
-        Actions are added in the plan's order, by which those of one name are told apart.
+        Actions are added in the plan's order, which tells those of one name apart.
         """
         group = group_name(word, self.traffic)
         kept = [(k, one.id) for k, one in enumerate(self.plan.entities) if one.kind == "traffic" and one.start is None]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from statistics import NormalDist
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
-from scenario_compiler.vocabulary.takeover import Cause, CauseKind, DriverModel
+from scenario_compiler.vocabulary.driver import Driver, DriverModel, EffectKind, Law, Task
+from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Modality
 
 CAUSE_CODES: dict[CauseKind, int] = {
     "controller": op.CAUSE_CONTROLLER,
@@ -16,6 +18,7 @@ CAUSE_CODES: dict[CauseKind, int] = {
     "lane_confidence": op.CAUSE_LANE_CONFIDENCE,
     "path_blocked": op.CAUSE_PATH_BLOCKED,
     "lane_ends": op.CAUSE_LANE_ENDS,
+    "no_progress": op.CAUSE_NO_PROGRESS,
 }
 CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_confidence", "warning_below", slot.K_CONFIDENCE_WARNING),
@@ -35,8 +38,19 @@ CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_ends", "gap_rear", slot.K_GAP_REAR),
     ("lane_ends", "count", slot.K_LANE_END_COUNT),
     ("lane_ends", "of", slot.K_LANE_END_OF),
+    ("no_progress", "after", slot.K_NO_PROGRESS_AFTER),
 )
 """Cause, its field, and the slot of that number."""
+
+
+LAWS: dict[Law, int] = {
+    "lognormal": op.DRIVER_LOGNORMAL,
+    "normal": op.DRIVER_NORMAL,
+    "sumo": op.DRIVER_SUMO,
+}
+TASK_EFFECTS: dict[Task, EffectKind] = {"visual": "visual_task", "handheld": "handheld_task"}
+SEEN_ONLY: frozenset[Modality] = frozenset({"text", "icon", "overlay"})
+"""Channels of messages that are neither heard nor felt."""
 
 
 def add_takeover(draft: ProgramBuilder) -> None:
@@ -48,27 +62,82 @@ def add_takeover(draft: ProgramBuilder) -> None:
     takeover, p, k = draft.plan.takeover, draft.program, draft.numbers
     k[slot.K_BUDGET] = takeover.budget
     k[slot.K_ESCALATE_AFTER] = takeover.escalate_after
-    k[slot.K_MINIMUM_RISK_AFTER] = takeover.minimum_risk_after
     k[slot.K_MINIMUM_RISK_DECELERATION] = takeover.minimum_risk_deceleration
     p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
     k[slot.K_HAND_BACK_AFTER] = takeover.hand_back_after
     given = {cause.kind: cause for cause in takeover.causes}
+    for kind, code in CAUSE_CODES.items():
+        own = given[kind].minimum_risk_after if kind in given else None
+        k[slot.K_RISK_AFTER + code] = takeover.minimum_risk_after if own is None else own
     for kind in given or CAUSE_DEFAULTS:
         p.cause_on[CAUSE_CODES[kind]] = 1
         p.cause_order.append(CAUSE_CODES[kind])
     p.cause_count[0] = len(p.cause_order)
     _add_limits(draft, given)
-    driver = takeover.driver
-    if isinstance(driver, DriverModel) and driver.takeover_time is None:
-        p.driver_kind[0] = op.DRIVER_LOGNORMAL
-        k[slot.K_DRIVER_MU] = driver.mu
-        k[slot.K_DRIVER_SIGMA] = driver.sigma
-        k[slot.K_DRIVER_LAPSE] = driver.lapse
-    elif driver.takeover_time is not None:
-        p.driver_kind[0] = op.DRIVER_FIXED
-        k[slot.K_DRIVER_TIME] = driver.takeover_time
-    else:
+    _add_driver(draft)
+    k[slot.K_INPUT_STEERING] = takeover.inputs.steering
+    k[slot.K_INPUT_BRAKE] = takeover.inputs.brake
+    k[slot.K_STEERING_RATIO] = takeover.inputs.steering_ratio
+
+
+def _add_driver(draft: ProgramBuilder) -> None:
+    """Write who answers."""
+    driver, k = draft.plan.takeover.driver, draft.numbers
+    if isinstance(driver, Driver) and driver.takeover_time is not None:
+        driver = DriverModel(name=driver.preset, takeover_time=driver.takeover_time)
+    if not isinstance(driver, DriverModel):
         raise ValueError("the plan's driver is not bound to a driver model")
+    draft.program.driver_kind[0] = LAWS[driver.law]
+    if driver.takeover_time is not None:
+        draft.program.driver_kind[0] = op.DRIVER_FIXED
+        k[slot.K_DRIVER_TIME] = driver.takeover_time
+    if driver.by_person is not None:  # who answers when they like, and is never drawn
+        draft.program.person[0] = 1
+        draft.program.driver_kind[0] = op.DRIVER_FIXED
+        k[slot.K_DRIVER_TIME] = op.FAR
+    k[slot.K_DRIVER_MU] = driver.mu
+    k[slot.K_DRIVER_SIGMA] = driver.sigma if driver.law != "sumo" else 1.0 / NormalDist().inv_cdf(1.0 - driver.missed)
+    k[slot.K_DRIVER_LAPSE] = driver.lapse
+    k[slot.K_DRIVER_PERSON] = driver.person
+    k[slot.K_DRIVER_LATE] = driver.late
+    k[slot.K_DRIVER_LATEST] = driver.latest
+    k[slot.K_EYES_ON] = driver.eyes_on
+    k[slot.K_HANDS_ON] = driver.hands_on
+    k[slot.K_STAGE_SPREAD] = driver.stage_spread
+    how = driver.driving
+    k[slot.K_BRAKES] = how.brakes
+    k[slot.K_STEERS] = how.steers
+    k[slot.K_DRIVER_DECELERATION] = how.deceleration
+    k[slot.K_DRIVER_LATERAL] = how.lateral_acceleration
+    k[slot.K_PERCEPTION_TIME] = how.perception
+    k[slot.K_REACTION_TIME] = how.reaction
+    k[slot.K_SDLP] = how.sdlp
+    k[slot.K_SDLP_AT_FIRST] = how.sdlp_at_first
+    k[slot.K_SETTLED_AFTER] = how.settled_after
+    _add_effects(draft, driver)
+
+
+def _add_effects(draft: ProgramBuilder, driver: DriverModel) -> None:
+    """Write the effects that hold: of the budget, of traffic and of repetition always, of others where they are."""
+    k = draft.numbers
+    by = {one.of: one.by for one in driver.effects}
+    k[slot.K_EFFECT_REPETITION] = by.get("repetition", 0.0)
+    k[slot.K_EFFECT_DENSITY] = by.get("traffic_density", 0.0)
+    k[slot.K_DENSITY] = driver.traffic_density
+    if driver.reference_budget is not None:
+        k[slot.K_EFFECT_BUDGET] = by.get("time_budget", 0.0)
+        k[slot.K_REFERENCE_BUDGET] = driver.reference_budget
+    if driver.task is not None:
+        k[slot.K_EFFECT_TASK] = by.get(TASK_EFFECTS[driver.task], 0.0) if driver.task != "none" else 0.0
+        measured = driver.measured_task
+        k[slot.K_EFFECT_MEASURED_TASK] = by.get(TASK_EFFECTS[measured], 0.0) if measured != "none" else 0.0
+    if driver.eyes_closed:
+        k[slot.K_EFFECT_EYES_CLOSED] = by.get("eyes_closed", 0.0)
+    shown = {modality for message in draft.plan.takeover.messages for modality in message.modality} - {"none"}
+    if draft.plan.takeover.messages and not shown:
+        k[slot.K_EFFECT_REQUEST] = by.get("no_request", 0.0)
+    elif shown and shown <= SEEN_ONLY:
+        k[slot.K_EFFECT_REQUEST] = by.get("visual_request", 0.0)
 
 
 def _add_limits(draft: ProgramBuilder, given: Mapping[CauseKind, Cause]) -> None:

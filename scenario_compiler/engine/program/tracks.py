@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import ceil
+from itertools import pairwise
+from math import ceil, dist
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.rows import Slot
@@ -11,6 +12,8 @@ from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.vocabulary.positions import (
     Clothoid,
     ClothoidSpline,
+    FreePosition,
+    LanePositionWord,
     Nurbs,
     Polyline,
     Trajectory,
@@ -27,7 +30,10 @@ MOST_SAMPLES = 2000
 
 SPAN_SAMPLES = 64
 TIMED_SPAN_SAMPLES = 256
-"""Samples of a NURBS between two knots, without times and with them."""
+"""Samples of a NURBS between two knots, without times, and with them where its points are known only in a run."""
+
+TIMED_STEP = 1.0
+"""A NURBS with times is a polyline of so many pieces and one as its control points are steps apart, m (esmini 3.6)."""
 
 
 def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> int:
@@ -44,12 +50,22 @@ def add_track(draft: ProgramBuilder, trajectory: Trajectory, place: Place) -> in
         _add_clothoids(draft, shape, place)
     p.track_kind.append(kind)
     p.track_closed.append(1 if trajectory.closed else 0)
+    p.track_raised.append(1 if raised(trajectory) else 0)
     p.track_order.append(shape.order if isinstance(shape, Nurbs) else 0)
     p.track_corner.append(len(p.corner_position))
     p.track_vertex.append(len(p.vertex_heading))
     p.track_sample.append(len(p.sample_corner))
     p.vertex_count[0] = len(p.vertex_heading)
     return len(p.track_kind) - 1
+
+
+def raised(trajectory: Trajectory) -> bool:
+    """Return whether a position of a trajectory gives a height."""
+    shape = trajectory.shape
+    if isinstance(shape, Clothoid | ClothoidSpline):
+        return False
+    places = [one.position for one in (shape.points if isinstance(shape, Nurbs) else shape.vertices)]
+    return any(getattr(one, "z", None) is not None or getattr(one, "dz", 0.0) != 0.0 for one in places)
 
 
 def _add_corner(draft: ProgramBuilder, position: int, *numbers: Slot, samples: int = 1) -> None:
@@ -116,14 +132,7 @@ def _add_nurbs(draft: ProgramBuilder, curve: Nurbs, place: Place) -> None:
     weights = [number_value(point.weight, values) for point in curve.points]
     for point in curve.points:
         _add_corner(draft, place(draft, point.position), _time(point.time))
-    spans = [
-        (at, low, high)
-        for at, (low, high) in enumerate(zip(curve.knots, curve.knots[1:], strict=False))
-        if high > low and curve.order - 1 <= at < len(curve.points)
-    ]
-    count = SPAN_SAMPLES if curve.points[0].time is None else TIMED_SPAN_SAMPLES
-    samples = [(at, low + (high - low) * q / count) for at, low, high in spans for q in range(count)]
-    samples += [(at, high) for at, _, high in spans[-1:]]
+    samples = _parameters(curve, None if curve.points[0].time is None else _control_length(draft, curve))
     shares = [basis(curve.knots, curve.order, at, u) for at, u in samples]
     given = all(headed([point.position for point in curve.points]))
     places = _places_between(curve, samples, shares)
@@ -134,6 +143,49 @@ def _add_nurbs(draft: ProgramBuilder, curve: Nurbs, place: Place) -> None:
         draft.program.sample_corner.append(first)
         draft.program.sample_const.append(draft.block(*(one / total for one in weighted), between))
         draft.program.vertex_heading.append(1 if given else 0)
+
+
+def _parameters(curve: Nurbs, length: float | None) -> list[tuple[int, float]]:
+    """Return the samples of a NURBS: the span of knots that each lies in, and its parameter.
+
+    `length` is that of the line through the control points of one with times, m; None for any other one, and where it
+    is not known.
+    """
+    spans = [
+        (at, low, high)
+        for at, (low, high) in enumerate(zip(curve.knots, curve.knots[1:], strict=False))
+        if high > low and curve.order - 1 <= at < len(curve.points)
+    ]
+    if length is None:
+        count = SPAN_SAMPLES if curve.points[0].time is None else TIMED_SPAN_SAMPLES
+        samples = [(at, low + (high - low) * q / count) for at, low, high in spans for q in range(count)]
+        return samples + [(at, high) for at, _, high in spans[-1:]]
+    begin, end = spans[0][1], spans[-1][2]
+    pieces = min(1 + int(length / TIMED_STEP), MOST_SAMPLES)
+    samples = []
+    for q in range(pieces + 1):
+        u = begin + (end - begin) * q / pieces
+        samples.append((next((at for at, _, high in spans if u < high), spans[-1][0]), min(u, end)))
+    return samples
+
+
+def _control_length(draft: ProgramBuilder, curve: Nurbs) -> float | None:
+    """Return the length of the line through the control points, m, None where they are known only in a run."""
+    points = [_known_point(draft, one.position) for one in curve.points]
+    known = [one for one in points if one is not None]
+    return sum(dist(one, other) for one, other in pairwise(known)) if len(known) == len(points) else None
+
+
+def _known_point(draft: ProgramBuilder, position: Word) -> tuple[float, float] | None:
+    """Return (x, y) of a position at the parameters' values; None for one relative to an entity."""
+    values = parameter_values(draft.plan.parameters)
+    if isinstance(position, FreePosition):
+        return number_value(position.x, values), number_value(position.y, values)
+    if not isinstance(position, LanePositionWord):
+        return None
+    s, offset = number_value(position.s, values), number_value(position.offset, values)
+    pose = draft.network.lane_pose(position.road, position.lane, s, offset)
+    return pose.x, pose.y
 
 
 def _places_between(curve: Nurbs, samples: list[tuple[int, float]], shares: list[list[float]]) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from scenario_compiler.engine.columns import opcodes as op
@@ -20,6 +21,15 @@ from scenario_compiler.vocabulary.conditions import (
 from scenario_compiler.vocabulary.traversal import walk
 from scenario_compiler.vocabulary.variables import Variable, number_of
 
+LAMPS = ("red", "yellow", "green")
+"""Lamps of a signal head from the top."""
+
+COLOURS = {"red": "red", "stop": "red", "yellow": "yellow", "amber": "yellow", "green": "green", "go": "green"}
+"""Words in states that mean a colour."""
+
+SENSES = {"+": 1, "-": -1}
+ALL_LANES = (-1000, 1000)
+
 
 def add_world(draft: ProgramBuilder) -> None:
     """Append the variables, and the controllers of traffic signals with their phases."""
@@ -36,12 +46,50 @@ def add_world(draft: ProgramBuilder) -> None:
         for phase in controller.phases:
             p.phase_name.append(draft.texts[phase.name])
             p.phase_const.append(draft.block(phase.duration))
+            for signal in draft.network.model().signals_of(controller.name) if phase.state else ():
+                p.light_signal.append(draft.signal(signal))
+                p.light_state.append(draft.texts[phase.state])
             for state in phase.states:
                 p.light_signal.append(draft.signal(state.signal))
                 p.light_state.append(draft.texts[state.state])
             p.light_first.append(len(p.light_signal))
         p.phase_first.append(len(p.phase_name))
     p.controller_count[0] = len(p.controller_const)
+
+
+def add_heads(draft: ProgramBuilder) -> None:
+    """Append where on the roads the signals stand that the plan names, once it has named all of them."""
+    p = draft.program
+    p.text_aspect = [aspect_of(text) for text in draft.texts]
+    if not draft.signals:
+        return
+    for signal in draft.network.model().signals:
+        if signal.id not in draft.signals:
+            continue
+        for first, last in signal.lanes or (ALL_LANES,):
+            p.head_signal.append(draft.signals[signal.id])
+            p.head_road.append(draft.network.road_index(signal.road))
+            p.head_const.append(draft.block(signal.s))
+            p.head_sense.append(SENSES.get(signal.orientation, 0))
+            p.head_from.append(min(first, last))
+            p.head_to.append(max(first, last))
+    p.head_count[0] = len(p.head_road)
+
+
+def aspect_of(state: str) -> int:
+    """Return what the state of a signal says.
+
+    A state is a text of the scenario: colours, or `on` and `off` for its lamps from the top (red, yellow, green), apart
+    by `;`, `,`, `|`, `+`, `-`, `_`, `:` or blanks. Red says stop, with yellow beside it too; yellow alone says caution;
+    all else says nothing.
+    """
+    words = [word for word in re.split(r"[;,|+\-_:\s]+", state.casefold()) if word]
+    lit = {colour for colour, word in zip(LAMPS, words, strict=False) if word in ("on", "flashing")}
+    named = {COLOURS[word] for word in words if word in COLOURS}
+    colours = named | (lit if len(words) == len(LAMPS) and not named else set())
+    if "red" in colours:
+        return op.ASPECT_STOP
+    return op.ASPECT_CAUTION if "yellow" in colours else op.ASPECT_NONE
 
 
 def variable_value(draft: ProgramBuilder, variable: Variable, text: str) -> float:
@@ -65,6 +113,7 @@ def _texts(plan: Plan) -> Iterator[str]:
     for controller in plan.signal_controllers:
         for phase in controller.phases:
             yield phase.name
+            yield phase.state
             yield from (state.state for state in phase.states)
     for word in walk(plan.storyboard):
         if isinstance(word, SetVariableAction | VariableCondition):

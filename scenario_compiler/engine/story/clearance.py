@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import Allowed, Of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.beside import neighbour_lane
 from scenario_compiler.engine.motion.distances import along_roads, road_distance_between
 from scenario_compiler.engine.story.entry import Condition
+from scenario_compiler.forms.declaration import Allowed, Of
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type

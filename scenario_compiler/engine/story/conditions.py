@@ -1,7 +1,7 @@
 """When a condition fires: its value for its triggering entities, then its edge and its delay.
 
 A condition is evaluated on the states before the step. Edges need an earlier evaluation that is forgotten whenever the
-edge fires, and a delay shifts the record of the edge's results in time: all as in esmini 3.6.
+trigger fires, and a delay shifts the record of the edge's results in time: all as in esmini 3.6.
 """
 
 from __future__ import annotations
@@ -25,10 +25,7 @@ def edge_of(p: Program, st: State, c: int, now: int) -> int:
         return 0
     before = st.condition_before[c]
     st.condition_before[c] = now
-    if before == 1 - now and edge != (op.EDGE_FALLING if now == 1 else op.EDGE_RISING):
-        st.condition_before[c] = op.NONE
-        return 1
-    return 0
+    return 1 if before == 1 - now and edge != (op.EDGE_FALLING if now == 1 else op.EDGE_RISING) else 0
 
 
 @compiled
@@ -65,16 +62,20 @@ def delayed(p: Program, st: State, c: int, now: int) -> int:
 
 @compiled
 def holds_for_entities(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition holds for all its triggering entities, or for any; for none that is not there."""
+    """Return 1 where a condition holds for all its triggering entities that are there, or for any of them.
+
+    It does not hold where none is there (esmini 3.6).
+    """
     every = p.condition_all[c]
+    there = 0
     for k in range(p.condition_first[c], p.condition_first[c + 1]):
         i = p.condition_entity[k]
-        result = 0
         if st.present[i] == 1:
+            there = 1
             result = HOLDS[p.condition_op[c]](n, p, st, c, i)
-        if result != every:
-            return result
-    return every
+            if result != every:
+                return result
+    return every * there
 
 
 @compiled

@@ -8,11 +8,11 @@ from typing import Any
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import Allowed
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.rows import ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.story.comparing import compare
+from scenario_compiler.forms.declaration import Allowed
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

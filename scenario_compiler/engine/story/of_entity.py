@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.numbers import angle_between, length_of, safe_sqrt
 from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import FRAMES, ConditionRow, ProgramDraft
@@ -19,6 +18,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.collision import overlap
 from scenario_compiler.engine.motion.distances import distance_between, distance_to
 from scenario_compiler.engine.motion.on_tracks import point_at
+from scenario_compiler.engine.motion.tracks import track_followed, track_height, track_pose
 from scenario_compiler.engine.motion.watching import (
     WATCH_ACCELERATION,
     WATCH_AT_END,
@@ -27,6 +27,7 @@ from scenario_compiler.engine.motion.watching import (
     WATCH_STILL,
 )
 from scenario_compiler.engine.story.entry import RULES, Condition, compared, other_is_gone, time_compared
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction, lane_pose
 from scenario_compiler.roads.tables import RoadTables
@@ -86,7 +87,7 @@ def headway(n: RoadTables, p: Program, st: State, c: int, i: int) -> float:
 def closing_speed(st: State, i: int, j: int) -> float:
     """Return how fast entity i comes up to j: the difference of speeds along the velocity of j (esmini 3.6), m/s.
 
-    Where j stands, or is none, it is the speed of i.
+    Where j stands, or there is no j, it is the speed of i.
     """
     if j < 0:
         return st.v[i]
@@ -279,10 +280,31 @@ def angle_compares(p: Program, c: int, angle: float) -> int:
 
 
 @compiled
+def angle_on_track(p: Program, st: State, i: int, k: int, kind: int) -> float:
+    """Return an entity's angle against the trajectory that action k leads it along: where that goes, and how steeply.
+
+    A trajectory has no roll.
+    """
+    track = p.action_other[k]
+    if kind == op.ANGLE_HEADING:
+        _, _, _, along = track_pose(p, st, track, st.action_a[k], 0)
+        return st.h[i] - along
+    angle = own_angle(st, i, kind)
+    if kind == op.ANGLE_PITCH:
+        _, pitch = track_height(p, st, track, st.action_a[k])
+        angle = angle - pitch
+    return angle
+
+
+@compiled
 def angle_holds(n: RoadTables, p: Program, st: State, c: int, i: int) -> int:
-    """Return 1 where an angle of the entity is the condition's."""
-    mode = p.condition_mode[c]
-    return angle_compares(p, c, angle_of(n, st, i, mode % 4, mode // 4))
+    """Return 1 where an angle of the entity is the condition's; in a trajectory's system only while it follows one."""
+    kind = p.condition_mode[c] % 4
+    frame = p.condition_mode[c] // 4
+    if frame != op.FRAME_TRAJECTORY:
+        return angle_compares(p, c, angle_of(n, st, i, kind, frame))
+    k = track_followed(p, st, i)
+    return angle_compares(p, c, angle_on_track(p, st, i, k, kind)) if k >= 0 else 0
 
 
 @compiled

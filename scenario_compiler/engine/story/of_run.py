@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.declaration import index
 from scenario_compiler.engine.columns.program import ELEMENT, SIGNAL, SIGNAL_CONTROLLER, VARIABLE, Program
 from scenario_compiler.engine.columns.rows import ConditionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
@@ -14,6 +13,7 @@ from scenario_compiler.engine.motion.surroundings import time_of_day
 from scenario_compiler.engine.moves.signals import phase_holds
 from scenario_compiler.engine.story.comparing import compare
 from scenario_compiler.engine.story.entry import RULES, Condition, compared
+from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 

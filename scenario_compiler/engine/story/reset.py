@@ -5,7 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.columns.state import State, clear_state
+from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.controllers import reset_controllers
 from scenario_compiler.engine.ego.failures import reset_camera
 from scenario_compiler.engine.ego.weather import reset_weather
@@ -15,6 +15,7 @@ from scenario_compiler.engine.motion.places import reset_positions
 from scenario_compiler.engine.moves.signals import reset_signals
 from scenario_compiler.engine.moves.variables import reset_variables
 from scenario_compiler.engine.traffic.driving import prepare_traffic
+from scenario_compiler.forms.declaration import put_to_start
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -34,7 +35,7 @@ def reset_entities(p: Program, st: State) -> None:
 @compiled
 def reset_columns(n: RoadTables, p: Program, st: State) -> None:
     """Put every column to t = 0, before the init actions."""
-    clear_state(st)
+    put_to_start(st)
     reset_camera(p, st)
     reset_weather(p, st)
     reset_variables(p, st)

@@ -26,7 +26,7 @@ def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
     """Return 1 where all conditions of any group of a trigger fire; one without groups never fires.
 
     All groups are evaluated. After a false condition the later ones of its group are not, so their memory of edges
-    grows stale, unless they have a delay.
+    grows stale, unless they have a delay. A trigger that fires forgets what its conditions were before.
     """
     fires = 0
     for g in range(p.trigger_first[trigger], p.trigger_first[trigger + 1]):
@@ -36,7 +36,26 @@ def trigger_fires(n: RoadTables, p: Program, st: State, trigger: int) -> int:
                 all_fire = 0
         if all_fire == 1:
             fires = 1
+    if fires == 1:
+        forget_edges(p, st, trigger)
     return fires
+
+
+@compiled
+def forget_edges(p: Program, st: State, trigger: int) -> None:
+    """Let the conditions of a trigger forget what they were, so that an edge needs two evaluations again."""
+    last = p.group_first[p.trigger_first[trigger + 1]]
+    for c in range(p.group_first[p.trigger_first[trigger]], last):
+        st.condition_before[c] = op.NONE
+
+
+@compiled
+def forget_records(p: Program, st: State, trigger: int) -> None:
+    """Let the conditions of a trigger forget what was recorded for their delays."""
+    last = p.group_first[p.trigger_first[trigger + 1]]
+    for c in range(p.group_first[p.trigger_first[trigger]], last):
+        if p.condition_ring[c] >= 0:
+            st.ring_size[p.condition_ring[c]] = 0
 
 
 @compiled
@@ -62,10 +81,16 @@ def stop_below(p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def rest_below(p: Program, st: State, e: int) -> None:
-    """Put everything below an element to standby with no executions, for its next one."""
-    for k in range(e + 1, p.element_end[e]):
-        st.element_state[k] = op.STANDBY
-        st.element_runs[k] = 0
+    """Put everything below an element to standby with no executions, for its next one.
+
+    The delays of its own trigger and of those below count from then on: an execution knows nothing of the one before.
+    """
+    for k in range(e, p.element_end[e]):
+        if p.element_start[k] >= 0:
+            forget_records(p, st, p.element_start[k])
+        if k > e:
+            st.element_state[k] = op.STANDBY
+            st.element_runs[k] = 0
 
 
 @compiled
@@ -214,23 +239,28 @@ def try_stop(n: RoadTables, p: Program, st: State, e: int, mark: int) -> None:
 
 @compiled
 def run_triggers(n: RoadTables, p: Program, st: State) -> None:
-    """Go through all elements in document order; what stands below an element that does not run is passed over."""
+    """Go through all elements in document order; what stands below an element that does not run is passed over.
+
+    What has no start trigger runs as soon as its parent does. A stop trigger is looked at in the frames after that in
+    which a start trigger has fired (esmini 3.6).
+    """
     e = 0
     mark = 2 * st.frame[0] + 1
     st.acting[0] = 0
     count = p.element_count[0]
     while e < count:
         kind = p.element_kind[e]
-        state = st.element_state[e]
-        if state == op.STANDBY:
+        if st.element_state[e] == op.STANDBY and kind != op.ELEMENT_EVENT and p.element_start[e] < 0:
+            start_element(p, st, e, mark)
+        if st.element_state[e] == op.RUNNING:
+            if p.element_stop[e] >= 0:
+                try_stop(n, p, st, e, mark)
+        elif st.element_state[e] == op.STANDBY:
             if kind == op.ELEMENT_EVENT:
                 try_event(n, p, st, e, mark)
-            elif p.element_start[e] < 0 or trigger_fires(n, p, st, p.element_start[e]) == 1:
+            elif trigger_fires(n, p, st, p.element_start[e]) == 1:
                 start_element(p, st, e, mark)
-            state = st.element_state[e]
-        if state == op.RUNNING and p.element_stop[e] >= 0:
-            try_stop(n, p, st, e, mark)
-            state = st.element_state[e]
+        state = st.element_state[e]
         if state != op.RUNNING:
             e = p.element_end[e]
         elif kind == op.ELEMENT_EVENT:

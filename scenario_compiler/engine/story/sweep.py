@@ -9,11 +9,13 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals, clear_totals, write_summary
+from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, TAKEOVERS_AT, Totals
 from scenario_compiler.engine.columns.trace import TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.engine.measures.judging import finish_totals, judge_row
 from scenario_compiler.engine.measures.rows import take_row
+from scenario_compiler.engine.measures.takeovers import write_takeovers
 from scenario_compiler.engine.story.step import begin_step, end_step, move_step, reset
+from scenario_compiler.forms.declaration import put_to_start, write_first
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
@@ -58,20 +60,20 @@ def run_variant(
     With `every` above 0, each such row goes into the trace from `base` on, as long as it has room.
     """
     reset(n, p, st)
-    clear_totals(m)
+    put_to_start(m)
     take_row(p, st, m)
     at = base
     size = TRACE_HEAD + TRACE_FIELDS * p.entity_count[0]
     if every > 0 and at + size <= len(trace):
         at = trace_row(p, st, trace, at)
     while st.stop[0] == op.STOP_NONE and m.rows[0] <= limit and begin_step(n, p, st) == 1:
-        judge_row(st, m)
+        judge_row(p, st, m)
         move_step(n, p, st)
         end_step(n, p, st)
         if every > 0 and m.rows[0] % every == 0 and at + size <= len(trace):
             at = trace_row(p, st, trace, at)
         take_row(p, st, m)
-    finish_totals(st, m)
+    finish_totals(p, st, m)
 
 
 @compiled
@@ -100,4 +102,5 @@ def sweep(
         for q in range(op.DRAWS_PER_RUN):
             st.draw[q] = draws[k * op.DRAWS_PER_RUN + q]
         run_variant(n, p, st, m, limit, trace, k * stride, every)
-        write_summary(m, out, k * SUMMARY_SIZE)
+        write_first(m, SUMMARY, out, k * SUMMARY_SIZE)
+        write_takeovers(m, out, k * SUMMARY_SIZE + TAKEOVERS_AT)

@@ -24,7 +24,8 @@ from scenario_compiler.engine.motion.entities import glide, place_scripted
 from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.engine.motion.path import STEP_OVER
 from scenario_compiler.engine.motion.places import clear_place
-from scenario_compiler.engine.traffic.junctions import distance_to_line, drop_claim
+from scenario_compiler.engine.motion.signals_ahead import red_ahead
+from scenario_compiler.engine.traffic.junctions import distance_to_line, drop_claim, wait_at_red
 from scenario_compiler.engine.traffic.neighbours import follower_on_way, leader_on_way, list_by_road
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_hash
@@ -163,7 +164,7 @@ def choose_turn(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def acceleration_behind(p: Program, i: int, v: float, wish: float, gap: float, lead: float) -> float:
-    """Return the acceleration of a driver behind a vehicle; a gap that is none asks for the full brake."""
+    """Return the acceleration of a driver behind a vehicle; a gap that is negative or NaN asks for the full brake."""
     if gap < 0.1:
         return idm_acceleration(p, i, v, wish, 0.1, lead)
     return idm_acceleration(p, i, v, wish, gap, lead)
@@ -310,7 +311,11 @@ def pull(n: RoadTables, p: Program, st: State, i: int, dt: float) -> float:
     """Return a vehicle's acceleration behind its leader, the line that it waits at and the end of its lane, m/s2."""
     look(n, st, i, st.kept_lane[i], 1, LOOK_AHEAD)
     gap, lead = leader_on_way(n, p, st, i)
-    line = distance_to_line(n, p, st, i, gap, lead)
+    red = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
+    if red < op.FAR:
+        line = wait_at_red(p, st, i, red)
+    else:
+        line = distance_to_line(n, p, st, i, gap, lead)
     if (st.frame[0] + i) % THINK_EVERY == 0 or st.wish[i] < 0.0:
         think(n, p, st, i, gap, lead)
     st.lane_rest[i] -= st.v[i] * dt

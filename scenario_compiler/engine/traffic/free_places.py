@@ -33,7 +33,7 @@ END_ROOM = 20.0
 
 @compiled
 def lane_by_draw(n: RoadTables, road: int, s: float, bits: int) -> int:
-    """Return one of the lanes at s that vehicles may appear in, by 32 drawn bits; 0 where it is none."""
+    """Return one of the lanes at s that vehicles may appear in, by 32 drawn bits; 0 where the drawn one cannot."""
     section = section_at(n, road, s)
     if section < 0 or n.road_junction[road] >= 0:
         return 0

@@ -107,6 +107,16 @@ def drop_claim(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
+def wait_at_red(p: Program, st: State, i: int, red: float) -> float:
+    """Return the distance from the front to the line of a red signal; who waits there claims nothing and asks not."""
+    base = p.entity_const[i]
+    st.asked[i] = op.NONE
+    if st.claim[i] >= 0 and st.entered[i] == 0 and st.road[i] != st.claim[i]:
+        st.claim[i] = op.NONE
+    return red - p.const[base + slot.E_CENTER] - 0.5 * p.const[base + slot.E_LENGTH]
+
+
+@compiled
 def distance_to_line(n: RoadTables, p: Program, st: State, i: int, gap: float, lead: float) -> float:
     """Return the distance from the front to the line that a vehicle must stop at, FAR where it may go on.
 

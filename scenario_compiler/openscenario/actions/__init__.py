@@ -54,7 +54,7 @@ _AREA = "TrafficAreaAction"
 
 
 def read_actions(node: Node) -> list[Action]:
-    """Return the actions of a <PrivateAction>, <GlobalAction> or <UserDefinedAction>; what is none is reported."""
+    """Return the actions of a <PrivateAction>, <GlobalAction> or <UserDefinedAction>; report another element."""
     if node.tag in _GROUPS:
         inner = node.elements()
         if not inner:

@@ -31,7 +31,7 @@ NO_MEANING_IN_TRAFFIC = Code(
     "part-of-traffic-without-meaning",
     "A part of an action on traffic has no meaning here. All vehicles of traffic drive by the same rules, so there are "
     "no controllers and no roles; they are cars, vans, trucks, buses, motorbikes and bicycles; traffic in an area, or "
-    "of people, is none of what an action makes.\n\n"
+    "of people, cannot be made by an action.\n\n"
     "    <ControllerDistribution>     the vehicles follow, change lanes and yield by our own rules\n\n"
     "The rest of the action is executed. For traffic all over the map the conflict language has "
     "<traffic vehicles='20' pedestrians='5'/>.",

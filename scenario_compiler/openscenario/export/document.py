@@ -57,14 +57,14 @@ _TRAFFIC = ("traffic", "walker")
 def export_openscenario(
     plan: Plan, network: Network, road_file: str, version: Version, sink: Diagnostics, scenario: Scenario | None = None
 ) -> etree._Element:
-    """Return a plan as the <OpenSCENARIO> element of a version; what cannot be said is told.
+    """Return a plan as the <OpenSCENARIO> element of a version; what OpenSCENARIO cannot express is reported.
 
     Args:
         plan: The plan.
         network: Its map.
         road_file: The OpenDRIVE file, as the file is to name it.
         version: The version.
-        sink: Where it is told what cannot be said.
+        sink: Where what OpenSCENARIO cannot express is reported.
         scenario: What the plan was made from, where it is at hand: a plan has lost what its traffic came from.
     """
     values = parameter_values(plan.parameters)
@@ -125,7 +125,9 @@ class _Export:
             if one.reference:
                 element.set("reference", one.reference)
             for phase in one.phases:
-                states = [made("TrafficSignalState", trafficSignalId=s.signal, state=s.state) for s in phase.states]
+                switched = self.network.model().signals_of(one.name) if phase.state else ()
+                said = {**dict.fromkeys(switched, phase.state), **{s.signal: s.state for s in phase.states}}
+                states = [made("TrafficSignalState", trafficSignalId=id, state=state) for id, state in said.items()]
                 duration = self.output.text(phase.duration, phase)
                 element.append(made("Phase", *states, name=phase.name, duration=duration))
             controllers.append(element)
@@ -145,7 +147,7 @@ class _Export:
                 kept += self.writer.kept
             element.append(scenario_object(entity, kept, self.output))
         if not self.entities and self.writer.kept:
-            message = "a scenario without entities has no place for what OpenSCENARIO cannot say"
+            message = "a scenario without entities has no place for what OpenSCENARIO cannot express"
             self.output.sink.add(LOST, message, FilePlace(self.plan.name))
         return element
 

@@ -29,7 +29,7 @@ def export_files(
         network: Its map.
         output: Path of the scenario's file.
         version: Version of OpenSCENARIO.
-        sink: Where it is told what cannot be said.
+        sink: Where what OpenSCENARIO cannot express is reported.
         scenario: What the plan was made from, where it is at hand.
     """
     road = output.parent / Path(network.path).name
@@ -47,7 +47,7 @@ def export_files(
 def write_openscenario(
     plan: Plan, network: Network, path: str | Path, version: str = "1.3", scenario: Scenario | None = None
 ) -> Diagnostics:
-    """Write a plan as OpenSCENARIO, its road file beside it, over what is there; return what cannot be said in it.
+    """Write a plan as OpenSCENARIO, its road file beside it, over what is there; return what cannot be expressed in it.
 
     Args:
         plan: The plan.

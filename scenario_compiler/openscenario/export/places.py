@@ -44,7 +44,7 @@ def native_start(plan: Plan, network: Network, entity: Entity, output: Output) -
 
 
 def _ahead(plan: Plan, network: Network, start: RelativeLanePosition) -> LanesAwayPosition | None:
-    """Return a start ahead of an entity in the standard's terms; None where it cannot be told which way that faces."""
+    """Return a start ahead of an entity in the standard's terms; None where its direction is not known."""
     other = next((one.start for one in plan.entities if one.id == start.entity), None)
     if not isinstance(other, LanePositionWord):
         return None

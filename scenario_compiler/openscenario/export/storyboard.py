@@ -15,7 +15,7 @@ from scenario_compiler.openscenario.actions import read_actions, write_action
 from scenario_compiler.openscenario.conditions import is_by_entity, read_condition, write_condition
 from scenario_compiler.openscenario.node import FileContext, Known, Node
 from scenario_compiler.openscenario.output import Output
-from scenario_compiler.openscenario.own import fingerprint, of_nobody
+from scenario_compiler.openscenario.own import fingerprint, of_nobody, veiled
 from scenario_compiler.openscenario.scope import Bound, Scope
 from scenario_compiler.openscenario.spelling import made, nested
 from scenario_compiler.vocabulary.conditions import SimulationTimeCondition
@@ -217,8 +217,9 @@ class StoryboardWriter:
 
 
 def _command(word: Word) -> etree._Element:
+    """Return what stands for an action that the standard has no word for; its text is for people and means nothing."""
     command = made("CustomCommandAction", type=word.tag())
-    command.text = fingerprint(word)
+    command.text = veiled(fingerprint(word))
     return nested(["UserDefinedAction"], command)
 
 

@@ -108,7 +108,7 @@ _LOOSE_DATE = re.compile(
 
 
 def loosely(kind: str, text: str, minor: int) -> str | None:
-    """Return the value that a text which is none seems to mean in version 1.`minor`, None when that is not plain."""
+    """Return the value that a wrongly written text seems to mean in version 1.`minor`, None when that is not plain."""
     plain = text.strip()
     if kind in WORDS:
         return _word(kind, plain, minor)

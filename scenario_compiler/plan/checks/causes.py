@@ -13,7 +13,8 @@ FOREIGN_LIMIT = Code(
     "SC501",
     "foreign-limit",
     "A <cause> has an attribute that belongs to another kind of cause, and would do nothing. Thresholds belong to "
-    "lane_confidence and sensor_health, range, field_of_view and margin to path_blocked, the gaps to lane_ends."
+    "lane_confidence and sensor_health, range, field_of_view and margin to path_blocked, the gaps to lane_ends, "
+    "after to no_progress, which has no count."
     '\n\n    <cause kind="lane_ends" request_below="0.3"/>     a lane that ends has gaps, no confidence',
 )
 IMPOSSIBLE_COUNT = Code(
@@ -28,7 +29,8 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report attributes that a cause's kind does not have, and counts that can never be reached."""
     del network
     for cause in plan.takeover.causes:
-        allowed = {"word", "kind", "count", "of", *CAUSE_DEFAULTS[cause.kind]}
+        counted = set() if cause.kind == "no_progress" else {"count", "of"}
+        allowed = {"word", "kind", "minimum_risk_after", *counted, *CAUSE_DEFAULTS[cause.kind]}
         for name, field in Cause.model_fields.items():
             spelling = spelling_of(field)
             if getattr(cause, name) is not None and name not in allowed and isinstance(spelling, AttributeSpelling):

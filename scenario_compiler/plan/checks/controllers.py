@@ -55,7 +55,7 @@ LEAST = {"timeGap": 0.1, "time_gap": 0.1, "minimum_gap": 0.1, "setSpeed": 0.0, "
 
 
 def check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report controllers that nothing asks, actions on controllers that do nothing, and properties that are no numbers.
+    """Report controllers that nothing asks, actions on controllers that do nothing, and properties without a number.
 
     With ideal perception the automation drives alone; a scenario that names no controller of its own means that.
     """

@@ -39,7 +39,7 @@ UNKNOWN_VARIABLE = Code(
 WRONG_VALUE = Code(
     "SC276",
     "variable-value",
-    "A value is none of the variable's type: a text where a number is due, or a sum with a text."
+    "A value is not of the variable's type: a text where a number is due, or a sum with a text."
     '\n\n    <variable name="open" type="boolean" value="false"/>'
     '\n    <do><set_variable variable="open" value="yes"/></do>     booleans are true or false',
 )
@@ -47,7 +47,8 @@ UNKNOWN_PHASE = Code(
     "SC277",
     "unknown-signal-phase",
     "An action or condition names a controller of traffic signals, or one of its phases, that the scenario does not "
-    "declare; or a controller's delay counts from one that is not there, or from itself."
+    "declare; a controller's delay counts from one that is not there, or from itself; or a phase gives a state to "
+    "the signals of a controller that the map does not have."
     '\n\n    <signal_controller name="crossing"><phase name="go" duration="20"/></signal_controller>'
     '\n    <do><traffic_signal_phase controller="crossing" phase="stop"/></do>     it has the phase go alone',
 )
@@ -92,8 +93,7 @@ Paths = dict[str, set[str]]
 
 def check_world(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report what words of the storyboard name and is not there, and values that do not fit."""
-    del network
-    _check_controllers(plan, sink)
+    _check_controllers(plan, network, sink)
     paths = _paths(plan)
     for word in walk(plan.storyboard):
         check = CHECKS_OF.get(type(word))
@@ -137,14 +137,20 @@ def _check_phase(plan: Plan, word: Any, sink: Diagnostics) -> None:
         sink.add(UNKNOWN_PHASE, message, word.place_of("phase"), hint=did_you_mean(word.phase, known))
 
 
-def _check_controllers(plan: Plan, sink: Diagnostics) -> None:
-    """Report delays that count from no controller, or in a circle."""
+def _check_controllers(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report delays that count from no controller, or in a circle, and states for signals that the map lacks."""
     references = {one.name: one.reference for one in plan.signal_controllers}
     for one in plan.signal_controllers:
         at, seen = one.reference, {one.name}
         while at in references and at not in seen:
             seen.add(at)
             at = references[at]
+        groups = network.model().controllers if any(phase.state for phase in one.phases) else ()
+        known = [name for group in groups for name in (group.name, group.id)]
+        for phase in one.phases:
+            if phase.state and one.name not in known:
+                message = f"the map has no controller of signals '{one.name}', whose signals the phase switches"
+                sink.add(UNKNOWN_PHASE, message, phase.place_of("state"), hint=did_you_mean(one.name, known))
         if at:
             reason = "counts from itself" if at in seen else f"counts from '{at}', which is not there"
             sink.add(UNKNOWN_PHASE, f"the delay of '{one.name}' {reason}", one.place_of("reference"))

@@ -61,7 +61,7 @@ def check_network(document: Document, network: Network | None, sink: Diagnostics
 def check_file(path: str | Path, sink: Diagnostics) -> None:
     """Report everything that is wrong in a road file: form, structure, what reading it finds, and `CHECKS`.
 
-    A value that the structure forbids is told once, not again by the reader that cannot use it.
+    A value that the structure forbids is reported once, not again by the reader that cannot use it.
     """
     document = read_document(path, sink, MAX_BYTES)
     if document is None:

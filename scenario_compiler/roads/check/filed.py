@@ -134,7 +134,7 @@ def number(element: etree._Element, name: str, default: float = 0.0) -> float:
 
 
 def whole(element: etree._Element, name: str) -> int | None:
-    """Return an attribute as an integer, None where it is none."""
+    """Return an attribute as an integer, None where it is not one."""
     text = element.get(name, "")
     try:
         return int(text) if len(text) < 16 else None

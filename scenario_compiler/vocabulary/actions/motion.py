@@ -91,8 +91,8 @@ class SynchronizeAction(Word):
     word: Literal["synchronize"] = "synchronize"
 
     master: str = attribute("Id of the other entity.", names="entity")
-    tolerance: Number = attribute("Distance from the position that counts as there, m.", default=1.0, quantity="length")
-    master_tolerance: Number = attribute("The same for the other entity, m.", default=1.0, quantity="length")
+    tolerance: Number = attribute("Distance from the position that counts as there, m.", default=0.0, quantity="length")
+    master_tolerance: Number = attribute("The same for the other entity, m.", default=0.0, quantity="length")
     final_speed: FinalSpeed | None = child("Speed on arrival.", default=None)
     master_position: MasterPosition = child("Where the other entity is going.")
     position: Position = child("Where the entity is going.")

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from scenario_compiler.vocabulary.takeover import Modality
+from scenario_compiler.vocabulary.takeover import RETIRED_MODALITIES, Modality
 from scenario_compiler.vocabulary.word import Word, attribute
 
 
@@ -12,7 +12,9 @@ class MessageAction(Word):
     word: Literal["message"] = "message"
 
     text: str = attribute("What is said.")
-    modality: tuple[Modality, ...] = attribute("By which channels.", default=("text",), separated=True)
+    modality: tuple[Modality, ...] = attribute(
+        "By which channels.", default=("text",), separated=True, retired=RETIRED_MODALITIES
+    )
 
 
 class StopAction(Word):

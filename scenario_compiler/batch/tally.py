@@ -1,0 +1,78 @@
+"""How many runs of a sweep came to what, and how far a sweep is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Numbers of runs.
+
+    Attributes:
+        passed: All criteria held.
+        failed: A criterion did not hold.
+        broken_off: There is no result: the values were refused, or the run could not go on.
+        unasked: Of those with a result, runs without a takeover request.
+    """
+
+    passed: int = 0
+    failed: int = 0
+    broken_off: int = 0
+    unasked: int = 0
+
+    @classmethod
+    def of(cls, results: Iterable[Any], resolutions: Iterable[Any]) -> Tally:
+        """Count runs by their columns `result` and `resolution`."""
+        pairs = list(zip(results, resolutions, strict=True))
+        passed, failed, broken_off = (sum(one == kind for one, _ in pairs) for kind in ("pass", "fail", "error"))
+        unasked = sum(end == "no_request" and one != "error" for one, end in pairs)
+        return cls(passed, failed, broken_off, unasked)
+
+    def __add__(self, other: Tally) -> Tally:
+        """Return the numbers of both together."""
+        return Tally(
+            self.passed + other.passed,
+            self.failed + other.failed,
+            self.broken_off + other.broken_off,
+            self.unasked + other.unasked,
+        )
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return self.passed + self.failed + self.broken_off
+
+    def in_words(self, *, automated: bool) -> str:
+        """Return the numbers in words; requests are counted where an automated vehicle could make one."""
+        words = f"{self.passed} passed, {self.failed} failed, {self.broken_off} broken off"
+        return f"{words}; {self.unasked} without a request" if automated else words
+
+
+Stage = Literal["variants", "traces", "cases", "evaluations"]
+"""What a sweep is at: its variants, the traces that it keeps, the cases that its report shows, or a search's runs."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a sweep is.
+
+    Attributes:
+        stage: What it is at.
+        done: What is done of that.
+        total: How much there is.
+        tally: What the runs came to that have their row.
+        resumed: Variants whose row was there at the start.
+    """
+
+    stage: Stage
+    done: int
+    total: int
+    tally: Tally = Tally()
+    resumed: int = 0
+
+
+OnProgress = Callable[[Progress], None]
+"""What is reported of progress."""

@@ -1,0 +1,221 @@
+"""`report`, `frame` and `export-run`: what a run folder shows, and its run for other programs."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    keep_inputs,
+    new_sink,
+    show,
+    told,
+)
+from scenario_compiler.cli.terminal import put
+from scenario_compiler.diagnostics import Code, Diagnostics, FilePlace
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from scenario_compiler.report.replay import Picture
+    from scenario_compiler.report.run import Run
+
+BAD_RECORDING = Code(
+    "SC131",
+    "unreadable-recording",
+    "The file is not a recording of this version: it is not Parquet, or lacks a column or its header. Run the plan "
+    "again."
+    "\n\n    scenario-compiler run plan.json -o out     writes out/recording.parquet",
+)
+
+SHOWS = ("both", "view", "map")
+"""What a film can show; the first by default."""
+
+EXTRAS = {"av": "video", "mcap": "mcap", "rerun": "rerun"}
+"""Extra of this package by the package that it installs."""
+
+
+def add(commands: Commands) -> None:
+    """Declare the commands."""
+    report = commands.add_parser("report", help="write the report of a run folder again, with pictures, or as a film")
+    _add_folder(report)
+    report.add_argument("--camera", action="store_true", help="draw first-person pictures of the whole run into it")
+    report.add_argument(
+        "--video",
+        nargs="?",
+        type=film_path,
+        const=Path(),
+        metavar="FILE.mp4|FILE.gif",
+        help="write a film of the run instead; DIR/video.mp4 when no file is named (the extra video)",
+    )
+    add_shows(report)
+    report.set_defaults(command=report_command)
+    frame = commands.add_parser("frame", help="draw the driver's view of a run at any time")
+    _add_folder(frame)
+    frame.add_argument("--t", type=float, required=True, metavar="S", help="time from the start of the run")
+    frame.add_argument("-o", dest="output", type=Path, required=True, metavar="FILE.png")
+    frame.add_argument("--plain", action="store_true", help="without state, speed and messages")
+    frame.set_defaults(command=frame_command)
+    export = commands.add_parser("export-run", help="write a run for Foxglove (MCAP) or the Rerun viewer")
+    _add_folder(export)
+    export.add_argument("--mcap", type=Path, metavar="FILE.mcap", help="write an MCAP file (the extra mcap)")
+    export.add_argument("--rerun", type=Path, metavar="FILE.rrd", help="write a file of Rerun (the extra rerun)")
+    export.add_argument("--camera", action="store_true", help="draw first-person pictures of the whole run into it")
+    export.set_defaults(command=export_command)
+    for parser in (report, frame, export):
+        add_maps(parser)
+        add_diagnostics(parser)
+
+
+def _add_folder(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")
+
+
+def add_shows(parser: argparse.ArgumentParser) -> None:
+    """Add what a film shows."""
+    parser.add_argument(
+        "--video-shows", choices=SHOWS, default=SHOWS[0], help="the driver's view, the run from above, or both"
+    )
+
+
+def film_path(text: str) -> Path:
+    """Return the file of a film that an option names."""
+    if Path(text).suffix.lower() not in (".mp4", ".gif"):
+        raise argparse.ArgumentTypeError(f"a film is written as .mp4 or .gif, not as {text}")
+    return Path(text)
+
+
+def stored_run(folder: Path, maps: Sequence[Path], sink: Diagnostics) -> Run | None:
+    """Return the run that a folder holds, judged again; None where it cannot be read, which is reported."""
+    from scenario_compiler.plan.maps import open_plan_map
+    from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.recording.outcome import judge
+    from scenario_compiler.recording.store import RecordingError, read_recording
+    from scenario_compiler.report.run import Run
+
+    plan = read_plan(folder / "plan.json", sink)
+    network = None if plan is None else open_plan_map(plan, sink, maps, folder)
+    file = folder / "recording.parquet"
+    try:
+        recording = read_recording(file)
+    except RecordingError as error:
+        sink.add(BAD_RECORDING, str(error), FilePlace(str(file)))
+        return None
+    if plan is None or network is None:
+        return None
+    return Run(plan, network, recording, judge(plan, recording))
+
+
+def read_files(folder: Path) -> list[Path]:
+    """Return the files of a run folder that commands read."""
+    return [folder / name for name in ("plan.json", "recording.parquet", "map.xodr", "outcome.json")]
+
+
+def report_command(options: argparse.Namespace) -> int:
+    """Write the report of a run folder again from its plan and recording, or a film of it."""
+    sink = new_sink(options)
+    run = stored_run(options.folder, options.maps, sink)
+    if show(sink, options) or run is None:
+        return AT_FAULT
+    if options.video is not None:
+        path = options.video if options.video.name else options.folder / "video.mp4"
+        write_film(run, path, options)
+        put(f"video: {path}", told(options))
+        return FINE
+    from scenario_compiler.report.html import write_report
+
+    write_report([run], options.folder, pictures=[pictures_to_show(run, options)])
+    put(f"report: {options.folder / 'report.html'}", told(options))
+    return FINE
+
+
+def write_film(run: Run, path: Path, options: argparse.Namespace) -> None:
+    """Write the film of a run; WrongUse where it has nothing to show or PyAV is missing."""
+    _check_shown(run)
+    with needing("av"):
+        from scenario_compiler.report.video import write_video
+    write_video(run, path, options.video_shows)
+
+
+def frame_command(options: argparse.Namespace) -> int:
+    """Draw one picture of a run."""
+    if options.output.suffix.lower() != ".png":
+        raise WrongUse(f"{options.output}: a picture of a run is drawn as .png")
+    keep_inputs(read_files(options.folder), options.output)
+    sink = new_sink(options)
+    run = stored_run(options.folder, options.maps, sink)
+    if show(sink, options) or run is None:
+        return AT_FAULT
+    _check_shown(run)
+    begin, end = float(run.recording.t[0]), float(run.recording.t[-1])
+    if not begin <= options.t <= end + 1e-6:
+        raise WrongUse(f"the run lasts from {begin:g} to {end:g} s: there is no picture at {options.t:g} s")
+    from scenario_compiler.outputs import write_whole
+    from scenario_compiler.perception.overlay import encode_png
+    from scenario_compiler.report.pictures import Sights, row_at, stills
+
+    sights = Sights(run)
+    still = next(stills(run, [row_at(run, options.t)]))
+    write_whole(options.output, encode_png(sights.draw(still, caption=not options.plain)))
+    return FINE
+
+
+def export_command(options: argparse.Namespace) -> int:
+    """Write a run in the formats of other programs."""
+    if options.mcap is None and options.rerun is None:
+        raise WrongUse("name a file: --mcap FILE.mcap, --rerun FILE.rrd, or both")
+    keep_inputs(read_files(options.folder), options.mcap, options.rerun)
+    sink = new_sink(options)
+    run = stored_run(options.folder, options.maps, sink)
+    if show(sink, options) or run is None:
+        return AT_FAULT
+    pictures = tuple(pictures_to_show(run, options))
+    if options.mcap is not None:
+        with needing("mcap"):
+            from scenario_compiler.report.mcap_file import write_mcap
+        write_mcap(run, options.mcap, pictures)
+        put(options.mcap, told(options))
+    if options.rerun is not None:
+        with needing("rerun"):
+            from scenario_compiler.report.rerun_file import write_rerun
+        write_rerun(run, options.rerun, pictures)
+        put(options.rerun, told(options))
+    return FINE
+
+
+def pictures_to_show(run: Run, options: argparse.Namespace) -> Sequence[Picture]:
+    """Return the pictures that a run was recorded with, or those of the whole run where --camera asks for them."""
+    from scenario_compiler.report.replay import pictures_of
+
+    if not options.camera:
+        return pictures_of(run)
+    from scenario_compiler.report.pictures import camera_pictures
+
+    _check_shown(run)
+    return camera_pictures(run)
+
+
+def _check_shown(run: Run) -> None:
+    """Refuse to draw a run whose first vehicle, from which pictures are taken, is not there all the time."""
+    if not len(run.recording.t) or not run.recording.present[:, :1].all():
+        raise WrongUse("pictures are taken from the first vehicle, which is not in this run all the time")
+
+
+@contextmanager
+def needing(package: str) -> Iterator[None]:
+    """Say which extra installs a package that is missing."""
+    try:
+        yield
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").partition(".")[0] != package:
+            raise
+        raise WrongUse(f"this needs {package}: pip install 'scenario-compiler[{EXTRAS[package]}]'") from None

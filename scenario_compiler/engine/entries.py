@@ -1,0 +1,11 @@
+"""The functions of the engine that are called from outside: each is a symbol of the library."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.ego.outlook import look_out
+from scenario_compiler.engine.story.step import begin_step, end_step, move_step, reset, step
+from scenario_compiler.engine.story.sweep import sweep
+from scenario_compiler.forms.language import Marked
+
+ENTRIES: tuple[Marked, ...] = (reset, begin_step, move_step, end_step, step, look_out, sweep)
+"""Entries by which a form is called, in both forms."""

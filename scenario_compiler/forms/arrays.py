@@ -1,0 +1,91 @@
+"""Containers as the compiled form takes them: arrays of float64 and int64, and the addresses of their numbers."""
+
+from __future__ import annotations
+
+import ctypes
+from array import array
+from collections.abc import Mapping, Sequence
+from copy import copy
+from typing import Any, TypeVar
+
+from scenario_compiler.forms.declaration import Container, column_types
+
+
+def as_arrays(container: Container) -> Container:
+    """Return a container of the same type whose columns are arrays of float64 and int64: copies, or those it keeps."""
+    return container.in_arrays() if isinstance(container, BothForms) else _copied(container)
+
+
+def _copied(container: Container) -> Container:
+    made = object.__new__(type(container))
+    for name in column_types(type(container)):
+        setattr(made, name, array(type_code(type(container), name), getattr(container, name)))
+    return made
+
+
+def with_columns(arrays: Container, columns: Mapping[str, Sequence[float]]) -> Container:
+    """Return a container of arrays in which some columns are replaced; it shares the others."""
+    made = copy(arrays)
+    for name, values in columns.items():
+        setattr(made, name, array(type_code(type(arrays), name), values))
+    return made
+
+
+def type_code(container: type[Any], column: str) -> str:
+    """Return the type of a column's numbers as `array` spells it: "d" for float64, "q" for int64."""
+    return "d" if column_types(container)[column] else "q"
+
+
+Both = TypeVar("Both", bound="BothForms")
+
+
+class BothForms:
+    """A container that is kept in both forms: one of lists keeps the one of arrays with the same columns.
+
+    It must not change once the arrays have been asked for.
+    """
+
+    __slots__ = ("_arrays",)
+    _arrays: Any
+
+    def __post_init__(self) -> None:
+        """Begin without arrays."""
+        self._arrays = None
+
+    @classmethod
+    def of_arrays(cls: type[Both], arrays: Both) -> Both:
+        """Return the container of lists with the columns of one of arrays."""
+        made = object.__new__(cls)
+        made._arrays = arrays
+        for name in column_types(cls):
+            setattr(made, name, getattr(arrays, name).tolist())
+        return made
+
+    def in_arrays(self: Both) -> Both:
+        """Return the container of arrays with the same columns: itself, or the one made when it is first asked for."""
+        if isinstance(getattr(self, type(self).__slots__[0]), array):
+            return self
+        if self._arrays is None:
+            self._arrays = _copied(self)
+        arrays: Both = self._arrays
+        return arrays
+
+
+def address_table(container: Any) -> array[int]:
+    """Return a container of arrays as the compiled form takes it: its columns' addresses, then their lengths."""
+    columns: list[array[float]] = [getattr(container, name) for name in column_types(type(container))]
+    return array("q", [column.buffer_info()[0] for column in columns] + [len(column) for column in columns])
+
+
+def address_and_size(values: Any) -> tuple[int, int]:
+    """Return where an array's numbers lie, and how many there are.
+
+    Raises:
+        TypeError: The values are not float64 or int64, are not in one piece, or cannot be written.
+    """
+    if isinstance(values, array) and values.itemsize == 8:
+        return values.buffer_info()
+    view = memoryview(values)
+    if not view.contiguous or view.format not in ("d", "l", "q") or view.itemsize != 8 or view.readonly:
+        raise TypeError("an array for the engine is writable, in one piece, of float64 or int64")
+    return (ctypes.addressof(ctypes.c_char.from_buffer(view)) if view.nbytes else 0), view.nbytes // view.itemsize

@@ -1,0 +1,106 @@
+"""A plan at other values of its parameters: what compiling with those values would report as errors.
+
+A sweep runs thousands of variants of one plan. Compiling each would take longer than running it, so only what open
+numbers decide is looked at again: the limits of the attributes that hold them, the places that they give, the entities
+that they put into one another, and the times along paths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.expressions import Value, format_value
+from scenario_compiler.plan.binding import Binder
+from scenario_compiler.plan.checks.overlap import check_overlap
+from scenario_compiler.plan.checks.paths import check_paths
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.standing import after_init, standings_of
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.grammar import out_of_limits
+from scenario_compiler.vocabulary.positions import BoundPosition, LanePositionWord, RandomPosition
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.traversal import parameters_in, walk
+from scenario_compiler.vocabulary.word import Word
+
+
+class VariantChecks:
+    """The checks of a plan's variants."""
+
+    def __init__(self, plan: Plan, network: Network) -> None:
+        """Find what depends on parameters."""
+        self._plan, self._network = plan, network
+        self._usual = parameter_values(plan.parameters)
+        self._forgiving = plan.controller is None
+        self._positions = tuple(_open_positions(plan))
+        self._starts = {one.id: one.start for one in plan.entities if one.start is not None}
+        self._moved = _moved(self._starts)
+        fixed = {name: start for name, start in self._starts.items() if name not in self._moved}
+        self._fixed, _ = standings_of(self._binder(self._usual, Diagnostics()), fixed)
+        self._timed_paths = any(limit.holder == "time" for limit in plan.limits)
+
+    def fault(self, sample: Mapping[str, Value]) -> str:
+        """Return the first error of compiling with these values of the parameters; empty where it would be fine."""
+        values = {**self._usual, **sample}
+        fault = self._beyond_limits(values)
+        if fault or self._forgiving:
+            return fault
+        sink = Diagnostics()
+        binder = self._binder(values, sink)
+        for position in self._positions:
+            binder.bind(position, 0.0)
+        if not sink.has_errors and self._moved:
+            self._check_starts(binder)
+        if self._timed_paths:
+            check_paths(at_values(self._plan, values), self._network, sink)
+        return next((one.message for one in sink if one.severity is Severity.ERROR), "")
+
+    def _beyond_limits(self, values: Mapping[str, Value]) -> str:
+        for one in self._plan.parameters:
+            value = values[one.name]
+            fault = "" if isinstance(value, str) else out_of_limits(one.name, value, one.limits)
+            if fault:
+                return fault
+        return next((fault for limit in self._plan.limits if (fault := limit.fault(values))), "")
+
+    def _check_starts(self, binder: Binder) -> None:
+        moved, _ = standings_of(binder, {name: self._starts[name] for name in self._moved}, self._fixed)
+        standings = after_init(binder, self._plan.storyboard, {**self._fixed, **moved})
+        poses = {name: standing.pose for name, standing in standings.items()}
+        check_overlap(self._plan.model_copy(update={"derived": poses}), self._network, binder.sink)
+
+    def _binder(self, values: Mapping[str, Value], sink: Diagnostics) -> Binder:
+        return Binder(self._network, values, sink, forgiving=self._forgiving)
+
+
+def _parts(plan: Plan) -> Iterator[Word]:
+    for entity in plan.entities:
+        yield from (word for word in (entity.start, entity.follow, entity.path) if word is not None)
+    yield from (plan.storyboard, plan.takeover, plan.camera)
+    yield from (*plan.criteria, *plan.markings, *plan.secondary_markings, *plan.signal_controllers)
+
+
+def _open_positions(plan: Plan) -> Iterator[LanePositionWord | RandomPosition]:
+    """Yield the positions on the map, rather than relative to an entity, that depend on parameters."""
+    for word in (inner for part in _parts(plan) for inner in walk(part)):
+        if isinstance(word, LanePositionWord | RandomPosition) and parameters_in(word):
+            yield word
+
+
+def _moved(starts: Mapping[str, BoundPosition]) -> tuple[str, ...]:
+    """Return the entities whose starts depend on parameters, or on one that does, in document order."""
+    moved = {name for name, start in starts.items() if parameters_in(start)}
+    while True:
+        more = {name for name, start in starts.items() if getattr(start, "entity", None) in moved} - moved
+        if not more:
+            return tuple(name for name in starts if name in moved)
+        moved |= more
+
+
+def at_values(plan: Plan, values: Mapping[str, Value]) -> Plan:
+    """Return the plan with other defaults of its parameters; its digest stays that of the plan that was given."""
+    parameters = tuple(
+        one.model_copy(update={"default": format_value(values[one.name])}) if one.name in values else one
+        for one in plan.parameters
+    )
+    return plan.model_copy(update={"parameters": parameters})

@@ -1,0 +1,58 @@
+"""The page of two runs beside each other: a player with one clock for both, and where they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import jinja2
+
+from scenario_compiler.outputs import write_whole
+from scenario_compiler.recording.comparison import Comparison
+from scenario_compiler.report.embedding import player_head, player_place, player_start
+from scenario_compiler.report.palette import WORDS
+from scenario_compiler.report.replay import Picture
+from scenario_compiler.report.run import Run
+from scenario_compiler.report.wording import decimal, summary_of, unit_words
+
+TEMPLATE = "compare.html.jinja"
+
+
+def write_comparison(
+    runs: tuple[Run, Run],
+    names: tuple[str, str],
+    found: Comparison,
+    verdict: Sequence[str],
+    pictures: Sequence[Sequence[Picture]],
+    path: Path,
+) -> None:
+    """Write the page: one file that needs nothing from outside.
+
+    Args:
+        runs: The runs, each with at least one row.
+        names: What each is called, such as the name of its folder.
+        found: Where they differ.
+        verdict: What that comes to, in sentences.
+        pictures: The first-person pictures of each, ordered by time.
+        path: Where the page is written.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["number"] = lambda value: "–" if value is None else decimal(value)
+    environment.filters["unit"] = unit_words
+    environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
+    page = environment.get_template(TEMPLATE).render(
+        names=names,
+        summaries=[summary_of(run) for run in runs],
+        found=found,
+        verdict=verdict,
+        player_head=player_head(),
+        player=player_place(runs, pictures, names=names),
+        player_start=player_start(),
+    )
+    write_whole(path, page)

@@ -1,0 +1,63 @@
+"""The columns that are computed from what a road file says: steady lanes, and the index over the plane."""
+
+from __future__ import annotations
+
+from array import array
+
+from scenario_compiler.forms.declaration import Of, columns_of, start_of
+from scenario_compiler.forms.form import Form, form_of
+from scenario_compiler.roads.locate_build import IN_NO_CELL
+from scenario_compiler.roads.tables import CELL, CELL_CHUNK, CHUNK, LANE, WIDE, RoadTables
+
+CHUNKS_A_PART = 2
+"""Chunks for which there is room at first, by piece of a reference line and by lane section."""
+
+CELLS_A_CHUNK = 6
+"""Entries into cells for which there is room at first, by chunk."""
+
+
+def with_derived_columns(tables: RoadTables) -> RoadTables:
+    """Return tables as arrays, with the columns filled that are computed from the others.
+
+    Args:
+        tables: What was read from a file, as lists; they are used up.
+    """
+    _resize(tables, LANE, len(tables.lane_id))
+    _resize(tables, CHUNK, CHUNKS_A_PART * (len(tables.piece_s) + len(tables.section_s)))
+    n: RoadTables = _form(tables).containers["n"]
+    _form(n).enter("note_steady_lanes")
+    while (count := _form(n).enter("lay_chunks")) > len(n.chunk_s):
+        _resize(n, CHUNK, count)
+    _resize(n, CHUNK, count)
+    _fill_cells(n)
+    return n.in_arrays()
+
+
+def _fill_cells(n: RoadTables) -> None:
+    room = CELLS_A_CHUNK * len(n.chunk_s)
+    keys, chunks = _ints(room), _ints(room)
+    while (count := _form(n).enter("list_cells", keys, chunks)) > len(keys):
+        keys, chunks = _ints(count), _ints(count)
+    order = array("q", sorted(range(count), key=keys.__getitem__))
+    wide = keys[:count].count(IN_NO_CELL)
+    for of, size in ((CELL, count), (CELL_CHUNK, count - wide), (WIDE, wide)):
+        _resize(n, of, size)
+    _resize(n, CELL, _form(n).enter("store_cells", order, keys, chunks))
+
+
+def _resize(n: RoadTables, of: Of, size: int) -> None:
+    """Make room for so many elements in the columns that are filled here, or take away what is too much."""
+    for name, declared in columns_of(RoadTables).items():
+        if declared.of is of and declared.written:
+            column = getattr(n, name)
+            wanted = size + (declared.starts is not None)
+            del column[wanted:]
+            column.extend([start_of(RoadTables, name)] * (wanted - len(column)))
+
+
+def _ints(count: int) -> array[int]:
+    return array("q", bytes(8 * count))
+
+
+def _form(n: RoadTables) -> Form:
+    return form_of("scenario_compiler.roads.entries", n=n)

@@ -1,0 +1,14 @@
+"""The functions of roads that are called from outside: each is a symbol of the library."""
+
+from __future__ import annotations
+
+from scenario_compiler.forms.language import Marked
+from scenario_compiler.roads.locate_build import lay_chunks, list_cells, store_cells
+from scenario_compiler.roads.locate_points import locate_point, locate_points
+from scenario_compiler.roads.steady import note_steady_lanes
+
+ENTRIES: tuple[Marked, ...] = (
+    *(note_steady_lanes, lay_chunks, list_cells, store_cells),
+    *(locate_point, locate_points),
+)
+"""Entries by which a form is called, in both forms."""

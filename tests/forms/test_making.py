@@ -1,0 +1,100 @@
+"""The library of the engine: whole or not there, never older than its sources, and none without a compiler."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.forms import making
+from scenario_compiler.forms.machine_code import library, why_interpreted
+from scenario_compiler.forms.making import BuildError, NoCompilerError, Note, build, compiler, source_files
+
+ONLY_STANDARD_LIBRARY = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from scenario_compiler.forms.language import entries, marked_functions
+from scenario_compiler.forms.translation import translated
+print(len(translated(marked_functions(), entries())) > 100_000)
+"""
+
+
+def test_the_tests_run_with_the_machine_code() -> None:
+    made = library()
+    assert made is not None, why_interpreted()
+    assert why_interpreted() == ""
+    assert made.made_by
+
+
+def test_the_engine_is_translated_with_the_standard_library_alone(repository: Path) -> None:
+    command = [sys.executable, "-I", "-S", "-c", ONLY_STANDARD_LIBRARY, str(repository)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
+
+
+def test_a_library_is_made_of_all_marked_modules() -> None:
+    note = Note.read()
+    assert note is not None
+    assert set(note.sources) == {path.relative_to(making.PACKAGE).as_posix() for path in source_files()}
+    assert {"engine/story/step.py", "roads/locate.py", "forms/engine.h", "randomness.py"} <= set(note.sources)
+
+
+def test_a_changed_source_makes_a_library_stale() -> None:
+    note = Note.read()
+    assert note is not None
+    changed = "engine/story/step.py"
+    size, time, digest = note.sources[changed]
+    assert note.is_fresh
+    assert Note(note.made_by, note.entries, {**note.sources, changed: (size, time + 1, digest)}).is_fresh
+    assert not Note(note.made_by, note.entries, {**note.sources, changed: (size + 1, time, digest)}).is_fresh
+    assert not Note(note.made_by, note.entries, {**note.sources, changed: (size, 1, "0")}).is_fresh
+    assert not Note(note.made_by, note.entries, {**note.sources, "engine/gone.py": (1, 1, "0")}).is_fresh
+    assert Note(note.made_by, note.entries, {}).is_fresh
+
+
+def test_c_that_is_wrong_leaves_no_library(tmp_path: Path) -> None:
+    with pytest.raises(BuildError, match=r"engine\.c"):
+        build("int broken(", tmp_path / "engine.so")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_machine_without_a_compiler_is_told_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(sys, "path", [str(tmp_path)])
+    with pytest.raises(NoCompilerError, match="install gcc or clang, or `pip install ziglang`"):
+        compiler()
+
+
+def test_the_chosen_compiler_comes_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mine = tmp_path / "mycc"
+    mine.write_text("#!/bin/sh\n", encoding="utf-8")
+    mine.chmod(0o755)
+    monkeypatch.setenv("CC", str(mine))
+    assert compiler() == [str(mine)]
+
+
+def test_the_interpreted_form_serves_without_a_library(repository: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    for name in ("scenario_compiler", "schemas", "library", "maps"):
+        shutil.copytree(repository / name, copy / name, ignore=shutil.ignore_patterns("engine.library", "__pycache__"))
+    command = [sys.executable, "-m", "scenario_compiler", "run", str(copy / "library/conflicts/obstacle_ahead.xml")]
+    command += ["--perception", "ideal", "--duration", "1"]
+    done = subprocess.run(command, cwd=copy, capture_output=True, text=True, check=True, env={**os.environ})
+    assert "the engine's machine code has not been built" in done.stderr
+
+
+def test_no_index_leaves_its_column_and_nothing_is_undefined(repository: Path, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, str(repository / "tests" / "forms" / "sanitized.py"), str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=repository,
+    )
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert "36 of 36 variants are the same" in done.stdout

@@ -1,0 +1,96 @@
+"""`report`, `frame`, `export-run`, `compare --html` and films, as a user meets them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import pytest
+from playwright.sync_api import Browser, expect
+
+from tests.browser import opened_page
+from tests.command import call
+
+LIBRARY = Path(__file__).parent.parent / "library"
+
+
+@pytest.fixture(scope="module")
+def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run without a camera."""
+    folder = tmp_path_factory.mktemp("runs") / "one"
+    assert call("run", "obstacle_ahead", "--perception", "ideal", "--duration", "2", "-o", folder) == 0
+    return folder
+
+
+def test_a_frame_is_drawn_at_any_time(run_folder: Path, tmp_path: Path) -> None:
+    for t in ("0", "1.23"):
+        assert call("frame", run_folder, "--t", t, "-o", tmp_path / f"{t}.png") == 0
+    images = [cv2.imread(str(tmp_path / f"{t}.png")) for t in ("0", "1.23")]
+    assert images[0] is not None
+    assert images[1] is not None
+    assert images[0].shape == (480, 960, 3)
+    assert (images[0] != images[1]).any()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("frame", "RUN", "--t", "9", "-o", "it.png"), "the run lasts from 0 to 2 s"),
+        (("frame", "RUN", "--t", "1", "-o", "it.bmp"), "is drawn as .png"),
+        (("export-run", "RUN"), "name a file"),
+        (("report", "RUN", "--video", "it.avi"), ".mp4 or .gif"),
+        (("export-run", "RUN", "--mcap", "RUN/recording.parquet"), "would be written over"),
+        (("compare", "RUN", "RUN/recording.parquet", "--html", "it.html"), "shows run folders"),
+    ],
+)
+def test_wrong_use_is_said_in_a_line(
+    run_folder: Path, words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(*(word.replace("RUN", str(run_folder)) for word in words)) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_report_gets_pictures_of_a_run_without_camera(run_folder: Path, browser: Browser) -> None:
+    assert call("report", run_folder, "--camera") == 0
+    with opened_page(browser, f"{(run_folder / 'report.html').as_uri()}#t=1.5") as page:
+        expect(page.locator(".view figcaption")).to_have_text("View ahead at 1.40 s")
+        assert page.evaluate("document.querySelector('.view img').naturalWidth") == 640
+
+
+def test_two_folders_are_compared_in_a_page(run_folder: Path, tmp_path: Path, browser: Browser) -> None:
+    page_file = tmp_path / "both.html"
+    assert call("compare", run_folder, run_folder, "--html", page_file) == 0
+    with opened_page(browser, page_file.as_uri()) as page:
+        expect(page.locator("h1")).to_have_text("one and one")
+        assert page.locator(".pane").count() == 2
+
+
+def test_a_run_is_filmed_and_exported(run_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("report", run_folder, "--video", tmp_path / "it.gif", "--video-shows", "view") == 0
+    assert (tmp_path / "it.gif").read_bytes()[:4] == b"GIF8"
+    target = (*("run", "obstacle_ahead", "--perception", "ideal", "--duration", "1"), "--video", tmp_path / "it.mp4")
+    assert call(*target) == 0
+    assert (tmp_path / "it.mp4").read_bytes()[4:8] == b"ftyp"
+    assert call("export-run", run_folder, "--mcap", tmp_path / "it.mcap") == 0
+    assert (tmp_path / "it.mcap").read_bytes()[:5] == b"\x89MCAP"
+    assert "it.mcap" in capsys.readouterr().out
+
+
+def test_a_gallery_is_searched_and_filtered(tmp_path: Path, browser: Browser) -> None:
+    page_file = tmp_path / "gallery.html"
+    conflicts = LIBRARY / "conflicts"
+    assert call("list", conflicts / "obstacle_ahead.xml", conflicts / "road_narrows.xml", "--html", page_file) == 0
+    assert str(LIBRARY.parent) not in page_file.read_text(encoding="utf-8")
+    with opened_page(browser, page_file.as_uri()) as page:
+        cards = page.locator(".cards li:visible")
+        everything = cards.count()
+        assert everything >= 2
+        page.get_by_label("Search").fill("obstacle BROKEN-down")
+        expect(cards).to_have_count(1)
+        expect(cards).to_contain_text("takeover request after")
+        expect(cards).to_contain_text("scenario-compiler run obstacle_ahead")
+        page.get_by_label("Search").fill("")
+        page.get_by_label("File").select_option("road narrows")
+        assert 0 < cards.count() < everything
+        page.get_by_label("Search").fill("no such thing")
+        expect(page.locator("#none")).to_be_visible()
