@@ -129,6 +129,7 @@ from scenario_compiler.vocabulary.driver import DriverModel as DriverModel
 from scenario_compiler.vocabulary.driver import Driving as Driving
 from scenario_compiler.vocabulary.driver import Effect as Effect
 from scenario_compiler.vocabulary.driver import Inputs as Inputs
+from scenario_compiler.vocabulary.driver import Person as Person
 from scenario_compiler.vocabulary.entities import Controller as Controller
 from scenario_compiler.vocabulary.entities import Dynamic as Dynamic
 from scenario_compiler.vocabulary.entities import Ego as Ego
@@ -202,6 +203,7 @@ from scenario_compiler.vocabulary.storyboard import TriggerCondition as TriggerC
 from scenario_compiler.vocabulary.storyboard import When as When
 from scenario_compiler.vocabulary.takeover import Cause as Cause
 from scenario_compiler.vocabulary.takeover import Message as Message
+from scenario_compiler.vocabulary.takeover import Say as Say
 from scenario_compiler.vocabulary.takeover import Takeover as Takeover
 from scenario_compiler.vocabulary.variables import Variable as Variable
 from scenario_compiler.vocabulary.variation import Axis as Axis

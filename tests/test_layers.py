@@ -84,6 +84,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "lsprotocol": ("editor.server",),
+    "msgpack": ("carla_server",),
     "mcap": ("report.mcap_file",),
     "matplotlib": (
         "report.plots",

@@ -36,6 +36,11 @@ FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
+STEER_RATE = 0.7
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
+driver's.
+"""
+
 
 @container("st", 2, written=True)
 @dataclass(slots=True)
@@ -74,6 +79,8 @@ class State:
     a: list[float] = column(ENTITY)
     steer: list[float] = column(ENTITY)
     """Angle of the front wheels, positive to the left."""
+    steer_rate: list[float] = column(ENTITY, STEER_RATE)
+    """Greatest rate of that angle, rad/s."""
     throttle: list[float] = column(ENTITY)
     brake: list[float] = column(ENTITY)
     road: list[int] = column(ENTITY)
@@ -126,6 +133,8 @@ class State:
     """Speed that it aims for while it follows."""
     ended: list[int] = column(ENTITY)
     """1 when the entity stands at the end of its road."""
+    lights: list[int] = column(ENTITY)
+    """Lights that actions have switched on, as bits: the first of `moves.appearance.LIGHTS` is the lowest."""
     visible: list[int] = column(ENTITY, op.SEEN_BY_ALL)
     """Who minds the entity, by SEEN_... bits."""
     towed: list[int] = column(ENTITY, op.NONE)
@@ -334,6 +343,8 @@ class State:
     command_throttle: list[float] = column(ENTITY)
     command_steer: list[float] = column(ENTITY)
     command_brake: list[float] = column(ENTITY)
+    command_reverse: list[int] = column(ENTITY)
+    """1 where the throttle drives the vehicle backwards."""
     pedal: list[float] = column(RUN)
     """Acceleration asked for at the last control step, for limiting jerk."""
     shift_begin: list[float] = column(RUN)
