@@ -157,7 +157,7 @@ They are outputs of one small network over what the fit shows: how strong, how e
 far the second best arc is behind, how the sides agree, whether they are where they were. It was fitted to rendered
 images of the maps below with wear, weather, noise, pitch and traffic.
 
-**Tilt.** A camera that is tilted by one degree puts a boundary 18 m ahead off by half a metre. The detector is told
+**Tilt.** A camera that is tilted by one degree puts a boundary 18 m ahead off by half a metre. The detector gets
 nothing of the true tilt: it finds it in the image, where the boundaries seem to run together, weighs that by how sure
 it is and by what it found before, and forgets it where it sees no lane. The ego's body pitches as it brakes, by
 `pitch_gradient` of its [vehicle](language.md#Vehicle).
@@ -203,11 +203,11 @@ LIMITS = """\
 
 * One renderer made what was fitted and what was measured. The figures say nothing about photographs or other
   simulators.
-* Boundaries are parabolas: bends sharper than 40 m are lost, and are to be told by a low confidence.
+* Boundaries are parabolas: bends sharper than 40 m are lost, and should have a low confidence.
 * A lane that gets wider or narrower looks like a tilt; tapers are found with an error.
 * The sensor's health (noise, darkness, blur, dirt, frozen or missing images) is apart and is policy, not probability:
   see [camera failures](language.md#Failure). The tables are without it.
-* What is no line is not told: vehicles and obstacles are the forward sensor's, whose word is not the camera's.
+* What is not a line is not reported: vehicles and obstacles are the forward sensor's, whose word is not the camera's.
 * Looks of one clip resemble each other: the tables' counts overstate how much was seen.
 
 Own maps are measured by `scenario-compiler calibrate DIR -o OUT`; `--fit` fits the confidence again.
