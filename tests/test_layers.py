@@ -86,6 +86,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "lsprotocol": ("editor.server",),
     "mcap": ("report.mcap_file",),
     "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview", "report.lettering"),
+    "pandas": ("batch.many", "recording.recording"),
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
