@@ -129,6 +129,7 @@ from scenario_compiler.vocabulary.criteria import StayOnRoad as StayOnRoad
 from scenario_compiler.vocabulary.criteria import TakeoverWithin as TakeoverWithin
 from scenario_compiler.vocabulary.driver import Driver as Driver
 from scenario_compiler.vocabulary.driver import DriverModel as DriverModel
+from scenario_compiler.vocabulary.driver import Driving as Driving
 from scenario_compiler.vocabulary.driver import Effect as Effect
 from scenario_compiler.vocabulary.driver import Inputs as Inputs
 from scenario_compiler.vocabulary.driver import Person as Person
@@ -184,6 +185,7 @@ from scenario_compiler.vocabulary.scenario import Parameter as Parameter
 from scenario_compiler.vocabulary.scenario import Scenario as Scenario
 from scenario_compiler.vocabulary.sensors import Camera as Camera
 from scenario_compiler.vocabulary.sensors import Failure as Failure
+from scenario_compiler.vocabulary.sensors import Odometry as Odometry
 from scenario_compiler.vocabulary.signals import SignalController as SignalController
 from scenario_compiler.vocabulary.signals import SignalPhase as SignalPhase
 from scenario_compiler.vocabulary.signals import SignalState as SignalState

@@ -113,6 +113,17 @@ FAULTS: dict[int, str] = {
 }
 """What a run's fault code means."""
 
+StandingPlace = Literal["", "own_lane", "other_lane", "shoulder", "off_road"]
+"""Where a vehicle stands that has been stopped; empty where it was not."""
+
+STANDING_PLACES: dict[int, StandingPlace] = {
+    opcodes.STANDS_NOWHERE: "",
+    opcodes.STANDS_IN_OWN_LANE: "own_lane",
+    opcodes.STANDS_IN_OTHER_LANE: "other_lane",
+    opcodes.STANDS_ON_SHOULDER: "shoulder",
+    opcodes.STANDS_OFF_ROAD: "off_road",
+}
+
 BY_HAND = "driver"
 """Cause of a standstill that a driver brought about: the takeover's state stays as it was."""
 

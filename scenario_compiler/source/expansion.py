@@ -346,6 +346,7 @@ def catalog_driver(driver: Driver | DriverModel, catalogs: Catalogs, sink: Diagn
         "eyes_closed": driver.eyes_closed,
         "traffic_density": driver.traffic_density,
         "effects": _effects(catalogs.effects.values(), found.effects, driver.effects),
+        "driving": driver.driving or found.driving,
     }
     return found.model_copy(update=changes).written_at(driver.origin)
 

@@ -14,9 +14,14 @@ class NoCollision(Word):
 
 
 class StayOnRoad(Word):
-    """The ego vehicle's reference point stays on a lane."""
+    """The ego vehicle's reference point stays on a lane.
+
+    An automated vehicle is judged by this whether it is written or not, unless `required` is false.
+    """
 
     word: Literal["stay_on_road"] = "stay_on_road"
+
+    required: bool = attribute("false: the ego vehicle may leave the road.", default=True)
 
 
 class ReachDestination(Word):

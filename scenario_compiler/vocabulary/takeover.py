@@ -74,6 +74,13 @@ class Cause(Word):
         quantity="time",
         minimum=0,
     )
+    minimum_risk_after: Number | None = attribute(
+        "Time from a request for this cause to the minimum-risk manoeuvre, s; that of <takeover> when left out, and 0 "
+        "for sensor_health.",
+        default=None,
+        quantity="time",
+        minimum=0,
+    )
     after: Number | None = attribute(
         "no_progress: time for which the vehicle stands until it asks, s, while no leader that moves, no red signal "
         "and no action holds it.",

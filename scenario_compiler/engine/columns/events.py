@@ -46,7 +46,8 @@ EVENTS: dict[int, tuple[str, str]] = {
     ),
     op.EVENT_STANDSTILL: (
         "standstill",
-        "The automated vehicle stands; `cause` is `driver` where a driver stopped it.",
+        "The automated vehicle stands; `cause` is `driver` where a driver stopped it, `message` says where: "
+        "`own_lane`, `other_lane`, `shoulder` or `off_road`.",
     ),
     op.EVENT_COLLISION: (
         "collision",

@@ -240,6 +240,17 @@ WISH_TAKE_OVER = 1
 WISH_HAND_BACK = 2
 WISH_LEAVE = 3
 """What the person at the wheel wants of the automation."""
+# Where a vehicle stands.
+STANDS_NOWHERE = 0
+STANDS_IN_OWN_LANE = 1
+STANDS_IN_OTHER_LANE = 2
+STANDS_ON_SHOULDER = 3
+STANDS_OFF_ROAD = 4
+
+# What a driver does about something in the way.
+STYLE_BRAKES = 0
+STYLE_STEERS = 1
+STYLE_BOTH = 2
 
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
@@ -320,6 +331,8 @@ STREAM_TURN = 3
 STREAM_FAILURE = 4
 STREAM_TRAFFIC = 5
 STREAM_DRIVER = 6
+STREAM_ODOMETRY = 7
+STREAM_WANDER = 8
 
 # Sizes of scratch columns.
 BUCKETS = 128

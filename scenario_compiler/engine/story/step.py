@@ -19,6 +19,7 @@ from scenario_compiler.engine.ego.automation import control_ego, driven_by_hand
 from scenario_compiler.engine.ego.controllers import hold_inputs
 from scenario_compiler.engine.ego.failures import update_camera
 from scenario_compiler.engine.ego.person import drive_by_person
+from scenario_compiler.engine.ego.standing import standing_place
 from scenario_compiler.engine.ego.weather import update_weather
 from scenario_compiler.engine.motion.collision import check_collisions, update_boxes
 from scenario_compiler.engine.motion.entities import move_entities, take_stock
@@ -113,15 +114,15 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
 
 
 @compiled
-def note_stop_by_hand(st: State) -> None:
+def note_stop_by_hand(n: RoadTables, p: Program, st: State) -> None:
     """Log that the driver has brought the ego to a standstill."""
     if st.time_standstill[0] < 0.0:
         st.time_standstill[0] = st.clock[0]
-    log_event(st, op.EVENT_STANDSTILL, 1.0)
+    log_event(st, op.EVENT_STANDSTILL, 1.0 + 2.0 * standing_place(n, st, p.ego[0]))
 
 
 @compiled
-def watch_standstill(p: Program, st: State) -> None:
+def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
     """End a run whose ego has stood for a while after a stop that ends the conflict; a person who stops may go on."""
     ego = p.ego[0]
     state = st.takeover_state[0]
@@ -133,7 +134,7 @@ def watch_standstill(p: Program, st: State) -> None:
     if st.still_since[0] < 0.0:
         st.still_since[0] = st.clock[0]
         if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0:
-            note_stop_by_hand(st)
+            note_stop_by_hand(n, p, st)
     if st.clock[0] - st.still_since[0] >= STANDING_TIME - 1.0e-6:
         st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL
 
@@ -154,7 +155,8 @@ def at_destination(n: RoadTables, p: Program, st: State) -> int:
 def move_step(n: RoadTables, p: Program, st: State) -> None:
     """Move time and all entities on that the engine moves."""
     dt = p.const[slot.K_STEP]
-    st.clock[0] += dt
+    st.steps[0] += 1
+    st.clock[0] = st.steps[0] * dt
     move_entities(n, p, st, dt)
     if p.traffic_count[0] > 0:
         move_traffic(n, p, st, dt)
@@ -169,7 +171,7 @@ def end_step(n: RoadTables, p: Program, st: State) -> None:
     if st.flag[0] != op.FAULT_NONE:
         return
     if drives_ego(p) == 1:
-        watch_standstill(p, st)
+        watch_standstill(n, p, st)
         if st.stop[0] == op.STOP_NONE and at_destination(n, p, st) == 1:
             st.stop[0] = op.STOP_DESTINATION
     if st.stop[0] == op.STOP_NONE and st.clock[0] >= p.const[slot.K_DURATION] - 1.0e-6:
