@@ -1,6 +1,8 @@
 """What programs import from `scenario_compiler`; see `scenario_compiler.public`."""
 
 from scenario_compiler.batch.execute import run_sweep as run_sweep
+from scenario_compiler.batch.many import Runs as Runs
+from scenario_compiler.batch.many import run_many as run_many
 from scenario_compiler.batch.spec import SweepSpec as SweepSpec
 from scenario_compiler.compiler import Compilation as Compilation
 from scenario_compiler.compiler import Overrides as Overrides
@@ -21,6 +23,7 @@ from scenario_compiler.recording.outcome import Outcome as Outcome
 from scenario_compiler.recording.outcome import judge as judge
 from scenario_compiler.recording.recording import Recording as Recording
 from scenario_compiler.report.folder import write_run_folder as write_run_folder
+from scenario_compiler.report.html import Report as Report
 from scenario_compiler.report.html import write_report as write_report
 from scenario_compiler.report.run import Run as Run
 from scenario_compiler.report.statistics import wilson_interval as wilson_interval

@@ -95,6 +95,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
         "report.lettering",
         "report.reliability_plot",
     ),
+    "pandas": ("batch.many", "recording.recording"),
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
