@@ -115,6 +115,7 @@ from scenario_compiler.vocabulary.conditions.by_value import (
 )
 from scenario_compiler.vocabulary.conditions.by_value import UserDefinedValueCondition as UserDefinedValueCondition
 from scenario_compiler.vocabulary.conditions.by_value import VariableCondition as VariableCondition
+from scenario_compiler.vocabulary.criteria import MakesProgress as MakesProgress
 from scenario_compiler.vocabulary.criteria import MaximumLateralOffset as MaximumLateralOffset
 from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision as MinimumTimeToCollision
 from scenario_compiler.vocabulary.criteria import NoCollision as NoCollision
@@ -125,6 +126,10 @@ from scenario_compiler.vocabulary.criteria import StayOnRoad as StayOnRoad
 from scenario_compiler.vocabulary.criteria import TakeoverWithin as TakeoverWithin
 from scenario_compiler.vocabulary.driver import Driver as Driver
 from scenario_compiler.vocabulary.driver import DriverModel as DriverModel
+from scenario_compiler.vocabulary.driver import Driving as Driving
+from scenario_compiler.vocabulary.driver import Effect as Effect
+from scenario_compiler.vocabulary.driver import Inputs as Inputs
+from scenario_compiler.vocabulary.driver import Person as Person
 from scenario_compiler.vocabulary.entities import Controller as Controller
 from scenario_compiler.vocabulary.entities import Dynamic as Dynamic
 from scenario_compiler.vocabulary.entities import Ego as Ego
@@ -172,10 +177,12 @@ from scenario_compiler.vocabulary.positions.routes import Waypoint as Waypoint
 from scenario_compiler.vocabulary.positions.spawn_points import NamedPosition as NamedPosition
 from scenario_compiler.vocabulary.positions.spawn_points import SpawnPoints as SpawnPoints
 from scenario_compiler.vocabulary.scenario import Classification as Classification
+from scenario_compiler.vocabulary.scenario import NumberLimit as NumberLimit
 from scenario_compiler.vocabulary.scenario import Parameter as Parameter
 from scenario_compiler.vocabulary.scenario import Scenario as Scenario
 from scenario_compiler.vocabulary.sensors import Camera as Camera
 from scenario_compiler.vocabulary.sensors import Failure as Failure
+from scenario_compiler.vocabulary.sensors import Odometry as Odometry
 from scenario_compiler.vocabulary.signals import SignalController as SignalController
 from scenario_compiler.vocabulary.signals import SignalPhase as SignalPhase
 from scenario_compiler.vocabulary.signals import SignalState as SignalState
@@ -196,6 +203,7 @@ from scenario_compiler.vocabulary.storyboard import TriggerCondition as TriggerC
 from scenario_compiler.vocabulary.storyboard import When as When
 from scenario_compiler.vocabulary.takeover import Cause as Cause
 from scenario_compiler.vocabulary.takeover import Message as Message
+from scenario_compiler.vocabulary.takeover import Say as Say
 from scenario_compiler.vocabulary.takeover import Takeover as Takeover
 from scenario_compiler.vocabulary.variables import Variable as Variable
 from scenario_compiler.vocabulary.variation import Axis as Axis

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from hashlib import blake2b
+from math import cos, log, sqrt
 from typing import TYPE_CHECKING
 
 from scenario_compiler.marker import compiled
@@ -65,3 +66,11 @@ def random_hash(seed: int, stream: int, entity: int, step: int) -> int:
 def random_unit(seed: int, stream: int, entity: int, step: int) -> float:
     """Return a number in (0, 1) for one draw inside a run."""
     return (random_hash(seed, stream, entity, step) + 0.5) / 4294967296.0
+
+
+@compiled
+def random_normal(seed: int, stream: int, entity: int, step: int) -> float:
+    """Return a standard normal number for one draw inside a run (Box and Muller 1958); it uses two of `random_unit`."""
+    first = random_unit(seed, stream, entity, 2 * step)
+    second = random_unit(seed, stream, entity, 2 * step + 1)
+    return sqrt(max(-2.0 * log(max(first, 1.0e-12)), 0.0)) * cos(6.283185307179586 * second)

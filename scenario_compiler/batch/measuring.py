@@ -21,10 +21,14 @@ from scenario_compiler.recording.names import CAUSES, STOP_REASONS
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import resolutions
+from scenario_compiler.recording.takeovers import takeovers_of_totals
 from scenario_compiler.recording.totals import RunTotals
 
 Columns = dict[str, list[Any]]
 """Rows by column."""
+
+TAKEOVERS = "takeovers"
+"""Column of the takeovers of each run, which have a table of their own."""
 
 
 def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[str, Value]]) -> Columns:
@@ -56,6 +60,7 @@ def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[s
         "collision_with": [plan.entities[one].id if one >= 0 else None for one in totals.code("collision_with")],
         "failed": [" ".join(names) for names in failed],
     }
+    columns[TAKEOVERS] = [[vars(one) for one in some] for some in takeovers_of_totals(totals)]
     sound = np.array([not error for error in errors])
     measured = measures_of(plan)
     for measure in MEASURES:
@@ -89,6 +94,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
         "collision_with": [outcome.collision_with],
         "failed": [" ".join(one.criterion for one in outcome.criteria if not one.passed)],
     }
+    columns[TAKEOVERS] = [[vars(one) for one in outcome.takeovers]]
     values = {} if broken else {name: measure.value for name, measure in outcome.measures.items()}
     return columns | {measure.name: [values.get(measure.name)] for measure in MEASURES}
 
@@ -96,7 +102,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
 def error_columns(count: int, error: str) -> Columns:
     """Return the outcome of variants that have no run."""
     columns: Columns = {name: [None] * count for name in (*OUTCOME, *(measure.name for measure in MEASURES))}
-    return columns | {"result": ["error"] * count, "error": [error] * count}
+    return columns | {"result": ["error"] * count, "error": [error] * count, TAKEOVERS: [[] for _ in range(count)]}
 
 
 def _why_broken(recording: Recording) -> str:

@@ -190,7 +190,7 @@ class _Family:
         draws = [make_draws(one.seed, one.index) for one in batch]
         summaries, _ = self.engine.sweep(numbers, draws, self.limit)
         parameters = [{**self.usual, **one.values} for one in batch]
-        return rows_of_totals(self.plan, RunTotals(summaries), parameters)
+        return rows_of_totals(self.plan, RunTotals(summaries, self.plan.step), parameters)
 
 
 def joined(parts: Sequence[Columns]) -> Columns:

@@ -75,4 +75,4 @@ class Progress:
 
 
 OnProgress = Callable[[Progress], None]
-"""What is told of progress."""
+"""What is reported of progress."""

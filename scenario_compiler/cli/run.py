@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
+from scenario_compiler.cli.live import add_address, serve_plan
 from scenario_compiler.cli.options import (
     AT_FAULT,
     CRITERIA_FAILED,
@@ -40,6 +41,7 @@ from scenario_compiler.legible import legible
 from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
+    from scenario_compiler.controllers.person import Person
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.recording import Recording
     from scenario_compiler.report.run import Run
@@ -79,6 +81,22 @@ def _add_run(commands: Commands) -> None:
         "--video", type=film_path, metavar="FILE.mp4|FILE.gif", help="write a film of the run (the extra video)"
     )
     add_shows(parser)
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="show the run as it happens in a page, in step with the clock (the extra study)",
+    )
+    add_address(parser)
+    parser.add_argument(
+        "--pilot",
+        dest="driven_by",
+        action="store_const",
+        const="model",
+        help="put the driver model in the place of a person at the wheel",
+    )
+    parser.add_argument(
+        "--inputs", type=Path, metavar="DIR", help="let the person of a run's folder do again what was recorded"
+    )
     parser.add_argument("--interpreted", action="store_true", help="run the interpreted engine, for a debugger")
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
@@ -144,7 +162,7 @@ def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Netw
 def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
     """Return the plan of a file and its map; WrongUse where options would have to compile it anew."""
     from scenario_compiler.plan.maps import open_plan_map
-    from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.plan.store import read_plan, sealed
     from scenario_compiler.runtime.runnable import check_runnable
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
@@ -156,8 +174,16 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
     network = None if plan is None else open_plan_map(plan, sink, options.maps, beside)
     if plan is None or network is None:
         return None
+    if getattr(options, "driven_by", None) is not None:
+        plan = sealed(driven_by_model(plan))
     check_runnable(plan, network, options.target, sink)
     return None if sink.has_errors else (plan, network)
+
+
+def driven_by_model(plan: Plan) -> Plan:
+    """Return a plan whose driver model answers, where a person does."""
+    driver = plan.takeover.driver.model_copy(update={"by_person": None})
+    return plan.model_copy(update={"takeover": plan.takeover.model_copy(update={"driver": driver})})
 
 
 def run_command(options: argparse.Namespace) -> int:
@@ -187,6 +213,8 @@ def run_command(options: argparse.Namespace) -> int:
         show(sink, options)
         sink = new_sink(options)
     plan, network = planned
+    if plan.takeover.driver.by_person is not None and options.inputs is None:
+        raise WrongUse("a person is at the wheel of this run: `drive` opens the page, --pilot takes the driver model")
     keep_inputs(inputs_of(plan), options.trajectory, options.video)
     try:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
@@ -212,6 +240,8 @@ def _finished_run(
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
+    if options.watch:
+        return _watched_run(plan, network, options)
     if not options.interpreted and (reason := why_interpreted()):
         complain(f"the engine runs interpreted: {reason}")
     with open_world(options.world, plan, network, **of_world) as world:
@@ -219,6 +249,14 @@ def _finished_run(
         for finding in world.findings:
             sink.add(finding.code, finding.message, place_of(plan, finding.part))
     return Run(plan, network, recording, judge(plan, recording))
+
+
+def _watched_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
+    """Execute a plan in step with the clock, shown in a page; WrongUse where the run could not be made."""
+    sessions = serve_plan(plan, network, options, watched=True)
+    if not sessions or sessions[0].finished is None:
+        raise WrongUse(sessions[0].ended if sessions else "nobody opened the page")
+    return sessions[0].finished
 
 
 def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> None:
@@ -260,6 +298,7 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
         variant=options.variant,
         interpreted=options.interpreted,
         trust=trust_of(options),
+        person=_recorded_person(options),
     )
     if not sys.stderr.isatty():
         return start()
@@ -270,6 +309,20 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(escape(legible(plan.name)), total=plan.duration)
         return start(progress=lambda t: bar.update(task, completed=t))
+
+
+def _recorded_person(options: argparse.Namespace) -> Person | None:
+    """Return the person of the run that --inputs names; WrongUse where it cannot be read."""
+    folder = getattr(options, "inputs", None)
+    if folder is None:
+        return None
+    from scenario_compiler.controllers.person import RecordedPerson
+    from scenario_compiler.recording.store import RecordingError, read_recording
+
+    try:
+        return RecordedPerson(read_recording(folder / "recording.parquet"))
+    except RecordingError as error:
+        raise WrongUse(str(error)) from None
 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:

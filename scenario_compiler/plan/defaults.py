@@ -2,7 +2,8 @@
 
 Warning below 0.6 and request below 0.3 are the AISA toolkit's; 5 of 8 control steps, the forward sensor's range and
 angle, the gaps and the time without progress are ours: the range is that of a long-range radar, the gaps are a second
-either way, and 5 s is longer than any pause of a vehicle that only follows.
+either way, and 5 s is longer than any pause of a vehicle that only follows. The minimum-risk manoeuvre begins at once
+when the camera fails: a severe failure after UN R157 (5.4.4, not verified).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import math
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Takeover
 
 CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
-    "sensor_health": {"warning_below": 0.6, "request_below": 0.3, "count": 5, "of": 8},
+    "sensor_health": {"warning_below": 0.6, "request_below": 0.3, "count": 5, "of": 8, "minimum_risk_after": 0.0},
     "lane_confidence": {"warning_below": 0.6, "request_below": 0.3, "count": 5, "of": 8},
     "path_blocked": {
         "count": 2,

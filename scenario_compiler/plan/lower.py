@@ -26,6 +26,7 @@ from scenario_compiler.plan.standing import Standing, after_init, standings_of, 
 from scenario_compiler.plan.traffic import traffic_entities
 from scenario_compiler.roads import LanePosition as FoundLane
 from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.criteria import Criterion, StayOnRoad
 from scenario_compiler.vocabulary.entities import Dynamic, Ego, Static, Vehicle
 from scenario_compiler.vocabulary.positions import (
     AnyOfPosition,
@@ -43,7 +44,7 @@ from scenario_compiler.vocabulary.positions import (
     WorldPosition,
 )
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
-from scenario_compiler.vocabulary.sensors import Camera
+from scenario_compiler.vocabulary.sensors import Camera, Odometry
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import parameters_in, replaced
@@ -141,6 +142,7 @@ def lower(
         weather=scenario.weather,
         entities=tuple(draft.entities),
         camera=Camera.model_construct() if ego is None else ego.camera,
+        odometry=Odometry.model_construct() if ego is None else ego.odometry,
         controller=None if ego is None else ego.controller,
         perception="ideal" if ego is None else perception,
         destination=draft.destination,
@@ -151,7 +153,7 @@ def lower(
         signal_controllers=scenario.signal_controllers,
         storyboard=draft.storyboard,
         takeover=draft.takeover,
-        criteria=scenario.criteria,
+        criteria=judged_by(scenario),
         classifications=scenario.classifications,
         derived={name: one.pose for name, one in draft.standings.items()},
         origins=draft.origins,
@@ -385,6 +387,14 @@ def _is_written(place: Place, attribute: str) -> bool:
     return isinstance(place, Origin) and attribute in place.element.attrib
 
 
+def judged_by(scenario: Scenario) -> tuple[Criterion, ...]:
+    """Return the criteria of a scenario; leaving the road fails an automated vehicle unless they say otherwise."""
+    written = scenario.criteria
+    if scenario.ego is None or any(isinstance(one, StayOnRoad) for one in written):
+        return written
+    return (*written, StayOnRoad.model_construct())
+
+
 def add_kept_vehicles(draft: PlanDraft) -> None:
     """Add the vehicles of actions on traffic; sources have as many as the run's duration asks for."""
     vehicles = draft.scenario.vehicles
@@ -396,7 +406,7 @@ def keep_open_parameters(draft: PlanDraft) -> None:
     """Keep the parameters that numbers still depend on."""
     scenario = draft.scenario
     words: list[Word] = [draft.storyboard, draft.takeover, *scenario.criteria]
-    words += [] if scenario.ego is None else [scenario.ego.camera]
+    words += [] if scenario.ego is None else [scenario.ego.camera, scenario.ego.odometry]
     words += [*scenario.markings, *scenario.secondary_markings, *scenario.signal_controllers]
     words += [word for e in draft.entities for word in (e.start, e.follow, e.path) if word is not None]
     open_names = {name for word in words for name in parameters_in(word)}

@@ -11,14 +11,14 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.expressions import Value
-from scenario_compiler.recording.measures import Timed, cause_of_request
+from scenario_compiler.recording.durations import Timed
+from scenario_compiler.recording.measures import cause_of_request
 from scenario_compiler.recording.names import CAUSES, EventKind
 from scenario_compiler.recording.on_path import least_time_to_collision, time_to_collision
 from scenario_compiler.recording.recording import Booleans, Floats, Recording
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.criteria import (
-    HORIZON,
     Criterion,
     MakesProgress,
     MaximumLateralOffset,
@@ -30,6 +30,7 @@ from scenario_compiler.vocabulary.criteria import (
     StayOnRoad,
     TakeoverWithin,
 )
+from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.word import number_value
 
 
@@ -105,14 +106,16 @@ def _event(kind: EventKind) -> tuple[Callable[..., Floats], Callable[..., Boolea
 
 
 def _off_lanes(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
-    del criterion, reached, limit
+    del reached, limit
+    assert isinstance(criterion, StayOnRoad)
     off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
-    return _first_time(traces, off & traces.present[..., 0])
+    return _first_time(traces, off & traces.present[..., 0] & criterion.required)
 
 
 def _was_off_lanes(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
-    del criterion, reached, limit
-    return ~np.isnan(totals.column("time_off_lanes"))
+    del reached, limit
+    assert isinstance(criterion, StayOnRoad)
+    return ~np.isnan(totals.column("time_off_lanes")) & criterion.required
 
 
 def _not_reached(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:

@@ -10,7 +10,7 @@ from scenario_compiler.engine.measures.boxes import STRAIGHT
 from scenario_compiler.recording.boxes import Places, boxes_at, by_libm, exact_at, least_by_bounds, touching
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import ROUNDING, SINGLE, Singles, Traces
-from scenario_compiler.vocabulary.criteria import HORIZON
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 
 def time_to_collision(traces: Traces, below: Floats) -> Floats:

@@ -10,15 +10,25 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from scenario_compiler.engine.columns.opcodes import STANDING
 from scenario_compiler.files import read_file
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.criteria import CriterionResult, judge_criterion
 from scenario_compiler.recording.decimals import to_the_nanosecond
 from scenario_compiler.recording.measures import MEASURES, Measure, measures_of
-from scenario_compiler.recording.names import BROKEN_OFF, BY_HAND, STATE_AFTER, StateName, StopReason
+from scenario_compiler.recording.names import (
+    BROKEN_OFF,
+    BY_HAND,
+    STANDING_PLACES,
+    STATE_AFTER,
+    StandingPlace,
+    StateName,
+    StopReason,
+)
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import MEANINGS, Resolution, resolutions
+from scenario_compiler.recording.takeovers import Takeover, takeovers_of
 from scenario_compiler.recording.traces import Traces, traces_of
 
 
@@ -64,6 +74,11 @@ class Outcome(_Part):
     )
     cause: str = Field(default="", description="Cause of the first request; empty without one.")
     collision_with: str | None = Field(default=None, description="Id of the first entity that was hit.")
+    stands: StandingPlace = Field(
+        default="",
+        description="Where the vehicle stands after a minimum-risk manoeuvre or a driver's stop: own_lane, other_lane, "
+        "shoulder, off_road; empty where it was not stopped.",
+    )
     stop_reason: StopReason = Field(description="Why the run ended.")
     error: int = Field(default=0, description="The engine's fault code; 0 for none.")
     duration: float = Field(description="Time of the last row, s.")
@@ -71,6 +86,7 @@ class Outcome(_Part):
     timeline: tuple[Interval, ...] = Field(
         description="The takeover's states, one after the other; none without an automated vehicle."
     )
+    takeovers: tuple[Takeover, ...] = Field(default=(), description="All takeovers, one for each request.")
     measures: dict[str, MeasureValue] = Field(description="The measures by name, each with the definition used.")
     trajectory_hash: str = Field(description="SHA-256 of the trajectories: equal runs have equal hashes.")
     versions: dict[str, str] = Field(description="Versions of what the result depends on.")
@@ -95,15 +111,27 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
         resolution=resolutions(traces.times)[0],
         cause=request.cause if request else "",
         collision_with=crash.entity if crash else None,
+        stands=standing_place(recording),
         stop_reason=recording.stop_reason,
         error=recording.error,
         duration=float(recording.t[-1]) if len(recording.t) else 0.0,
         criteria=criteria,
         timeline=timeline(recording) if automated else (),
+        takeovers=takeovers_of(recording) if automated else (),
         measures=measure_run(traces, measures_of(plan)),
         trajectory_hash=recording.trajectory_hash,
         versions=dict(sorted(header.versions.items())),
     )
+
+
+def standing_place(recording: Recording) -> StandingPlace:
+    """Return where the vehicle stands at the end of a run that a standstill ended, empty for any other end."""
+    stops = [event for event in recording.events if event.kind == "standstill"]
+    if recording.stop_reason not in ("standstill", "duration") or not stops:
+        return ""
+    if not len(recording.v) or recording.v[-1, 0] >= STANDING:
+        return ""
+    return next((place for place in STANDING_PLACES.values() if place == stops[-1].message), "")
 
 
 def measure_run(traces: Traces, measures: Sequence[Measure] = MEASURES) -> dict[str, MeasureValue]:

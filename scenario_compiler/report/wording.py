@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from scenario_compiler.recording.criteria import Where
+from scenario_compiler.recording.names import StandingPlace
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.driver import Driver
@@ -24,6 +25,15 @@ CAUSE_WORDS = {
     "no_progress": "no progress",
     "controller": "controller",
 }
+
+
+STANDS: dict[StandingPlace, str] = {
+    "own_lane": "stopped safely in its lane",
+    "other_lane": "stopped in another lane",
+    "shoulder": "stopped safely on the shoulder",
+    "off_road": "stopped off the road",
+}
+"""Where a vehicle stands that touched nothing: safely is in its own lane, or on a shoulder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +95,8 @@ def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
     elif outcome.result == "error":
         ended = "run broke off"
     else:
-        stands = {"destination": "destination reached", "standstill": "stopped safely"}
-        ended = stands.get(outcome.stop_reason, "no collision")
+        ended = "destination reached" if outcome.stop_reason == "destination" else "no collision"
+        ended = STANDS.get(outcome.stands, ended)
     return f"{took_over}, {ended}" if automated else ended
 
 
@@ -219,6 +229,8 @@ def _cause(cause: Cause) -> str:
 
 def _driver(run: Run) -> str:
     driver = run.plan.takeover.driver
+    if driver.by_person is not None:
+        return "a person at the wheel"
     if isinstance(driver, Driver):
         if driver.takeover_time is not None:
             return f"answers after {decimal(number_value(driver.takeover_time, run.recording.header.parameters))} s"

@@ -94,3 +94,9 @@ def is_road(lane_type: int) -> int:
     if lane_type <= LAST_DRIVABLE or lane_type >= SHOULDER:
         return 1
     return 0
+
+
+@compiled
+def is_roadside(lane_type: int) -> int:
+    """Return 1 for lane types beside the traffic on which a vehicle may stop: shoulder, border, stop, parking."""
+    return 1 if lane_type in (SHOULDER, BORDER, STOP, PARKING) else 0

@@ -11,8 +11,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.moves.table import ACTIONS, NUMBERS
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
-from scenario_compiler.recording.names import BY_HAND, CAUSES, FAILURES
-from scenario_compiler.runtime.messages import messages
+from scenario_compiler.recording.names import BY_HAND, CAUSES, FAILURES, STANDING_PLACES
 from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.word import Word
 
@@ -99,13 +98,10 @@ class EventLog:
         if code == op.EVENT_COLLISION:
             return EventRow(t=t, kind=kind, entity=entities[int(value)].id)
         if code == op.EVENT_STANDSTILL:
-            return EventRow(t=t, kind=kind, entity=reported, cause=BY_HAND if value > 0.0 else "")
+            place, by_hand = divmod(int(value), 2)
+            cause = BY_HAND if by_hand else ""
+            return EventRow(t=t, kind=kind, entity=reported, cause=cause, message=STANDING_PLACES[place])
         if code in (op.EVENT_FAILURE, op.EVENT_FAILURE_END):
             return EventRow(t=t, kind=kind, entity=reported, cause=FAILURES[int(value)])
         number = value if code == op.EVENT_HAZARD_LIGHTS else None
         return EventRow(t=t, kind=kind, entity=reported, cause=cause if code in CAUSED else "", value=number)
-
-    def messages(self, row: EventRow) -> Iterator[EventRow]:
-        """Yield what the scenario's policy tells the driver at an event."""
-        for modality, text in messages(self.plan.takeover, row.kind, row.cause):
-            yield EventRow(t=row.t, kind="message", cause=modality, message=text)

@@ -16,7 +16,9 @@ from scenario_compiler.controllers import (
     VehicleState,
     create_controller,
 )
+from scenario_compiler.controllers.person import Person
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
@@ -26,12 +28,13 @@ from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
-from scenario_compiler.recording.names import STOP_REASONS, StopReason
+from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_STATES, WISHES, EventKind, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.failures import ENGINE_BROKE_OFF
 from scenario_compiler.runtime.log import EventLog
+from scenario_compiler.runtime.messages import Messenger
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
@@ -70,6 +73,12 @@ BRAKE_LIGHTS = 1.3
 R13-H (5.2.22.4) has them on when a vehicle brakes without its driver's pedal.
 """
 
+PERSON_COLUMNS = ("person_throttle", "person_brake", "person_steer", "person_wish")
+"""Columns of the engine that a person's inputs stand in, recorded where one is at the wheel."""
+
+SOURCE_CODES = {source: code for code, source in SOURCES.items()}
+WISH_CODES = {wish: code for code, wish in WISHES.items()}
+
 LANE_COLUMNS = tuple(f"{side}_{name}" for side in ("left", "right") for name in ("y0", "slope", "curvature"))
 
 
@@ -103,6 +112,7 @@ def run(
     interpreted: bool = False,
     progress: Callable[[float], None] | None = None,
     trust: Trust | None = None,
+    person: Person | None = None,
 ) -> Recording:
     """Execute a plan in a world.
 
@@ -117,8 +127,9 @@ def run(
         interpreted: Whether the engine runs interpreted although its machine code is there.
         progress: Called with the time, s, after every step.
         trust: Code of the user's own that the plan may name as its controller.
+        person: Who is at the wheel of a plan with a person; without one nobody answers.
     """
-    execution = _Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust)
+    execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
         execution.advance()
         if progress is not None:
@@ -179,12 +190,29 @@ def faults_of(state: State) -> CameraFaults:
     )
 
 
-class _Execution:
-    """One run under way."""
+def source_of(st: State, program: Program) -> int:
+    """Return who commands the ego, a code of `SOURCES`."""
+    if st.takeover_state[0] in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
+        return SOURCE_CODES["person" if program.person[0] == 1 else "driver model"]
+    stopping = st.takeover_state[0] in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL)
+    return SOURCE_CODES["minimum-risk manoeuvre" if stopping else "automation"]
+
+
+class Execution:
+    """One run under way, step by step; `run` goes through one, and a page keeps one in step with the clock."""
 
     def __init__(
-        self, plan: Plan, world: World, seed: int, variant: int, *, interpreted: bool, trust: Trust | None
+        self,
+        plan: Plan,
+        world: World,
+        seed: int,
+        variant: int = 0,
+        *,
+        interpreted: bool = False,
+        trust: Trust | None = None,
+        person: Person | None = None,
     ) -> None:
+        """Put everything where the run begins; the arguments are those of `run`."""
         self.plan = plan
         self.world = world
         self.lowered = lowered(plan, world.network, posed=world.moves_ego)
@@ -194,11 +222,14 @@ class _Execution:
         self.state = self.simulation.state
         self.weather_changes = self.program.weather_count[0] > 1
         self.log = EventLog(plan, self.program)
+        self.messenger = Messenger(plan)
         self.controller: ControllerModel | None = None
         self.control: Control | None = None
         self.seen: SensorData | None = None
         self.lanes = {name: [math.nan] for name in LANE_COLUMNS}
         self.pictured: set[str] = set()
+        self.person = person
+        self.source = [0]
         self.broken: StopReason = ""
         self.simulation.reset(make_draws(seed, variant))
         self.builder = RecordingBuilder(self._header(seed, variant), world.network.road_ids, self._columns())
@@ -219,14 +250,24 @@ class _Execution:
     def advance(self) -> None:
         """Let the controller act where a control step is due, then step the engine and the world."""
         with self._noticing_failures():
+            if self.person is not None:
+                self._let_act(self.person)
             if self.state.frame[0] % self.plan.control_every == 0 and self.controller is not None:
                 self._let_control(self.controller)
             if self.simulation.begin():
                 self.simulation.move()
                 self._step_world()
                 self.simulation.end()
+                self.source[0] = source_of(self.state, self.program)
                 self.builder.append(self.state.clock[0])
             self._note_events()
+
+    def _let_act(self, person: Person) -> None:
+        """Write what the person does into the state's input columns."""
+        st = self.state
+        done = person.act(st.clock[0], TAKEOVER_STATES[st.takeover_state[0]])
+        st.person_throttle[0], st.person_brake[0], st.person_steer[0] = done.throttle, done.brake, done.steer
+        st.person_wish[0] = WISH_CODES[done.wish]
 
     def _step_world(self) -> None:
         st = self.state
@@ -292,10 +333,14 @@ class _Execution:
         states = zip(self.lowered.signals, self.state.signal_state, strict=True)
         return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
-    def finish(self) -> Recording:
-        """Return the recording."""
+    def note(self, kind: EventKind, message: str = "") -> None:
+        """Take down an event that the engine does not know of."""
+        self.builder.event(self.state.clock[0], kind, message=message)
+
+    def finish(self, ended: StopReason = "") -> Recording:
+        """Return the recording; `ended` is why a run was ended that could have gone on."""
         st = self.state
-        reason = self.broken or STOP_REASONS[st.stop[0]]
+        reason = self.broken or STOP_REASONS[st.stop[0]] or ended
         if st.flag[0]:
             at = st.flag_at[0]
             ids = [entity.id for entity in self.plan.entities]
@@ -345,9 +390,11 @@ class _Execution:
 
     def _note_events(self) -> None:
         """Take down what the engine logged since the last time, and the message that the driver gets."""
+        for told in self.messenger.come(self.state.clock[0]):
+            self.builder.add(told)
         for row in self.log.news(self.state):
             self.builder.add(row)
-            for told in self.log.messages(row):
+            for told in self.messenger.heed(row):
                 self.builder.add(told)
             self._picture(row.t, row.kind, row.cause)
 
@@ -372,6 +419,9 @@ class _Execution:
         columns: dict[str, list[float] | list[int]] = {name: getattr(st, name) for name in ENTITY_COLUMNS}
         if self.plan.controller is not None:
             columns |= {name: getattr(st, column) for name, column in RUN_COLUMNS.items()}
+            columns |= {"control": self.source}
+            if self.program.person[0] == 1:
+                columns |= {name: getattr(st, name) for name in PERSON_COLUMNS}
         return columns | self.lanes
 
     def _picture(self, t: float, kind: str, cause: str) -> None:

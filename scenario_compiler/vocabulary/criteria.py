@@ -2,14 +2,9 @@
 
 from typing import Literal
 
+from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
-
-HORIZON = 30.0
-"""Time from which on there is no time to collision, s: nobody keeps speed and path unchanged for so long.
-
-The number is our own choice. Speeds that are almost equal would otherwise give times of hours, which say nothing.
-"""
 
 
 class NoCollision(Word):
@@ -19,9 +14,14 @@ class NoCollision(Word):
 
 
 class StayOnRoad(Word):
-    """The ego vehicle's reference point stays on a lane."""
+    """The ego vehicle's reference point stays on a lane.
+
+    An automated vehicle is judged by this whether it is written or not, unless `required` is false.
+    """
 
     word: Literal["stay_on_road"] = "stay_on_road"
+
+    required: bool = attribute("false: the ego vehicle may leave the road.", default=True)
 
 
 class ReachDestination(Word):

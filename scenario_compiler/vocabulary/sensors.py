@@ -1,5 +1,6 @@
 """Sensors of the ego vehicle, and how they fail."""
 
+from math import radians
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
@@ -74,3 +75,39 @@ class Camera(Word):
     def control_steps(self, period: float) -> float:
         """Return how many control steps of a period, s, lie between two images: 1 when there is no rate."""
         return 1.0 if self.rate is None else 1.0 / (self.rate * period)
+
+
+class Odometry(Word):
+    """What the vehicle knows of its own motion while it does not see its lane, and how wrong that is.
+
+    Each number is the standard deviation of an error with mean 0, drawn by the run's seed when the lane is lost. The
+    defaults are chosen: what is left of a gyroscope's bias when it has been compared with the lane for as long as that
+    was seen, and of wheels whose radius is known to a percent.
+    """
+
+    word: Literal["odometry"] = "odometry"
+
+    place_error: Number = attribute(
+        "Error of the place in the lane that is remembered, m.", default=0.05, quantity="length", minimum=0
+    )
+    heading_error: Number = attribute(
+        "Error of the heading in the lane that is remembered, degrees.",
+        default=radians(0.05),
+        quantity="angle",
+        minimum=0,
+    )
+    gyro_bias: Number = attribute(
+        "Bias of the gyroscope, degrees a second.", default=radians(0.01), quantity="angle_rate", minimum=0
+    )
+    gyro_noise: Number = attribute(
+        "Random walk of its angle, degrees by the square root of a second.",
+        default=radians(0.01),
+        quantity="angle_random_walk",
+        minimum=0,
+    )
+    distance_error: Number = attribute(
+        "Error of the distance that the wheels measure, as a share of it.",
+        default=0.01,
+        quantity="fraction",
+        minimum=0,
+    )

@@ -38,6 +38,8 @@ QUANTITIES: dict[str, Quantity] = {
         Quantity("speed", "m/s"),
         Quantity("acceleration", "m/s2"),
         Quantity("angle", "deg", 0.017453292519943295),
+        Quantity("angle_rate", "deg/s", 0.017453292519943295),
+        Quantity("angle_random_walk", "deg/sqrt(s)", 0.017453292519943295),
         Quantity("grey_levels", "grey levels"),
     )
 }

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
-from scenario_compiler.vocabulary.criteria import HORIZON
+from scenario_compiler.vocabulary.horizon import HORIZON
 from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_runs, record
 
 IDS = ("ego", "parked")
@@ -90,6 +91,7 @@ def _turning(t: float) -> Row:
         "v": (10.0, 0.0),
         "steer": (0.001 * k, 0.0),
         "brake": (0.02 * (k - 10) * (k > 10), 0.0),
+        "takeover_state": (opcodes.TAKEOVER_MANUAL if k > 20 else opcodes.TAKEOVER_REQUEST,),
     }
 
 
@@ -99,8 +101,9 @@ def test_steering_counts_from_the_angle_at_the_response_by_the_steering_wheel() 
     assert value("eyes_on_time", recording) == pytest.approx(0.2)
     assert value("hands_on_time", recording) == pytest.approx(0.5)
     assert value("steering_time", recording) == pytest.approx(1.3)  # 0.0349 rad / 16 = 0.0022 rad: 3 rows after 2.0 s
-    assert value("braking_time", recording) == pytest.approx(1.0)  # the brake is past a tenth before the response
-    assert value("input_time", recording) == pytest.approx(1.0)
+    # The brake is past a tenth before the response; the driver's own begins with the row after it.
+    assert value("braking_time", recording) == value("first_brake_time", recording) == 11 * STEP
+    assert value("input_time", recording) == 11 * STEP
     runs = dataclasses.replace(traces(recording), inputs=InputLimits(math.radians(4), 0.5, 8.0))
     later = BY_NAME["steering_time"]
     assert float(later.compute(runs)) == pytest.approx(1.9)  # 0.0698 rad / 8 = 0.0087 rad: 9 rows after 2.0 s
@@ -111,6 +114,61 @@ def test_steering_counts_from_the_angle_at_the_response_by_the_steering_wheel() 
 def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
     assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {"final_speed"}
+
+
+@pytest.mark.parametrize(("handed_back", "expected"), [(math.inf, 0.9), (2.05, math.nan), (2.55, math.nan)])
+def test_only_the_brake_of_the_driver_who_drives_counts(handed_back: float, expected: float) -> None:
+    """The automation brakes until 1.95 s and from the hand-back on, the driver from 2.85 s on; a second one at 4 s."""
+
+    def row(t: float) -> Row:
+        manual = 2.05 < t < handed_back or t > 4.05
+        brakes = t < 2.05 or t > (2.85 if handed_back > 5 else 3.85)
+        state = opcodes.TAKEOVER_MANUAL if manual else opcodes.TAKEOVER_REQUEST
+        return {"x": (t,), "v": (9.0,), "brake": (0.5 if brakes else 0.0,), "takeover_state": (state,)}
+
+    run = record(("ego",), 60, row, [(2.0, "request", "path_blocked"), (2.0, "response", "")])
+    assert value("first_brake_time", run) == pytest.approx(expected, nan_ok=True)
+    assert value("braking_time", run) == pytest.approx(expected, nan_ok=True)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: float) -> None:
+    """At 1 m/s to the left from 2 s to 5.5 s, over lanes 3.5 m wide: 3.5 m, half of it in the offset."""
+
+    def row(t: float) -> Row:
+        left = 0.25 + min(max(t - 2.0, 0.0), 3.5)
+        lane = left > 1.75
+        off = left - 3.5 * lane
+        s = 100.0 + direction * 10.0 * t
+        return {
+            "x": (10.0 * t,), "v": (10.0,), "s": (s,), "road": (0,), "lane": (-1 if lane else -2,),
+            "off": (direction * off,),
+        }  # fmt: skip
+
+    run = record(("ego",), 80, row, [(1.0, "request", "path_blocked")])
+    assert value("maximum_lateral_offset", run) == pytest.approx(3.75)
+    late = record(("ego",), 80, row, [(5.0, "request", "path_blocked")])
+    assert value("maximum_lateral_offset", late) == pytest.approx(0.25)
+    assert value("maximum_lateral_offset", record(("ego",), 80, row)) == pytest.approx(math.nan, nan_ok=True)
+
+
+def test_equal_durations_are_equal_numbers() -> None:
+    found: dict[str, set[float]] = {"takeover_time": set(), "time_budget": set(), "takeover_buffer": set()}
+    for k in range(1, 40):
+        events = [(k * STEP, "request", "path_blocked"), ((k + 7) * STEP, "response", "")]
+
+        def row(t: float, k: int = k) -> Row:
+            there = t > k * STEP - 0.05
+            blocked = 12.0 + 1e-9 * k if there else opcodes.FAR
+            cause = opcodes.CAUSE_PATH_BLOCKED if there else opcodes.CAUSE_NONE
+            return {"x": (t,), "v": (10.0,), "cause": (cause,), "blocked_distance": (blocked,)}
+
+        run = record(("ego",), 60, row, events)
+        for name, values in found.items():
+            values.add(value(name, run))
+    assert {name: len(values) for name, values in found.items()} == dict.fromkeys(found, 1)
+    assert found["takeover_time"] == {7 * STEP}
+    assert found["time_budget"] == {12 * STEP}
 
 
 def test_a_collision_has_a_time_and_the_speed_before_it() -> None:
@@ -240,7 +298,7 @@ def _stacked(parts: list[Traces]) -> Traces:
     rows = max(len(part.t) for part in parts)
     columns: dict[str, Any] = {}
     for field in dataclasses.fields(Traces):
-        if field.name in ("length", "width", "height", "center", "inputs", "times"):
+        if field.name in ("length", "width", "height", "center", "step", "inputs", "times", "requests"):
             continue
         arrays = [getattr(part, field.name) for part in parts]
         padded = []
@@ -249,7 +307,8 @@ def _stacked(parts: list[Traces]) -> Traces:
             padded.append(np.concatenate([array, more]))
         columns[field.name] = np.stack(padded)
     times = {kind: np.stack([part.times[kind] for part in parts]) for kind in TIMED_EVENTS}
-    return dataclasses.replace(parts[0], **columns, times=times)
+    requests = np.stack([part.requests for part in parts])
+    return dataclasses.replace(parts[0], **columns, times=times, requests=requests)
 
 
 def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats]:
@@ -323,10 +382,17 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
     }
     road = np.where(runs.present, dice.integers(-1, 2, runs.road.shape), -1)
     lane = np.where(road >= 0, dice.integers(-2, 2, runs.lane.shape), 0)
-    off = np.where(runs.present, np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape), 0.0), np.nan)
+    off = np.where(
+        runs.present,
+        np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape) + dice.choice([0.0, 1.5], runs.off.shape), 0.0),
+        np.nan,
+    )
     brake = np.where(runs.present, dice.random(runs.brake.shape) ** 8, np.nan)
     a = np.where(runs.present, dice.normal(0.0, 2.0, runs.a.shape), np.nan)
-    runs = dataclasses.replace(runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a)
+    states = np.repeat(dice.choice([1, 2, opcodes.TAKEOVER_MANUAL, opcodes.TAKEOVER_HAND_BACK], (6, 12)), 10, axis=-1)
+    runs = dataclasses.replace(
+        runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a, takeover_state=states, requests=np.ones(6)
+    )
     totals = added_up(runs)
     for measure in MEASURES:
         same(measure.name, measure.compute(runs), measure.total(totals))

@@ -46,7 +46,8 @@ EVENTS: dict[int, tuple[str, str]] = {
     ),
     op.EVENT_STANDSTILL: (
         "standstill",
-        "The automated vehicle stands; `cause` is `driver` where a driver stopped it.",
+        "The automated vehicle stands; `cause` is `driver` where a driver stopped it, `message` says where: "
+        "`own_lane`, `other_lane`, `shoulder` or `off_road`.",
     ),
     op.EVENT_COLLISION: (
         "collision",
@@ -96,6 +97,10 @@ EVENTS: dict[int, tuple[str, str]] = {
         "no_progress",
         "The automated vehicle has stood for as long as the cause `no_progress` allows, and nothing that it follows, "
         "no red signal and no action held it.",
+    ),
+    op.EVENT_OVERRIDE: (
+        "override",
+        "The person at the wheel takes over without being asked.",
     ),
     op.EVENT_CONTACT: (
         "contact",

@@ -86,6 +86,8 @@ class Program:
     image_every: list[int] = column(RUN, 1, whole(1))
     """Number of time steps between two images of the camera, whole control steps."""
     driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
+    person: list[int] = column(RUN, 0, FLAG)
+    """1 where a person is at the wheel, whose inputs Python writes."""
     hazard_lights: list[int] = column(RUN, 1, FLAG)
     """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
     destination_road: list[int] = column(RUN, op.NONE, index_or_none(ROAD))

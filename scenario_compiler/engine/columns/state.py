@@ -49,6 +49,8 @@ class State:
 
     # The run, one element each.
     clock: list[float] = column(RUN)
+    """Time, s: the number of steps times the step, so that equal times are equal numbers."""
+    steps: list[int] = column(RUN)
     """Time, s: the sum of the steps."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""
@@ -352,6 +354,9 @@ class State:
     """Offset from the path lane's centre before it, positive to the left of the direction of travel."""
     shift_to: list[float] = column(RUN)
 
+    aside: list[float] = column(RUN)
+    """How far left of the planned offset is steered for, m; 0 but while a driver steers."""
+
     # What lies ahead: the way, then each entity as seen along it.
     way_road: list[int] = column(WAY)
     way_lane: list[int] = column(WAY)
@@ -434,6 +439,23 @@ class State:
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver answers the present request, FAR for never."""
+    looking: list[int] = column(RUN)
+    """1 while the driver's eyes are on the road: from a request on, and while he drives."""
+    style: list[int] = column(RUN, op.STYLE_STEERS)
+    """STYLE_... of the driver at this takeover."""
+    noticed_at: list[float] = column(ENTITY, -1.0)
+    """Time since which the entity has called for a reaction of the driver, -1 where it does not."""
+    called_at: list[float] = column(ENTITY, -1.0)
+    """Time at which it did so last."""
+    evaded: list[int] = column(RUN, op.NONE)
+    """Moving entity that the driver goes around, NONE without one."""
+    person_throttle: list[float] = column(RUN)
+    """What the person at the wheel does, written between steps: throttle and brake, 0 to 1."""
+    person_brake: list[float] = column(RUN)
+    person_steer: list[float] = column(RUN)
+    """-1 to 1 of the greatest steering angle, positive to the left."""
+    person_wish: list[int] = column(RUN)
+    """What the person wants of the automation, a WISH code."""
     eyes_on_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver will look at the road, FAR where that is not to come."""
     hands_on_at: list[float] = column(RUN, op.FAR)
@@ -449,8 +471,21 @@ class State:
     """1 where it has done so for too long; and where this stop has been logged."""
     held_up_logged: list[int] = column(RUN)
     hazard_lights: list[int] = column(RUN)
-    trusted_steer: list[float] = column(RUN)
-    """Last steering command that the automation could rely on."""
+    lane_lost: list[int] = column(RUN)
+    """1 from when neither side of the lane is seen until it is recognised again; and how often that was."""
+    lane_losses: list[int] = column(RUN)
+    lane_seen_since: list[float] = column(RUN, -1.0)
+    """Time since which a side of the lane is seen, -1 while neither is."""
+    recall_off: list[float] = column(RUN)
+    """What the ego believes of its place while the lane is lost, less what is true: offset to the left, m, ..."""
+    recall_heading: list[float] = column(RUN)
+    """... heading, rad, ..."""
+    recall_along: list[float] = column(RUN)
+    """... distance along the lane, m; and the rates of the last two: rad/s, and per metre."""
+    recall_bias: list[float] = column(RUN)
+    recall_share: list[float] = column(RUN)
+    path_anew: list[int] = column(RUN)
+    """1 where the ego has left its path for another place since this was last put to 0."""
     manoeuvre: list[int] = column(RUN, op.MANOEUVRE_KEEP)
     merging: list[int] = column(RUN)
     merge_from_lane: list[int] = column(RUN)

@@ -7,9 +7,12 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.driver import SIGHT, VIEW, drive_by_hand
+from scenario_compiler.engine.ego.foresight import notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
+from scenario_compiler.engine.ego.lane_memory import remember_lane, remembered_angle, steers_by_memory
 from scenario_compiler.engine.ego.merging import consider_merge
 from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
+from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
 from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import budget_distance, step_takeover
@@ -44,20 +47,12 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
 
 
 @compiled
-def trust_steering(p: Program, st: State) -> None:
-    """Remember the controller's steering while it sees at least one side of the lane."""
-    limit = p.const[slot.K_CONFIDENCE_REQUEST]
-    if st.conf_left[0] >= limit or st.conf_right[0] >= limit:
-        st.trusted_steer[0] = st.auto_steer[0]
-
-
-@compiled
 def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer by the map in ideal perception and while merging, else by the controller."""
-    if p.perception[0] == op.PERCEPTION_IDEAL or st.merging[0] == 1:
+    """Steer by memory where the lane is lost; else by the map in ideal perception and merges, or by the controller."""
+    if steers_by_memory(st) == 1:
+        command_angle(p, st, i, remembered_angle(n, p, st, i, AUTOMATION_ACCELERATION))
+    elif p.perception[0] == op.PERCEPTION_IDEAL or st.merging[0] == 1:
         command_angle(p, st, i, pursuit_angle(n, p, st, i, AUTOMATION_ACCELERATION))
-    elif st.takeover_state[0] == op.TAKEOVER_MINIMUM_RISK:
-        st.command_steer[i] = st.trusted_steer[0]
     else:
         st.command_steer[i] = st.auto_steer[0]
 
@@ -93,7 +88,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
         return
     state = st.takeover_state[0]
     if driven_by_hand(st) == 1:
-        if st.manoeuvre[0] != op.MANOEUVRE_EVADE:
+        if p.person[0] == 0 and st.manoeuvre[0] != op.MANOEUVRE_EVADE:
             consider_merge(n, p, st, i, SIGHT)
     elif state not in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL) and p.cause_on[op.CAUSE_LANE_ENDS] == 1:
         consider_merge(n, p, st, i, budget_distance(p, st, i))
@@ -102,17 +97,19 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 @compiled
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
-    if p.perception[0] == op.PERCEPTION_IDEAL:
-        if (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
-            ideal_confidence(n, p, st)
-    else:
-        trust_steering(p, st)
-        if driven_by_hand(st) == 0 and st.merging[0] == 0:
-            take_present_lane(n, st, i)
+    ideal = p.perception[0] == op.PERCEPTION_IDEAL
+    if ideal and (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
+        ideal_confidence(n, p, st)
+    remember_lane(p, st, i)
+    if not ideal and steers_by_memory(st) == 0 and driven_by_hand(st) == 0 and st.merging[0] == 0:
+        take_present_lane(n, st, i)
     find_lane_end(n, p, st, i)
     merge_if_due(n, p, st, i)
     blocker = sense(n, p, st, i)
     watch_progress(p, st, i)
+    notice(p, st, i, blocker)
+    if p.person[0] == 1:
+        heed_person(p, st)
     step_takeover(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:
@@ -120,7 +117,8 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         st.command_throttle[i] = 0.0
         st.command_brake[i] = 1.0
     elif driven_by_hand(st) == 1:
-        drive_by_hand(n, p, st, i, blocker)
+        if p.person[0] == 0:
+            drive_by_hand(n, p, st, i, blocker)
     elif state == op.TAKEOVER_MINIMUM_RISK:
         drive_to_stop(n, p, st, i)
     else:

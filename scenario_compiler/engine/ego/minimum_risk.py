@@ -13,7 +13,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0
-"""Distance that is to remain to the limit after the stop, m."""
+"""Distance that is to remain to the limit after the stop, m; chosen."""
 
 
 @compiled
@@ -26,7 +26,7 @@ def stopping_distance(p: Program, v: float) -> float:
 @compiled
 def minimum_risk_due(p: Program, st: State, i: int) -> int:
     """Return 1 where the manoeuvre has to begin now."""
-    if st.clock[0] - st.request_at[0] >= p.const[slot.K_MINIMUM_RISK_AFTER] - 1.0e-6:
+    if st.clock[0] - st.request_at[0] >= p.const[slot.K_RISK_AFTER + st.cause[0]] - 1.0e-6:
         return 1
     limit = min(st.blocked_distance[0], st.lane_end_distance[0])
     if limit < op.FAR and limit <= stopping_distance(p, st.v[i]) + STOP_MARGIN:

@@ -13,6 +13,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.answering import note_stages, plan_answer
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
+from scenario_compiler.engine.ego.standing import standing_place
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.tables import RoadTables
@@ -119,6 +120,7 @@ def request_takeover(p: Program, st: State, cause: int) -> None:
     st.cause[0] = cause
     st.requests[0] += 1
     st.request_at[0] = now
+    st.path_anew[0] = 0
     if st.time_request[0] < 0.0:
         st.time_request[0] = now
     plan_answer(p, st)
@@ -167,7 +169,7 @@ def answer(st: State) -> None:
 
 
 @compiled
-def step_requested(p: Program, st: State, i: int) -> None:
+def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Requested, escalated or in the minimum-risk manoeuvre: look for an answer, standstill, manoeuvre, escalation."""
     now = st.clock[0]
     state = st.takeover_state[0]
@@ -178,7 +180,7 @@ def step_requested(p: Program, st: State, i: int) -> None:
         if st.v[i] <= 0.0:
             st.takeover_state[0] = op.TAKEOVER_STANDSTILL
             st.time_standstill[0] = now
-            log_event(st, op.EVENT_STANDSTILL, 0.0)
+            log_event(st, op.EVENT_STANDSTILL, 2.0 * standing_place(n, st, i))
     elif minimum_risk_due(p, st, i) == 1:
         st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
         if st.time_minimum_risk[0] < 0.0:
@@ -193,22 +195,29 @@ def step_requested(p: Program, st: State, i: int) -> None:
 
 
 @compiled
+def hand_back(st: State) -> None:
+    """Let the automation take the wheel again."""
+    st.takeover_state[0] = op.TAKEOVER_HAND_BACK
+    st.cause[0] = op.CAUSE_NONE
+    for c in range(op.CAUSES):
+        st.history[c] = 0
+    log_event(st, op.EVENT_HAND_BACK, 0.0)
+
+
+@compiled
 def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Manual: hand back after the given time where nothing asks; a control step later the automation drives."""
     cause = asking_cause(n, p, st, i)
     if st.takeover_state[0] == op.TAKEOVER_HAND_BACK:
         st.takeover_state[0] = op.TAKEOVER_AUTOMATED
+        st.looking[0] = 0
         log_event(st, op.EVENT_ACTIVATION, 0.0)
         return
     wait = p.const[slot.K_HAND_BACK_AFTER]
     if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != op.CAUSE_NONE:
         return
     if warning_cause(p, st) == op.CAUSE_NONE and st.manoeuvre[0] == op.MANOEUVRE_KEEP and st.crashed[0] == 0:
-        st.takeover_state[0] = op.TAKEOVER_HAND_BACK
-        st.cause[0] = op.CAUSE_NONE
-        for c in range(op.CAUSES):
-            st.history[c] = 0
-        log_event(st, op.EVENT_HAND_BACK, 0.0)
+        hand_back(st)
 
 
 @compiled
@@ -220,4 +229,4 @@ def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
     elif state in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
         step_manual(n, p, st, i)
     elif state != op.TAKEOVER_STANDSTILL:
-        step_requested(p, st, i)
+        step_requested(n, p, st, i)

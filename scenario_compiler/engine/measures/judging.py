@@ -10,6 +10,7 @@ from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.inputs import add_inputs
 from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping
 from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover
+from scenario_compiler.engine.measures.takeovers import add_takeovers
 from scenario_compiler.marker import compiled
 
 
@@ -47,6 +48,7 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
     if before or m.rows[0] == 1:
         m.speed_before_collision[0] = m.row_v[0]
     add_takeover(m)
+    add_takeovers(st, m)
     add_inputs(p, m)
     add_to_keeping(m)
 

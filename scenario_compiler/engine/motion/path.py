@@ -235,6 +235,7 @@ def locate_anew(n: RoadTables, st: State, i: int) -> None:
     """Find the ego anywhere; its path goes on from there where one may drive."""
     found, road, s, t = track(n, st.x[i], st.y[i], st.path_road[0], st.path_s[0])
     lane = 0
+    st.path_anew[0] = 1
     if found == 1:
         lane = lane_at(n, road, s, t)
     if lane == 0:

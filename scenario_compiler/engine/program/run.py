@@ -24,6 +24,11 @@ def add_run(draft: ProgramBuilder) -> None:
     k[slot.K_STEP] = plan.step
     k[slot.K_DURATION] = plan.duration
     k[slot.K_NOISE] = plan.camera.sensor_noise
+    k[slot.K_PLACE_ERROR] = plan.odometry.place_error
+    k[slot.K_HEADING_ERROR] = plan.odometry.heading_error
+    k[slot.K_GYRO_BIAS] = plan.odometry.gyro_bias
+    k[slot.K_GYRO_NOISE] = plan.odometry.gyro_noise
+    k[slot.K_DISTANCE_ERROR] = plan.odometry.distance_error
     for failure in plan.camera.failures:
         add_failure(draft, failure, waits=False)
     add_weather(draft, plan.weather)

@@ -62,11 +62,13 @@ def add_takeover(draft: ProgramBuilder) -> None:
     takeover, p, k = draft.plan.takeover, draft.program, draft.numbers
     k[slot.K_BUDGET] = takeover.budget
     k[slot.K_ESCALATE_AFTER] = takeover.escalate_after
-    k[slot.K_MINIMUM_RISK_AFTER] = takeover.minimum_risk_after
     k[slot.K_MINIMUM_RISK_DECELERATION] = takeover.minimum_risk_deceleration
     p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
     k[slot.K_HAND_BACK_AFTER] = takeover.hand_back_after
     given = {cause.kind: cause for cause in takeover.causes}
+    for kind, code in CAUSE_CODES.items():
+        own = given[kind].minimum_risk_after if kind in given else None
+        k[slot.K_RISK_AFTER + code] = takeover.minimum_risk_after if own is None else own
     for kind in given or CAUSE_DEFAULTS:
         p.cause_on[CAUSE_CODES[kind]] = 1
         p.cause_order.append(CAUSE_CODES[kind])
@@ -89,6 +91,10 @@ def _add_driver(draft: ProgramBuilder) -> None:
     if driver.takeover_time is not None:
         draft.program.driver_kind[0] = op.DRIVER_FIXED
         k[slot.K_DRIVER_TIME] = driver.takeover_time
+    if driver.by_person is not None:  # who answers when they like, and is never drawn
+        draft.program.person[0] = 1
+        draft.program.driver_kind[0] = op.DRIVER_FIXED
+        k[slot.K_DRIVER_TIME] = op.FAR
     k[slot.K_DRIVER_MU] = driver.mu
     k[slot.K_DRIVER_SIGMA] = driver.sigma if driver.law != "sumo" else 1.0 / NormalDist().inv_cdf(1.0 - driver.missed)
     k[slot.K_DRIVER_LAPSE] = driver.lapse
@@ -98,6 +104,16 @@ def _add_driver(draft: ProgramBuilder) -> None:
     k[slot.K_EYES_ON] = driver.eyes_on
     k[slot.K_HANDS_ON] = driver.hands_on
     k[slot.K_STAGE_SPREAD] = driver.stage_spread
+    how = driver.driving
+    k[slot.K_BRAKES] = how.brakes
+    k[slot.K_STEERS] = how.steers
+    k[slot.K_DRIVER_DECELERATION] = how.deceleration
+    k[slot.K_DRIVER_LATERAL] = how.lateral_acceleration
+    k[slot.K_PERCEPTION_TIME] = how.perception
+    k[slot.K_REACTION_TIME] = how.reaction
+    k[slot.K_SDLP] = how.sdlp
+    k[slot.K_SDLP_AT_FIRST] = how.sdlp_at_first
+    k[slot.K_SETTLED_AFTER] = how.settled_after
     _add_effects(draft, driver)
 
 

@@ -15,9 +15,11 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.automation import control_ego
+from scenario_compiler.engine.ego.automation import control_ego, driven_by_hand
 from scenario_compiler.engine.ego.controllers import hold_inputs
 from scenario_compiler.engine.ego.failures import update_camera
+from scenario_compiler.engine.ego.person import drive_by_person
+from scenario_compiler.engine.ego.standing import standing_place
 from scenario_compiler.engine.ego.weather import update_weather
 from scenario_compiler.engine.motion.collision import check_collisions, update_boxes
 from scenario_compiler.engine.motion.entities import move_entities, take_stock
@@ -103,6 +105,8 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
     if drives_ego(p) == 1:
         if (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
             control_ego(n, p, st, p.ego[0])
+        if p.person[0] == 1 and driven_by_hand(st) == 1 and st.crashed[0] == 0:
+            drive_by_person(st, p.ego[0])
         hold_inputs(p, st, p.ego[0])
     if st.flag[0] != op.FAULT_NONE:
         return 0
@@ -110,26 +114,27 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
 
 
 @compiled
-def note_stop_by_hand(st: State) -> None:
+def note_stop_by_hand(n: RoadTables, p: Program, st: State) -> None:
     """Log that the driver has brought the ego to a standstill."""
     if st.time_standstill[0] < 0.0:
         st.time_standstill[0] = st.clock[0]
-    log_event(st, op.EVENT_STANDSTILL, 1.0)
+    log_event(st, op.EVENT_STANDSTILL, 1.0 + 2.0 * standing_place(n, st, p.ego[0]))
 
 
 @compiled
-def watch_standstill(p: Program, st: State) -> None:
-    """End a run whose ego has stood for a while after a stop that ends the conflict."""
+def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
+    """End a run whose ego has stood for a while after a stop that ends the conflict; a person who stops may go on."""
     ego = p.ego[0]
     state = st.takeover_state[0]
-    ended = st.crashed[0] == 1 or state in (op.TAKEOVER_STANDSTILL, op.TAKEOVER_MANUAL)
+    by_model = state == op.TAKEOVER_MANUAL and p.person[0] == 0
+    ended = st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL or by_model
     if st.v[ego] >= op.STANDING or not ended:
         st.still_since[0] = -1.0
         return
     if st.still_since[0] < 0.0:
         st.still_since[0] = st.clock[0]
         if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0:
-            note_stop_by_hand(st)
+            note_stop_by_hand(n, p, st)
     if st.clock[0] - st.still_since[0] >= STANDING_TIME - 1.0e-6:
         st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL
 
@@ -150,7 +155,8 @@ def at_destination(n: RoadTables, p: Program, st: State) -> int:
 def move_step(n: RoadTables, p: Program, st: State) -> None:
     """Move time and all entities on that the engine moves."""
     dt = p.const[slot.K_STEP]
-    st.clock[0] += dt
+    st.steps[0] += 1
+    st.clock[0] = st.steps[0] * dt
     move_entities(n, p, st, dt)
     if p.traffic_count[0] > 0:
         move_traffic(n, p, st, dt)
@@ -165,7 +171,7 @@ def end_step(n: RoadTables, p: Program, st: State) -> None:
     if st.flag[0] != op.FAULT_NONE:
         return
     if drives_ego(p) == 1:
-        watch_standstill(p, st)
+        watch_standstill(n, p, st)
         if st.stop[0] == op.STOP_NONE and at_destination(n, p, st) == 1:
             st.stop[0] = op.STOP_DESTINATION
     if st.stop[0] == op.STOP_NONE and st.clock[0] >= p.const[slot.K_DURATION] - 1.0e-6:

@@ -35,6 +35,7 @@ def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
             start=_NOWHERE,
             destination=plan.destination,
             camera=plan.camera,
+            odometry=plan.odometry,
             controller=plan.controller or Controller(),
         )
     element = write_word(word)

@@ -1,0 +1,122 @@
+"""Where the automation believes to be in its lane while it does not see it, and how it steers by that.
+
+While at least one side of the lane is seen, the vehicle knows its place in the lane. When both are lost it goes on from
+that place by odometry, along the lane as the planned way has it: a gyroscope gives the change of heading, the wheels
+the distance. What it believes is what is true and an error that grows: `recall_...` are believed minus true. The
+errors are those that the plan states; they are drawn by the run's seed.
+
+    heading' = bias + random walk        offset' = v sin(heading)        along' = share v
+
+A lane that is seen again is believed after RECOGNISED, and not while a request is open.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import safe_sqrt
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.seeds import run_seed
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.path import HALF_TURN, section_holds
+from scenario_compiler.engine.motion.steering import aim, path_point, preview_distance
+from scenario_compiler.marker import compiled
+from scenario_compiler.randomness import random_normal
+from scenario_compiler.roads.geometry import road_piece_at
+from scenario_compiler.roads.lanes import row_place
+from scenario_compiler.roads.tables import RoadTables
+
+RECOGNISED = 1.0
+"""Time for which a lane must be seen again until it is believed, s: chosen, longer than paint is imagined for."""
+
+
+@compiled
+def asks_now(st: State) -> int:
+    """Return 1 while a request waits for an answer, the minimum-risk manoeuvre included."""
+    state = st.takeover_state[0]
+    return 1 if state in (op.TAKEOVER_REQUEST, op.TAKEOVER_ESCALATION, op.TAKEOVER_MINIMUM_RISK) else 0
+
+
+@compiled
+def draw_error(p: Program, st: State, size: int, which: int) -> float:
+    """Return an error of the size in a slot for the present loss, by the run's seed."""
+    return p.const[size] * random_normal(run_seed(st, op.NONE), op.STREAM_ODOMETRY, st.lane_losses[0], which)
+
+
+@compiled
+def lose_lane(p: Program, st: State) -> None:
+    """Begin to remember the lane: place and heading as they were measured last, the gyroscope's bias, the wheels'."""
+    st.lane_lost[0] = 1
+    st.lane_losses[0] += 1
+    st.recall_off[0] = draw_error(p, st, slot.K_PLACE_ERROR, 0)
+    st.recall_heading[0] = draw_error(p, st, slot.K_HEADING_ERROR, 1)
+    st.recall_bias[0] = draw_error(p, st, slot.K_GYRO_BIAS, 2)
+    st.recall_share[0] = draw_error(p, st, slot.K_DISTANCE_ERROR, 3)
+    st.recall_along[0] = 0.0
+
+
+@compiled
+def drift(p: Program, st: State, i: int) -> None:
+    """Let the errors grow by a control step."""
+    dt = p.const[slot.K_STEP] * p.control_every[0]
+    walk = random_normal(run_seed(st, op.NONE), op.STREAM_ODOMETRY, 4096 + st.lane_losses[0], st.frame[0])
+    st.recall_heading[0] += st.recall_bias[0] * dt + p.const[slot.K_GYRO_NOISE] * safe_sqrt(dt) * walk
+    st.recall_off[0] += st.v[i] * sin(st.recall_heading[0]) * dt
+    st.recall_along[0] += st.recall_share[0] * st.v[i] * dt
+
+
+@compiled
+def remember_lane(p: Program, st: State, i: int) -> None:
+    """Bring the memory of the lane up to date at a control step, by how well its sides are seen."""
+    limit = p.const[slot.K_CONFIDENCE_REQUEST]
+    if st.conf_left[0] < limit and st.conf_right[0] < limit:
+        st.lane_seen_since[0] = -1.0
+        if st.lane_lost[0] == 0:
+            lose_lane(p, st)
+    elif st.lane_seen_since[0] < 0.0:
+        st.lane_seen_since[0] = st.clock[0]
+    if st.lane_lost[0] == 0:
+        return
+    seen = st.lane_seen_since[0] >= 0.0 and st.clock[0] - st.lane_seen_since[0] >= RECOGNISED - op.TOLERANCE
+    if seen and asks_now(st) == 0:
+        st.lane_lost[0] = 0
+    else:
+        drift(p, st, i)
+
+
+@compiled
+def steers_by_memory(st: State) -> int:
+    """Return 1 where the automation steers by the remembered lane: it has asked, and does not see it."""
+    return 1 if st.lane_lost[0] == 1 and asks_now(st) == 1 else 0
+
+
+@compiled
+def believed_pose(n: RoadTables, st: State) -> tuple[float, float, float]:
+    """Return (x, y, heading) that the ego believes to have."""
+    road = st.path_road[0]
+    row = st.path_row[0]
+    s = st.path_s[0] + st.path_sense[0] * st.recall_along[0]
+    if section_holds(n, row, s) == 0:
+        s = st.path_s[0]
+    off = st.path_off[0] + st.recall_off[0]
+    x, y, _, h, _, _, _ = row_place(n, road, row, road_piece_at(n, road, s), s, st.path_sense[0] * off)
+    if st.path_sense[0] < 0:
+        h = h + HALF_TURN
+    return x, y, h + st.path_heading[0] + st.recall_heading[0]
+
+
+@compiled
+def remembered_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> float:
+    """Return the angle of the front wheels that leads along the lane from where the ego believes to be."""
+    if st.path_road[0] < 0 or st.path_row[0] < 0:
+        return 0.0
+    x, y, h = believed_pose(n, st)
+    preview = preview_distance(st, i)
+    to_x, to_y = path_point(n, p, st, i, max(preview + st.recall_along[0], 0.0), preview, 0.0)
+    c = cos(h)
+    w = sin(h)
+    dx = to_x - x
+    dy = to_y - y
+    return aim(p, st, i, dx * c + dy * w, dy * c - dx * w, most)
