@@ -178,6 +178,7 @@ OTHERS: dict[type[Word], Execution] = {
     driver.DriverModel: _engine("ego.answering", "DRIVER_LOGNORMAL", "DRIVER_NORMAL", "DRIVER_SUMO", "DRIVER_FIXED"),
     driver.Inputs: _engine("measures.inputs"),
     driver.Effect: _engine("ego.answering"),
+    takeover.Automation: _engine("ego.limits", "BEHAVIOUR_FOLLOW", "BEHAVIOUR_HOLD_SPEED", "BEHAVIOUR_SLOW_DOWN"),
     takeover.Message: Execution("run", "runtime.messages"),
     criteria.NoCollision: _JUDGED,
     criteria.StayOnRoad: _JUDGED,

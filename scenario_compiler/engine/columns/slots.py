@@ -61,7 +61,19 @@ K_GYRO_BIAS = 52
 K_GYRO_NOISE = 53
 K_RISK_AFTER = 54
 """First of the times to the minimum-risk manoeuvre, one a cause by its code."""
-K_ENTITIES = 61
+K_WARNING_LEAD = 62
+K_WARNING_AFTER = 63
+K_WARNING_LEAST = 64
+K_WARNING_CLEAR = 65
+K_CONFIDENCE_OVER = 66
+K_HEALTH_OVER = 67
+K_BLOCKED_BUDGET = 68
+K_BLOCKED_WARNING = 69
+K_LANE_END_BUDGET = 70
+K_LANE_END_WARNING = 71
+"""The budgets of requests and warnings, s; negative where the policy's hold."""
+K_SLOW_DOWN = 72
+K_ENTITIES = 73
 """First slot after those of the run."""
 
 # An entity's block.
