@@ -121,6 +121,7 @@ from scenario_compiler.vocabulary.conditions.by_value import VariableCondition a
 from scenario_compiler.vocabulary.criteria import MakesProgress as MakesProgress
 from scenario_compiler.vocabulary.criteria import MaximumLateralOffset as MaximumLateralOffset
 from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision as MinimumTimeToCollision
+from scenario_compiler.vocabulary.criteria import NoAvoidableCollision as NoAvoidableCollision
 from scenario_compiler.vocabulary.criteria import NoCollision as NoCollision
 from scenario_compiler.vocabulary.criteria import NoMinimumRisk as NoMinimumRisk
 from scenario_compiler.vocabulary.criteria import ReachDestination as ReachDestination
@@ -129,8 +130,10 @@ from scenario_compiler.vocabulary.criteria import StayOnRoad as StayOnRoad
 from scenario_compiler.vocabulary.criteria import TakeoverWithin as TakeoverWithin
 from scenario_compiler.vocabulary.driver import Driver as Driver
 from scenario_compiler.vocabulary.driver import DriverModel as DriverModel
+from scenario_compiler.vocabulary.driver import Driving as Driving
 from scenario_compiler.vocabulary.driver import Effect as Effect
 from scenario_compiler.vocabulary.driver import Inputs as Inputs
+from scenario_compiler.vocabulary.driver import Person as Person
 from scenario_compiler.vocabulary.entities import Controller as Controller
 from scenario_compiler.vocabulary.entities import Dynamic as Dynamic
 from scenario_compiler.vocabulary.entities import Ego as Ego
@@ -205,6 +208,7 @@ from scenario_compiler.vocabulary.storyboard import When as When
 from scenario_compiler.vocabulary.takeover import Automation as Automation
 from scenario_compiler.vocabulary.takeover import Cause as Cause
 from scenario_compiler.vocabulary.takeover import Message as Message
+from scenario_compiler.vocabulary.takeover import Say as Say
 from scenario_compiler.vocabulary.takeover import Takeover as Takeover
 from scenario_compiler.vocabulary.variables import Variable as Variable
 from scenario_compiler.vocabulary.variation import Axis as Axis

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args
 
 from lxml import etree
 
@@ -34,6 +34,7 @@ from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.trust import Trust
+from scenario_compiler.vocabulary.driver import DriverModel, Person
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.variation import Vary
@@ -54,9 +55,11 @@ class Overrides:
 
     Attributes:
         perception: What the lane confidence comes from: "camera" or "ideal".
-        controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class.
+        controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class. The properties that the
+            scenario gives are those of the controller that it names, and stay with that one alone.
         step: Length of a time step, s; 0.001 to 1.
         duration: When the run ends at the latest, s; above 0 and below 1e6.
+        driven_by: Who answers and drives by hand: a "person", or the driver "model".
 
     Raises:
         ValueError: One of them cannot be meant.
@@ -66,6 +69,7 @@ class Overrides:
     controller: str | None = None
     step: float | None = None
     duration: float | None = None
+    driven_by: Literal["person", "model"] | None = None
 
     def __post_init__(self) -> None:
         if self.perception is not None and self.perception not in get_args(Perception):
@@ -87,9 +91,15 @@ class Overrides:
             changes["step"] = self.step
         if self.duration is not None:
             changes["duration"] = self.duration
-        if self.controller is not None and scenario.ego is not None:
+        ego = scenario.ego
+        own = ego.controller if ego is not None else None
+        if self.controller is not None and ego is not None and (own is None or own.model != self.controller):
             named = Controller(model=self.controller).written_at(FilePlace("--controller"))
-            changes["ego"] = scenario.ego.model_copy(update={"controller": named})
+            changes["ego"] = ego.model_copy(update={"controller": named})
+        if self.driven_by is not None and isinstance(scenario.takeover.driver, DriverModel):
+            person = Person() if self.driven_by == "person" else None
+            driver = scenario.takeover.driver.model_copy(update={"by_person": person})
+            changes["takeover"] = scenario.takeover.model_copy(update={"driver": driver})
         return scenario.model_copy(update=changes)
 
 

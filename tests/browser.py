@@ -24,9 +24,14 @@ def opened_browser() -> Iterator[Browser]:
 
 
 @contextmanager
-def opened_page(browser: Browser, address: str, width: int = 1200, height: int = 900) -> Iterator[Page]:
-    """Yield a page that is shown; afterwards it must have made no complaint and asked no other machine for anything."""
-    page = browser.new_page(viewport={"width": width, "height": height})
+def opened_page(
+    browser: Browser, address: str, width: int = 1200, height: int = 900, *, bypass_csp: bool = False
+) -> Iterator[Page]:
+    """Yield a page that is shown; afterwards it must have made no complaint and asked no other machine for anything.
+
+    With `bypass_csp` the page's own policy does not keep the test from waiting for what a script of its own says.
+    """
+    page = browser.new_page(viewport={"width": width, "height": height}, bypass_csp=bypass_csp)
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("console", lambda said: complaints.append(said.text) if said.type == "error" else None)

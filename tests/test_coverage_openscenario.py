@@ -11,7 +11,7 @@ import pytest
 
 from scenario_compiler.coverage.conflict import NOT_YET
 from scenario_compiler.coverage.openscenario import FORMS, HOMES, UNREAD, WITHOUT_EFFECT, openscenario_table, words_of
-from scenario_compiler.coverage.uses import files_naming
+from scenario_compiler.coverage.uses import backing_of, files_naming
 from scenario_compiler.openscenario.structure.elements import Element, elements
 
 OTHERS = ("structure", "export")
@@ -101,3 +101,24 @@ def test_files_are_counted_by_the_elements_that_stand_in_them(tmp_path: Path) ->
     (tmp_path / "a.xosc").write_text("<Act/><Act/><Event name=''/>", encoding="utf-8")
     (tmp_path / "b.py").write_text("'<Actors>'", encoding="utf-8")
     assert files_naming(sorted(tmp_path.iterdir())) == {"Act": 1, "Event": 1, "Actors": 1}
+
+
+def test_what_backs_a_feature_is_counted_by_its_variants() -> None:
+    page = """## Variants of features
+
+| feature | variant | verdict | runs that agree | why, or the test |
+|---|---|---|---|---|
+| One | a | agrees | 1 of 1 |  |
+| One | b | not recorded, law stated |  | test_b |
+| Two | a | differs by decision | 0 of 1 | why |
+| Two | b | not recorded |  |  |
+| Two | c | agrees | 2 of 3 |  |
+
+## Recorded runs
+
+| Three | x | agrees | | |
+"""
+    assert backing_of(page) == {
+        "One": "yes, 2 of 2 variants",
+        "Two": "1 of 3 variants; 1 differs by decision, 1 not recorded",
+    }

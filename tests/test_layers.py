@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / NAME
 ROWS = (
     ("__main__",),
     ("cli",),
-    ("batch", "study", "carla_server", "editor", "survey"),
+    ("batch", "live", "carla_server", "editor", "survey"),
     ("report", "validation", "listing"),
     ("runtime", "compiler", "coverage"),
     ("languages",),
@@ -57,6 +57,7 @@ HALL = (
 LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for room in row}
 
 ENGINE_ROWS = (
+    ("reference_runs",),
     ("simulation",),
     ("program", "entries"),
     ("story",),
@@ -84,8 +85,16 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "lsprotocol": ("editor.server",),
+    "msgpack": ("carla_server",),
     "mcap": ("report.mcap_file",),
-    "matplotlib": ("report.plots", "report.sweep_plots", "report.map_plot", "report.preview", "report.lettering"),
+    "matplotlib": (
+        "report.plots",
+        "report.sweep_plots",
+        "report.map_plot",
+        "report.preview",
+        "report.lettering",
+        "report.reliability_plot",
+    ),
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
@@ -93,9 +102,9 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "rerun": ("report.rerun_file",),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),
-    "scipy": ("batch.sampling", "batch.search"),
-    "starlette": ("study.server",),
-    "uvicorn": ("study.server",),
+    "scipy": ("batch.sampling", "batch.search", "perception.calibration.fit"),
+    "starlette": ("live.server",),
+    "uvicorn": ("live.server",),
 }
 """Packages that cost start-up time or are extras, and the module (or package) that alone imports each."""
 

@@ -65,6 +65,10 @@ def test_page_is_fresh(name: str, assert_fresh: Callable[[Path, str], None]) -> 
     assert_fresh(GENERATOR.PAGES_FOLDER / name, PAGES[name]())
 
 
+def test_stub_of_the_public_names_is_fresh(assert_fresh: Callable[[Path, str], None]) -> None:
+    assert_fresh(GENERATOR.STUB, GENERATOR.stub())
+
+
 def test_page_of_commands_has_every_command_and_option() -> None:
     page = PAGES["commands.md"]()
     for words, parser in _parsers(make_parser()):
@@ -92,10 +96,13 @@ def test_page_of_the_run_folder_has_every_name() -> None:
     assert set(STOPS) == set(get_args(StopReason))
 
 
-def test_language_page_explains_every_element_of_the_schema() -> None:
-    page = GENERATOR.language_reference()
+def test_language_page_explains_every_element_of_the_schema_by_example() -> None:
+    page = GENERATOR.language_page()
     schema = etree.fromstring(GENERATED["conflict.xsd"]().encode())
     names = [str(one.get("name")) for one in schema.iter("{*}element") if one.get("ref", one.get("name")) != "nothing"]
     assert [name for name in names if f"`<{name}>`" not in page] == []
-    links = set(re.findall(r"\]\(#(\w+)\)", page))
-    assert links <= set(re.findall(r'<a id="(\w+)">', page))
+    links = set(re.findall(r"\]\(#([\w-]+)\)", page))
+    assert links <= set(re.findall(r'<a id="([\w-]+)">', page))
+    sections = [one for one in page.split("<a id=")[1:] if "\n## `<" in one]
+    assert len(sections) > 150
+    assert [one.splitlines()[0] for one in sections if "```xml" not in one] == []

@@ -11,10 +11,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Literal
 
+from pydantic.fields import FieldInfo
+
 from scenario_compiler.batch.distributions import Distribution
 from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.recording.takeovers import Takeover
 from scenario_compiler.source.declared import Declaration
 from scenario_compiler.vocabulary.word import QUANTITIES
 
@@ -67,6 +70,20 @@ def result_columns(parameters: Iterable[Column]) -> tuple[Column, ...]:
     )
 
 
+def takeover_columns() -> tuple[Column, ...]:
+    """Return the columns of takeovers.parquet, in order: a row for each request of each variant."""
+    index = Column("variant", "integer", "", "Index of the variant, as in results.parquet.")
+    return (index, *(_takeover_column(name, field) for name, field in Takeover.model_fields.items()))
+
+
+def _takeover_column(name: str, field: FieldInfo) -> Column:
+    extra = field.json_schema_extra
+    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+    kind: ColumnKind = "integer" if field.annotation is int else "number" if unit else "text"
+    empty = "" if field.is_required() else "there is none"
+    return Column(name, kind, unit, str(field.description), empty)
+
+
 NO_RUN = "the variant broke off before its run"
 
 OUTCOME: Mapping[str, tuple[str, str, str]] = {
@@ -78,6 +95,12 @@ OUTCOME: Mapping[str, tuple[str, str, str]] = {
     "cause": ("", str(Outcome.model_fields["cause"].description), ""),
     "collision_with": ("", str(Outcome.model_fields["collision_with"].description), "no collision"),
     "failed": ("", "The criteria that do not hold, by their names in the conflict language, a space between.", ""),
+    "avoided_by": (
+        "",
+        "Of the reference drivers that criteria name, those who have no collision where they drive from the start, a "
+        "space between.",
+        "no criterion names one",
+    ),
 }
 """Columns of the outcome: their unit, definition and when they are empty."""
 

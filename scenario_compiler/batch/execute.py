@@ -386,7 +386,8 @@ def present(sweep: Sweep, folder: Path, *, report: bool, progress: OnProgress | 
     spec = sweep.spec
     write_traces(sweep.families, rows, chosen(rows, spec), folder, progress)
     if report:
-        write_page(sweep.target, spec, sweep.families, rows, sweep.form, folder, progress)
+        units = {one.column.removeprefix(PARAMETER): one.unit for one in sweep.parameters}
+        write_page(sweep.target, spec, sweep.families, rows, sweep.form, folder, units, progress)
 
 
 def describe(sweep: Sweep, workers: int, scheduler: str | None = None) -> str:

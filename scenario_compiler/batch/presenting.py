@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 
 from scenario_compiler.batch.codebook import PARAMETER
@@ -13,7 +14,6 @@ from scenario_compiler.batch.tally import OnProgress, Progress
 from scenario_compiler.batch.variants import Families
 from scenario_compiler.batch.worst import by_severity, repeat_command, run_again
 from scenario_compiler.report.sweep_page import Case, SweepPage, write_sweep_report
-from scenario_compiler.vocabulary.word import QUANTITIES
 
 PICTURED = 3
 """Worst cases that are shown with pictures."""
@@ -29,9 +29,13 @@ def write_page(
     rows: Columns,
     form: str,
     folder: Path,
+    units: Mapping[str, str],
     progress: OnProgress | None = None,
 ) -> Path:
-    """Write the report of a finished sweep; the cases with pictures are run again."""
+    """Write the report of a finished sweep; the cases with pictures are run again.
+
+    `units` are those of the parameters, in which XML writes them.
+    """
     cases = []
     order = by_severity(rows)[:LISTED]
     for place, index in enumerate(order):
@@ -53,7 +57,7 @@ def write_page(
         summary=plan.summary,
         rows=rows,
         parameters={name: axis.text for name, axis in spec.axes.items()},
-        units={one.name: QUANTITIES[one.type].unit for one in plan.parameters if one.type in QUANTITIES},
+        units=units,
         facts=facts,
         cases=cases,
         command=sweep_command(target, spec),

@@ -18,9 +18,16 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from scenario_compiler.batch.codebook import CODEBOOK, Column, ColumnKind, codebook_text, result_columns
+from scenario_compiler.batch.codebook import (
+    CODEBOOK,
+    Column,
+    ColumnKind,
+    codebook_text,
+    result_columns,
+    takeover_columns,
+)
 from scenario_compiler.batch.distributions import SweepError
-from scenario_compiler.batch.measuring import Columns
+from scenario_compiler.batch.measuring import TAKEOVERS, Columns
 from scenario_compiler.batch.tally import Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
 
@@ -28,6 +35,7 @@ FORMAT = "scenario-compiler/sweep/1"
 MANIFEST = "sweep.json"
 LOCK = "sweep.lock"
 TABLE = "results.parquet"
+TAKEOVER_TABLE = "takeovers.parquet"
 PARTS = "parts"
 GROUP = 1 << 16
 """Rows of a row group of the table, at least; a part is never split."""
@@ -68,6 +76,7 @@ class ResultStore:
         self._parts = folder / PARTS
         self._columns = result_columns(parameters)
         self._schema = schema_of(self._columns)
+        self._part_schema = self._schema.append(pa.field(TAKEOVERS, pa.string()))
         self._manifest = {"format": FORMAT, **manifest}
 
     def open(self, *, resume: bool) -> None:
@@ -145,7 +154,8 @@ class ResultStore:
         try:
             with pq.ParquetFile(path, page_checksum_verification=True) as file:
                 about = (file.metadata.metadata or {}).get(_KEY, b"")
-                if not file.schema_arrow.equals(self._schema) or (path == self.table and about != self._about()):
+                schema = self._schema if path == self.table else self._part_schema
+                if not file.schema_arrow.equals(schema) or (path == self.table and about != self._about()):
                     return False
                 rows = sum(file.read_row_group(number).num_rows for number in range(file.num_row_groups))
                 return bool(rows == file.metadata.num_rows)
@@ -158,16 +168,17 @@ class ResultStore:
 
     def write_part(self, number: int, columns: Columns) -> None:
         """Keep the rows of a part; OSError when there is no room, and nothing of it is left."""
-        table = pa.table([arrow_array(columns[f.name], f.type) for f in self._schema], schema=self._schema)
+        written = {**columns, TAKEOVERS: [json.dumps(some) for some in columns[TAKEOVERS]]}
+        table = table_of(written, self._part_schema)
         sink = pa.BufferOutputStream()
-        with _writer(sink, self._schema) as file:
+        with _writer(sink, self._part_schema) as file:
             file.write_table(table)
         write_whole(self._part(number), sink.getvalue().to_pybytes())
 
     def part_columns(self, number: int) -> Columns:
         """Return the rows of a part."""
         columns: Columns = _read(self._part(number)).to_pydict()
-        return columns
+        return {**columns, TAKEOVERS: [json.loads(text) for text in columns[TAKEOVERS]]}
 
     def tally(self, number: int) -> Tally:
         """Return what the variants of a part came to."""
@@ -181,11 +192,21 @@ class ResultStore:
 
     def merge(self, parts: int) -> None:
         """Make the table of all parts, in order, with its codebook, and drop them."""
-        write_whole(self.folder / CODEBOOK, codebook_text({TABLE: self._columns}))
-        with whole_file(self.table) as sink, _writer(sink, self._schema) as file:
+        columns = takeover_columns()
+        write_whole(self.folder / CODEBOOK, codebook_text({TABLE: self._columns, TAKEOVER_TABLE: columns}))
+        schema = schema_of(columns)
+        with (
+            whole_file(self.table) as sink,
+            whole_file(self.folder / TAKEOVER_TABLE) as beside,
+            _writer(sink, self._schema) as file,
+            _writer(beside, schema) as takeovers,
+        ):
             for tables in self._grouped(parts):
-                file.write_table(pa.concat_tables(tables))
+                whole = pa.concat_tables(tables)
+                takeovers.write_table(_takeovers_in(whole, schema))
+                file.write_table(whole.drop_columns([TAKEOVERS]))
             file.add_key_value_metadata({_KEY: self._about()})
+            takeovers.add_key_value_metadata({_KEY: json.dumps([vars(one) for one in columns]).encode()})
         for number in range(parts):
             self._part(number).unlink()
         self._parts.rmdir()
@@ -198,7 +219,7 @@ class ResultStore:
                 yield tables
                 tables = []
         if tables or not parts:
-            yield tables or [self._schema.empty_table()]
+            yield tables or [self._part_schema.empty_table()]
 
     def _about(self) -> bytes:
         """Return what the table says about itself, as JSON."""
@@ -206,6 +227,18 @@ class ResultStore:
 
     def _part(self, number: int) -> Path:
         return self._parts / f"{number:08}.parquet"
+
+
+def table_of(columns: Columns, schema: pa.Schema) -> pa.Table:
+    """Return rows by column as a table; None where there is no value."""
+    return pa.table([arrow_array(columns[field.name], field.type) for field in schema], schema=schema)
+
+
+def _takeovers_in(rows: pa.Table, schema: pa.Schema) -> pa.Table:
+    """Return the takeovers of runs, one row each, in the order of the runs."""
+    each = zip(rows["variant"].to_pylist(), rows[TAKEOVERS].to_pylist(), strict=True)
+    found = [{"variant": variant, **one} for variant, text in each for one in json.loads(text)]
+    return table_of({name: [one[name] for one in found] for name in schema.names}, schema)
 
 
 def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:

@@ -43,7 +43,7 @@ class SweepSpec(BaseModel):
     @property
     def overrides(self) -> Overrides:
         """What is set in place of the scenario."""
-        return Overrides(self.perception, self.controller, self.step, self.duration)
+        return Overrides(self.perception, self.controller, self.step, self.duration, driven_by="model")
 
     def trusted(self, target: str | Path) -> Trust:
         """Return what is trusted when FILE, FILE#name or a plan's file is swept."""

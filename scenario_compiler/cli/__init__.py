@@ -15,12 +15,15 @@ from typing import NoReturn
 
 from scenario_compiler.cli import (
     authoring,
+    calibrate,
+    carla,
     compare,
     coverage,
     editor,
     explain,
     export,
     library,
+    live,
     maps,
     report,
     run,
@@ -33,7 +36,23 @@ from scenario_compiler.legible import legible
 from scenario_compiler.resources import templates_from
 from scenario_compiler.trust import ConfigurationError
 
-GROUPS = (validate, run, report, compare, sweep, authoring, library, export, maps, explain, coverage, editor)
+GROUPS = (
+    validate,
+    run,
+    live,
+    report,
+    compare,
+    sweep,
+    authoring,
+    library,
+    export,
+    maps,
+    calibrate,
+    explain,
+    coverage,
+    editor,
+    carla,
+)
 """Groups of commands, in the order of the help."""
 
 

@@ -154,7 +154,8 @@ def _cards(options: argparse.Namespace, listed: list[Listed], sink: Diagnostics)
     for one in listed:
         if one.kind != "conflict":
             continue
-        found = compile_target(one.target, {}, sink, maps=options.maps, overrides=Overrides(perception="ideal"))
+        overrides = Overrides(perception="ideal", driven_by="model")
+        found = compile_target(one.target, {}, sink, maps=options.maps, overrides=overrides)
         if found is not None:
             group = one.file.stem.replace("_", " ")
             moment = moment_of(found.plan, found.network)

@@ -265,7 +265,11 @@ def compiled(options: argparse.Namespace, sink: Diagnostics) -> Compilation | No
 
     keep_loaded()
     overrides = Overrides(
-        perception=options.perception, controller=options.controller, step=options.dt, duration=options.duration
+        perception=options.perception,
+        controller=options.controller,
+        step=options.dt,
+        duration=options.duration,
+        driven_by=getattr(options, "driven_by", None),
     )
     try:
         return compile_target(

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
+from scenario_compiler.cli.live import add_address, serve_plan
 from scenario_compiler.cli.options import (
     AT_FAULT,
     CRITERIA_FAILED,
@@ -40,6 +41,7 @@ from scenario_compiler.legible import legible
 from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
+    from scenario_compiler.controllers.person import Person
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.recording.recording import Recording
     from scenario_compiler.report.run import Run
@@ -71,13 +73,30 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument("--variant", type=int, default=0, metavar="N", help="number of the variant in a sweep")
-    parser.add_argument("--world", default="kinematic", metavar="NAME")
+    parser.add_argument("--world", default="kinematic", metavar="NAME", help="kinematic (built in) or carla")
+    _add_carla(parser)
     parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
     parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
     parser.add_argument(
         "--video", type=film_path, metavar="FILE.mp4|FILE.gif", help="write a film of the run (the extra video)"
     )
     add_shows(parser)
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="show the run as it happens in a page, in step with the clock (the extra study)",
+    )
+    add_address(parser)
+    parser.add_argument(
+        "--pilot",
+        dest="driven_by",
+        action="store_const",
+        const="model",
+        help="put the driver model in the place of a person at the wheel",
+    )
+    parser.add_argument(
+        "--inputs", type=Path, metavar="DIR", help="let the person of a run's folder do again what was recorded"
+    )
     parser.add_argument("--interpreted", action="store_true", help="run the interpreted engine, for a debugger")
     parser.add_argument("--strict", action="store_true", help="exit with 3 when a criterion fails")
     add_scenario(parser)
@@ -85,6 +104,38 @@ def _add_run(commands: Commands) -> None:
     add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=run_command)
+
+
+def _add_carla(parser: argparse.ArgumentParser) -> None:
+    carla = parser.add_argument_group("with --world carla (the extra carla)")
+    carla.add_argument("--carla-host", metavar="HOST", help="where the server is (default: 127.0.0.1)")
+    carla.add_argument("--carla-port", type=int, metavar="PORT", help="its port (default: 2000)")
+    carla.add_argument("--ego", choices=("physics", "kinematic"), help="who moves the ego (default: CARLA's physics)")
+    carla.add_argument(
+        "--camera",
+        choices=("carla", "built-in"),
+        help="whose pictures count (default: CARLA's, unless paint is changed)",
+    )
+    carla.add_argument("--carla-recording", metavar="NAME", help="let the server record the run")
+
+
+CARLA_OPTIONS = {
+    "carla_host": "host",
+    "carla_port": "port",
+    "ego": "ego",
+    "camera": "camera",
+    "carla_recording": "recording",
+}
+"""Options of the command to those of the world."""
+
+
+def _world_options(options: argparse.Namespace) -> dict[str, object]:
+    """Return the options of the world that are given; WrongUse where it has none such."""
+    given = {name: getattr(options, name) for name in CARLA_OPTIONS if getattr(options, name) is not None}
+    if given and options.world != "carla":
+        names = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+        raise WrongUse(f"{names}: only with --world carla")
+    return {CARLA_OPTIONS[name]: value for name, value in given.items()}
 
 
 def compile_command(options: argparse.Namespace) -> int:
@@ -111,7 +162,7 @@ def _planned(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Netw
 def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, Network] | None:
     """Return the plan of a file and its map; WrongUse where options would have to compile it anew."""
     from scenario_compiler.plan.maps import open_plan_map
-    from scenario_compiler.plan.store import read_plan
+    from scenario_compiler.plan.store import read_plan, sealed
     from scenario_compiler.runtime.runnable import check_runnable
 
     if options.settings or options.perception or options.controller or options.dt or options.duration:
@@ -123,8 +174,16 @@ def stored_plan(options: argparse.Namespace, sink: Diagnostics) -> tuple[Plan, N
     network = None if plan is None else open_plan_map(plan, sink, options.maps, beside)
     if plan is None or network is None:
         return None
+    if getattr(options, "driven_by", None) is not None:
+        plan = sealed(driven_by_model(plan))
     check_runnable(plan, network, options.target, sink)
     return None if sink.has_errors else (plan, network)
+
+
+def driven_by_model(plan: Plan) -> Plan:
+    """Return a plan whose driver model answers, where a person does."""
+    driver = plan.takeover.driver.model_copy(update={"by_person": None})
+    return plan.model_copy(update={"takeover": plan.takeover.model_copy(update={"driver": driver})})
 
 
 def run_command(options: argparse.Namespace) -> int:
@@ -134,6 +193,7 @@ def run_command(options: argparse.Namespace) -> int:
 
     if options.world not in WORLDS:
         raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
+    of_world = _world_options(options)
     if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     if options.show is not None and options.output is None:
@@ -153,10 +213,12 @@ def run_command(options: argparse.Namespace) -> int:
         show(sink, options)
         sink = new_sink(options)
     plan, network = planned
+    if plan.takeover.driver.by_person is not None and options.inputs is None:
+        raise WrongUse("a person is at the wheel of this run: `drive` opens the page, --pilot takes the driver model")
     keep_inputs(inputs_of(plan), options.trajectory, options.video)
     try:
         with nullcontext() if options.output is None else whole_folder(options.output) as draft:
-            finished = _finished_run(plan, network, options)
+            finished = _finished_run(plan, network, options, of_world, sink)
             _write_run(finished, options, draft)
     except WorldError as fault:
         sink.add(fault.code, str(fault), FilePlace(split_target(options.target)[0]))
@@ -169,17 +231,32 @@ def run_command(options: argparse.Namespace) -> int:
     return CRITERIA_FAILED if options.strict and finished.outcome.result != "pass" else FINE
 
 
-def _finished_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
-    """Execute a plan in the world that the options name, and judge it."""
+def _finished_run(
+    plan: Plan, network: Network, options: argparse.Namespace, of_world: dict[str, object], sink: Diagnostics
+) -> Run:
+    """Execute a plan in the world that the options name, and judge it; report what the world does otherwise."""
+    from scenario_compiler.plan.provenance import place_of
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
+    if options.watch:
+        return _watched_run(plan, network, options)
     if not options.interpreted and (reason := why_interpreted()):
         complain(f"the engine runs interpreted: {reason}")
-    with open_world(options.world, plan, network) as world:
+    with open_world(options.world, plan, network, **of_world) as world:
         recording = run_with_progress(plan, world, options)
+        for finding in world.findings:
+            sink.add(finding.code, finding.message, place_of(plan, finding.part))
     return Run(plan, network, recording, judge(plan, recording))
+
+
+def _watched_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
+    """Execute a plan in step with the clock, shown in a page; WrongUse where the run could not be made."""
+    sessions = serve_plan(plan, network, options, watched=True)
+    if not sessions or sessions[0].finished is None:
+        raise WrongUse(sessions[0].ended if sessions else "nobody opened the page")
+    return sessions[0].finished
 
 
 def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> None:
@@ -221,6 +298,7 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
         variant=options.variant,
         interpreted=options.interpreted,
         trust=trust_of(options),
+        person=_recorded_person(options),
     )
     if not sys.stderr.isatty():
         return start()
@@ -231,6 +309,20 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(escape(legible(plan.name)), total=plan.duration)
         return start(progress=lambda t: bar.update(task, completed=t))
+
+
+def _recorded_person(options: argparse.Namespace) -> Person | None:
+    """Return the person of the run that --inputs names; WrongUse where it cannot be read."""
+    folder = getattr(options, "inputs", None)
+    if folder is None:
+        return None
+    from scenario_compiler.controllers.person import RecordedPerson
+    from scenario_compiler.recording.store import RecordingError, read_recording
+
+    try:
+        return RecordedPerson(read_recording(folder / "recording.parquet"))
+    except RecordingError as error:
+        raise WrongUse(str(error)) from None
 
 
 def print_run(run: Run, folder: Path | None, file: TextIO) -> None:

@@ -25,6 +25,7 @@ from scenario_compiler.controllers.model import (
     VehicleState,
 )
 from scenario_compiler.controllers.planned_way import LOOKED_AT, shape_of, worth_on_way
+from scenario_compiler.perception.detectors import DetectorName, create_detector
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 Point = tuple[float, float]
 
 TRUSTED = 0.3
-"""Geometric probability from which a boundary leads the path; the request's own threshold."""
+"""Confidence from which a boundary leads the path; the request's own threshold."""
 
 PATH_LENGTH = 25
 """Length of the path ahead of the camera that is kept, m: the detector's reach."""
@@ -52,6 +53,9 @@ BEND_SHARE = 0.1
 END_POINTS = 6
 """Points at the end of the path that its direction is taken from: one image's far end is too unsteady alone."""
 
+BEND_SPAN = 4
+"""Points of the way, a metre apart, over which a bend is measured on either side."""
+
 USUAL_WIDTH = 3.5
 """Width of a lane of which only one side is seen before both were, m."""
 
@@ -59,12 +63,14 @@ USUAL_WIDTH = 3.5
 class LaneDetectionParams(ControllerParams):
     """Parameters of the lane-keeping automation."""
 
+    detector: DetectorName = Field("classical", description="The lane detector's name.")
     look_ahead_time: float = Field(0.4, gt=0, le=5, description="Look-ahead of the pure pursuit, s.")
     look_ahead_min: float = Field(3.0, gt=0, le=50, description="Least look-ahead, m.")
     look_ahead_max: float = Field(20.0, gt=0, le=100, description="Greatest look-ahead, m.")
     speed_gain: float = Field(2.0, gt=0, le=20, description="Throttle per m/s of missing speed.")
     time_gap: float = Field(1.5, gt=0, le=10, description="Time gap to the vehicle ahead, s.")
     minimum_gap: float = Field(2.0, gt=0, le=20, description="Gap at standstill, m.")
+    lateral_acceleration: float = Field(2.5, gt=0, le=10, description="Lateral acceleration in bends, m/s2.")
     following_acceleration: float = Field(1.5, gt=0, le=10, description="Greatest acceleration in following, m/s2.")
     following_deceleration: float = Field(2.0, gt=0, le=10, description="Comfortable deceleration, m/s2.")
 
@@ -95,7 +101,7 @@ class LaneDetectionController(ControllerModel):
         reach = min(max(self.params.look_ahead_time * speed, self.params.look_ahead_min), self.params.look_ahead_max)
         x, y = _target(path, reach, self._bend)
         curvature = 2.0 * y / (x * x + y * y)
-        if max(lanes.left.p_geom, lanes.right.p_geom) >= 2 * TRUSTED:
+        if max(lanes.left.p, lanes.right.p) >= 2 * TRUSTED:
             self._bend += BEND_SHARE * (curvature - self._bend)
         angle = math.atan(vehicle.wheelbase * curvature)
         throttle, brake = self._pedals(sensor_data, speed, vehicle)
@@ -119,20 +125,31 @@ class LaneDetectionController(ControllerModel):
         middle = self._middle(lanes)
         if middle is not None:
             seen = [(x + ahead, middle(float(x)) + left) for x in range(-2, PATH_LENGTH + 1)]
-            trust = max(lanes.left.p_geom, lanes.right.p_geom)
+            trust = max(lanes.left.p, lanes.right.p)
             path = _blend(_to_vehicle(self._path, vehicle), seen, ahead + NEAREST, trust, self._bend)
             self._path = _to_world(path, vehicle)
 
     def _pedals(self, sensor_data: SensorData, speed: float, vehicle: VehicleState) -> tuple[float, float]:
         """Return throttle and brake that hold the desired speed, or the gap to whatever is ahead."""
-        missing = self.params.speed_gain * (vehicle.desired_speed - speed)
+        desired = min(vehicle.desired_speed, self._speed_of_bends(sensor_data.route))
+        missing = self.params.speed_gain * (desired - speed)
         throttle, brake = min(max(missing, 0.0), 1.0), min(max(-missing / 4.0, 0.0), 1.0)
         if sensor_data.lead_gap is None:
             return throttle, brake
-        followed = self._following(speed, sensor_data.lead_speed, sensor_data.lead_gap, vehicle.desired_speed)
+        followed = self._following(speed, sensor_data.lead_speed, sensor_data.lead_gap, desired)
         if followed >= 0.0:
             return min(throttle, followed / vehicle.max_acceleration), brake
         return 0.0, max(brake, min(-followed / vehicle.max_deceleration, 1.0))
+
+    def _speed_of_bends(self, way: Sequence[Point]) -> float:
+        """Return the speed at which the bends of the way ahead can be reached by comfortable braking, m/s."""
+        slowest = math.inf
+        for k in range(BEND_SPAN, len(way) - BEND_SPAN):
+            curvature = _curvature(way[k - BEND_SPAN], way[k], way[k + BEND_SPAN])
+            if curvature > 0.0:
+                in_bend = self.params.lateral_acceleration / curvature
+                slowest = min(slowest, in_bend + 2.0 * self.params.following_deceleration * (k - BEND_SPAN))
+        return math.sqrt(slowest)
 
     def _following(self, speed: float, lead: float, gap: float, desired: float) -> float:
         """Return the acceleration of the intelligent driver model (Treiber, Hennecke and Helbing 2000), m/s2."""
@@ -181,12 +198,12 @@ class LaneDetectionController(ControllerModel):
         return 0.0 if before is None else math.dist(before, self._place)
 
     def _detect(self, sensor_data: SensorData, way: Sequence[Point], travelled: float) -> LaneResult:
-        from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
+        from scenario_compiler.perception.lane_detector import LaneState
         from scenario_compiler.perception.sensor_health import SensorMonitor
 
         if self._detector is None:
             self._camera = sensor_data.camera.camera()
-            self._detector = ClassicalLaneDetector(self._camera)
+            self._detector = create_detector(self.params.detector, self._camera)
             self._monitor = SensorMonitor()
             self._prior = LaneState()
         assert self._prior is not None
@@ -199,16 +216,16 @@ class LaneDetectionController(ControllerModel):
             left=left,
             right=right,
             sensor_health=health,
-            p_left=left.p_geom * health,
-            p_right=right.p_geom * health,
+            p_left=left.p * health,
+            p_right=right.p * health,
         )
         return self._lanes
 
     def _middle(self, lanes: LaneResult) -> _Middle | None:
         """Return the lane's middle from the sides that are trusted, None when neither is."""
         width = self._prior.width if self._prior is not None and self._prior.width is not None else USUAL_WIDTH
-        left = lanes.left.p_geom if lanes.left.p_geom >= TRUSTED else 0.0
-        right = lanes.right.p_geom if lanes.right.p_geom >= TRUSTED else 0.0
+        left = lanes.left.p if lanes.left.p >= TRUSTED else 0.0
+        right = lanes.right.p if lanes.right.p >= TRUSTED else 0.0
         if left + right == 0.0:
             return None
         return _Middle(lanes.left, lanes.right, left / (left + right), width)
@@ -222,8 +239,16 @@ def _way_of(sensor_data: SensorData, ahead: float) -> list[Point]:
     return [(x - ahead, y - sensor_data.camera.y) for x, y in sensor_data.route]
 
 
+def _curvature(before: Point, at: Point, after: Point) -> float:
+    """Return the curvature of the circle through three points, 1/m."""
+    (ax, ay), (bx, by) = (at[0] - before[0], at[1] - before[1]), (after[0] - before[0], after[1] - before[1])
+    sides = math.hypot(ax, ay) * math.hypot(bx, by) * math.dist(at, after)
+    return 2.0 * abs(ax * by - ay * bx) / sides if sides > 0.0 else 0.0
+
+
 def _on_way(boundary: Boundary, way: Sequence[Point]) -> Boundary:
-    return replace(boundary, p_geom=boundary.p_geom * worth_on_way(boundary, way))
+    worth = worth_on_way(boundary, way)
+    return replace(boundary, p_geom=boundary.p_geom * worth, p=boundary.p * worth)
 
 
 class _Middle:

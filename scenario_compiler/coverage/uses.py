@@ -1,4 +1,4 @@
-"""Which files use a word, or name an element: counted where the files are, in a checkout."""
+"""Which files use a word, or name an element, and what backs an element: found where the files are, in a checkout."""
 
 from __future__ import annotations
 
@@ -48,3 +48,33 @@ def files_naming(files: Iterable[Path]) -> Counter[str]:
     for file in files:
         found.update(set(re.findall(r"<([A-Z]\w+)\b", file.read_text(encoding="utf-8", errors="replace"))))
     return found
+
+
+def backing_of(page: str) -> dict[str, str]:
+    """Return what backs each feature in the table of variants of docs/conformance.md.
+
+    "yes" where every variant agrees with a recorded run or has its law stated in a test, else how many have.
+    """
+    verdicts: dict[str, Counter[str]] = {}
+    for line in page.partition("## Variants of features")[2].partition("## ")[0].splitlines():
+        cells = [cell.strip() for cell in line.split("|")]
+        if len(cells) > VERDICT and cells[VERDICT] in BACKED | UNBACKED:
+            verdicts.setdefault(cells[FEATURE], Counter())[cells[VERDICT]] += 1
+    return {feature: _said(counts) for feature, counts in verdicts.items()}
+
+
+FEATURE = 1
+VERDICT = 3
+"""Columns of that table."""
+
+BACKED = {"agrees", "not recorded, law stated"}
+UNBACKED = {"differs by decision", "not recorded"}
+"""What it says of a variant."""
+
+
+def _said(counts: Counter[str]) -> str:
+    backed, total = sum(counts[one] for one in BACKED), counts.total()
+    if backed == total:
+        return f"yes, {total} of {total} variants"
+    rest = [f"{counts[one]} {one}" for one in ("differs by decision", "not recorded") if counts[one]]
+    return f"{backed} of {total} variants; {', '.join(rest)}"

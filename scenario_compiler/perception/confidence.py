@@ -1,20 +1,8 @@
-"""How far a detected boundary can be trusted: a calibrated probability, and apart from it the sensor's health.
+"""How far a detected boundary can be trusted: calibrated probabilities, and apart from them the sensor's health.
 
-`p_geom` is the probability that the boundary lies within 0.25 m of the true one from 6 to 18 m ahead and that its
-paint can be seen there (quality times the contrast that the weather leaves is over 0.15 on more than 60 % of that
-stretch). It is a logistic function of `features`, fitted on rendered roads: radii from 100 m, lanes of 2.9 to 4 m,
-solid and broken lines, all wear, all CARLA weathers, noise up to 90 grey levels, kerbs, seams, other cars. Weights,
-table and errors are in `lane_confidence.json` beside this module, made by
-`python -m scenario_compiler.perception.calibration`. In short, mean over both sides of single frames:
-
-    paint quality   1.0  0.98   0.6  0.95   0.4  0.88   0.3  0.82   0.2  0.71   0.1  0.31   0.0  0.05
-    noise sigma       0  0.98     5  0.98    20  0.91    25  0.76    30  0.50    40  0.09    60  0.00  (health included)
-    weather         WetNoon 0.98   HardRainNoon 0.91   MidRainSunset 0.92   HardRainSunset 0.05   ClearNight 0.97
-
-Stated error: by frame-disjoint cross-validation over 8000 boundaries the mean probability of a bin differs from the
-observed frequency by 0.05 at most (accuracy 0.93, area under the curve 0.98, Brier score 0.049). Without any paint
-both sides are below 0.3 in 87 % of single frames; kerbs and rims of the asphalt make the rest. Trained, calibrated and
-tested with one renderer, the figures say nothing about photographs.
+The probabilities are those that the geometry is right, that paint is there, and of both (see `lane_detector.Boundary`).
+They are functions of `features`, by a network with one hidden layer that `calibration.fit` fits on rendered clips of
+maps and on made-up roads. `scenario-compiler calibrate` measures what they are worth and writes docs/perception.md.
 
 The health falls with the noise that is measured in the image, as `engine.camera_health` says: policy, not measurement,
 for the geometry stays right under far more noise. What else can be wrong with a camera is seen by `sensor_health`.
@@ -26,7 +14,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from importlib import resources
 
@@ -35,27 +23,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.birds_eye import X_STEP, Ridges
-from scenario_compiler.perception.lane_fit import Fit
+from scenario_compiler.perception.lane_fit import STANDS_OUT, Fit
+
+Floats = NDArray[np.float64]
+
+FARTHEST = 4.0
+"""Standard deviations from its mean beyond which a feature counts no more."""
 
 FEATURES = (
-    "one",
-    "prominence",
-    "painted",
-    "residual",
-    "contrast",
-    "support",
-    "row_scale",
-    "width_off",
-    "along",
-    "along_squared",
-    "stretch",
-    "contrast_along",
-    "green",
-    "blind",
-    "painted_squared",
-    "residual_painted",
+    *("prominence", "painted", "residual", "contrast", "support", "row_scale", "width_off", "along", "stretch"),
+    *("contrast_along", "green", "blind", "reach", "curvature", "offset", "slope_deviation", "near", "far"),
+    *("inner_rival", "outer_rival", "tilt", "tilt_deviation", "moved", "remembered", "way"),
+    *("other_prominence", "other_along", "other_slope_deviation", "other_far", "apart_slope", "apart_curvature"),
 )
-"""Names of the features, in the order of the weights."""
+"""Names of the features, in their order."""
+
+_HALVES = slice(round(1.0 / X_STEP), round(7.0 / X_STEP)), slice(round(7.0 / X_STEP), round(13.0 / X_STEP))
+"""Rows from 6 to 12 m and from 12 to 18 m ahead of the camera."""
 
 _SECOND = np.array([1, -2, 1], np.float32)
 """The second difference. Taken along and across, it is the difference of two Laplacians that Immerkaer uses."""
@@ -64,82 +48,117 @@ _LARGEST, _STRIP = 8 * 255, 64
 """Greatest response to it, and rows that are looked at together: little memory is quick memory."""
 
 
-@dataclass(frozen=True)
-class Calibration:
-    """The weights of the logistic function, one a feature, and what they were found to be worth.
+@dataclass(frozen=True, eq=False)
+class Confidence:
+    """Three probabilities as functions of the features: a network with one layer of H hidden units.
 
     Attributes:
-        weights: One for each of `FEATURES`.
-        error: Largest difference of mean probability and observed frequency over the table's reliability
-            bins.
-        by_quality: (paint quality, mean p_geom over both sides) on clear days.
-        by_sigma: (noise in grey levels, mean p) with new paint on clear days, health included.
-        neither_without_paint: Share of frames without any paint in which both sides are below 0.3.
+        middle: (F,) mean of each feature where it was fitted.
+        scale: (F,) its standard deviation.
+        hidden: (H, F + 1) weights of the hidden units (tanh), the last of each its bias.
+        out: (3, H + F + 1) weights of the three outputs (logistic): of the hidden units, the features, the bias.
     """
 
-    weights: tuple[float, ...]
-    error: float
-    by_quality: tuple[tuple[float, float], ...]
-    by_sigma: tuple[tuple[float, float], ...]
-    neither_without_paint: float
+    middle: Floats
+    scale: Floats
+    hidden: Floats
+    out: Floats
+
+    def __call__(self, row: Floats) -> tuple[float, float, float]:
+        """Return the probabilities that the geometry is right, that paint is there, and of both, for one side."""
+        geometry, paint, both = self.all(row[None])[0].tolist()
+        return geometry, paint, both
+
+    def all(self, rows: Floats) -> Floats:
+        """Return the probabilities (N, 3) of features (N, F)."""
+        known = np.clip((rows - self.middle) / self.scale, -FARTHEST, FARTHEST)
+        inner = np.tanh(known @ self.hidden[:, :-1].T + self.hidden[:, -1])
+        total = np.concatenate([inner, known], axis=1) @ self.out[:, :-1].T + self.out[:, -1]
+        return np.asarray(1.0 / (1.0 + np.exp(-np.clip(total, -30.0, 30.0))))
 
 
-@lru_cache(maxsize=1)
-def load_calibration() -> Calibration:
-    """Return the calibration that ships with the package."""
-    text = resources.files("scenario_compiler.perception").joinpath("lane_confidence.json").read_text("utf-8")
-    data = json.loads(text)
-    if tuple(data["features"]) != FEATURES:
-        raise RuntimeError("lane_confidence.json was made for other features; run the calibration again")
-    return Calibration(
-        weights=tuple(float(w) for w in data["weights"]),
-        error=float(data["reliability"]["largest_error"]),
-        by_quality=tuple((float(q), float(p)) for q, p in data["by_quality"]),
-        by_sigma=tuple((float(s), float(p)) for s, p in data["by_sigma"]),
-        neither_without_paint=float(data["neither_without_paint"]),
-    )
+@lru_cache(maxsize=4)
+def load_confidence(file: str, names: tuple[str, ...]) -> Confidence:
+    """Return a confidence that ships with the package, from its file; it must be for the features of these names."""
+    data = json.loads(resources.files("scenario_compiler.perception").joinpath(file).read_text("utf-8"))
+    if tuple(data["features"]) != names:
+        raise RuntimeError(f"{file} was made for other features; run `scenario-compiler calibrate --fit`")
+    return Confidence(*(np.array(data[one.name]) for one in fields(Confidence)))
 
 
-def features(fit: Fit, ridges: Ridges, width_off: float) -> NDArray[np.float64]:
-    """Return the features of one side, (len(FEATURES),).
+def confidence_text(confidence: Confidence, names: tuple[str, ...]) -> str:
+    """Return the text of the file that a confidence over the features of these names is kept in."""
+    numbers = {one.name: np.round(getattr(confidence, one.name), 4).tolist() for one in fields(Confidence)}
+    return json.dumps({"features": names, **numbers}, indent=None, separators=(",", ":")).replace("],", "],\n") + "\n"
 
-    Args:
-        fit: The side's boundary.
-        ridges: The image it was found in.
+
+@dataclass(frozen=True)
+class Circumstances:
+    """What is known beside an image's ridges and arcs.
+
+    Attributes:
         width_off: Distance of the lane's width from the expected one, m.
+        tilt: The tilt found, rad, and its deviation.
+        moved: How far the side is 12 m ahead from where it was remembered, m; None without memory.
+        way: Whether the planned way was given.
     """
+
+    width_off: float
+    tilt: tuple[float, float]
+    moved: float | None
+    way: bool
+
+
+def features(fit: Fit, other: Fit, ridges: Ridges, known: Circumstances) -> NDArray[np.float64]:
+    """Return the features of one side, (len(FEATURES),), all of the order of 1."""
     near = slice(0, round(15.0 / X_STEP))
     window = np.ones(4) / 4.0
-    run = np.convolve(np.minimum(fit.on_curve, 5.0)[near], window, mode="valid")
     bright = np.convolve(fit.contrast[near], window, mode="valid")
-    best = np.sort(run)[-16:].mean()
     longest = _longest_run(fit.on_curve[near] > 1.2) * X_STEP
+    apart = fit.curve - other.curve
     return np.array(
         [
-            1.0,
             math.log(max(fit.prominence, 0.1)),
             fit.painted,
             5.0 * fit.residual,
             math.log1p(float(np.sort(fit.contrast[near])[-20:].mean()) / 10.0),
             0.1 * fit.support,
             math.log(float(ridges.scale.mean())),
-            min(max(abs(width_off) - 0.4, 0.0), 0.8),
-            float(best),
-            float(best * best) / 5.0,
+            min(max(abs(known.width_off) - 0.2, 0.0), 1.0),
+            _along(fit),
             math.log1p(longest),
             math.log1p(float(np.sort(bright)[-16:].mean()) / 10.0),
             min(max(fit.green, 0.0), 30.0) / 10.0,
-            min(max(fit.nearest - 8.0, 0.0), 12.0) / 4.0,
-            fit.painted * fit.painted,
-            5.0 * fit.residual * fit.painted,
+            min(max(fit.nearest - 6.0, 0.0), 12.0) / 4.0,
+            fit.farthest / 10.0,
+            40.0 * abs(float(fit.curve[2])),
+            min(max(abs(float(fit.curve[0])) - 1.75, -1.0), 1.5),
+            _log_deviation(fit),
+            *(float((fit.on_curve[rows] > STANDS_OUT).mean()) for rows in _HALVES),
+            *(0.1 * (fit.support - rival) for rival in fit.rivals),
+            20.0 * abs(known.tilt[0]),
+            60.0 * known.tilt[1],
+            0.0 if known.moved is None else min(4.0 * abs(known.moved), 2.0),
+            0.0 if known.moved is None else 1.0,
+            1.0 if known.way else 0.0,
+            math.log(max(other.prominence, 0.1)),
+            _along(other),
+            _log_deviation(other),
+            float((other.on_curve[_HALVES[1]] > STANDS_OUT).mean()),
+            min(20.0 * abs(float(apart[1])), 2.0),
+            min(100.0 * abs(float(apart[2])), 2.0),
         ]
     )
 
 
-def probability(row: NDArray[np.float64], weights: tuple[float, ...]) -> float:
-    """Return the logistic function of the features `row` under `weights`."""
-    total = float(row @ np.asarray(weights))
-    return 1.0 / (1.0 + math.exp(-min(max(total, -30.0), 30.0)))
+def _along(fit: Fit) -> float:
+    """Return the mean strength of the four best metres nearer than 20 m."""
+    run = np.convolve(np.minimum(fit.on_curve, 5.0)[: round(15.0 / X_STEP)], np.ones(4) / 4.0, mode="valid")
+    return float(np.sort(run)[-16:].mean())
+
+
+def _log_deviation(fit: Fit) -> float:
+    return 0.5 * math.log(min(max(fit.slope_deviation, 1e-3), 1.0) / 0.01)
 
 
 def noise_of(image: NDArray[np.uint8]) -> float:

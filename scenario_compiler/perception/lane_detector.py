@@ -1,7 +1,7 @@
 """Finds the lane's two boundaries in a camera image, each with a probability.
 
-A detector is anything with `detect`; `ClassicalLaneDetector` is the one in the box: it looks at the ground
-from above (`birds_eye`), votes for pairs of arcs (`lane_fit`) and says how far they can be trusted
+A detector is anything with `detect`; `detectors` has the table of those in the box. `ClassicalLaneDetector` looks at
+the ground from above (`birds_eye`), votes for pairs of arcs (`lane_fit`) and says how far they can be trusted
 (`confidence`).
 
 The tilt of the camera against the road ahead is found in the image (`road_plane`) and remembered, unless it is given.
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,10 +20,12 @@ from scenario_compiler.engine.ego.camera_health import noise_health
 from scenario_compiler.perception.birds_eye import PITCH_STEP, X_FROM, BirdsEye, Ridges
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import (
+    FEATURES,
+    Circumstances,
+    Confidence,
     features,
-    load_calibration,
+    load_confidence,
     noise_of,
-    probability,
 )
 from scenario_compiler.perception.lane_fit import CURVATURES, LEFT, RIGHT, Fit, LaneFitter, arc_y
 from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt, tilt_beyond
@@ -50,6 +52,9 @@ NEARBY = np.arange(5.0, 19.5, 1.0)
 TO_PARABOLA = np.linalg.pinv(np.vander(NEARBY, 3))
 """Distances ahead of the camera, m, and what takes values there to the coefficients of the nearest parabola."""
 
+MIDDLE = np.array(12.0)
+"""Distance ahead of the camera at which a boundary is compared with where it was, m."""
+
 REMEMBERED = 0.5
 """Probability over which a boundary is looked for again where it was."""
 
@@ -62,7 +67,9 @@ class Boundary:
         y0: Offset below the camera, m, left positive.
         slope: dy/dx there.
         curvature: 1/m, left turns positive.
-        p_geom: Probability that it is right and painted, 0-1: by the image alone as the detector has it.
+        p_geom: Probability that it lies within 0.25 m of the true boundary from 6 to 18 m ahead.
+        p_paint: Probability that most of that stretch is painted, however little of it the camera sees.
+        p: Confidence, the probability of both: without paint a right guess is luck.
         x_range: Nearest and farthest x at which paint was seen, m.
     """
 
@@ -70,6 +77,8 @@ class Boundary:
     slope: float
     curvature: float
     p_geom: float
+    p_paint: float
+    p: float
     x_range: tuple[float, float]
 
     def y(self, x: ArrayLike) -> Floats:
@@ -87,8 +96,8 @@ class LaneResult:
         right: Right boundary.
         sensor_health: 1 well, 0 broken; it multiplies both probabilities.
         sigma_hat: Measured noise, grey levels.
-        p_left: left.p_geom * sensor_health.
-        p_right: right.p_geom * sensor_health.
+        p_left: left.p * sensor_health.
+        p_right: right.p * sensor_health.
         lane_width: Distance between the boundaries 10 m ahead, m.
         tilt: How far the camera is tilted against the ground ahead, beyond its mounting.
     """
@@ -126,10 +135,10 @@ class LaneState:
     def after(self, result: LaneResult) -> LaneState:
         """Return the state after one more image."""
         width = self.width
-        if min(result.left.p_geom, result.right.p_geom) > 0.8:
+        if min(result.left.p, result.right.p) > 0.8:
             width = result.lane_width if width is None else 0.9 * width + 0.1 * result.lane_width
-        left = result.left if result.left.p_geom > REMEMBERED else None
-        right = result.right if result.right.p_geom > REMEMBERED else None
+        left = result.left if result.left.p > REMEMBERED else None
+        right = result.right if result.right.p > REMEMBERED else None
         return LaneState(left, right, width, tilt=result.tilt.later())
 
 
@@ -148,37 +157,56 @@ class LaneDetector(Protocol):
         ...
 
 
-class ClassicalLaneDetector:
-    """Ridges seen from above, exhaustive voting for pairs of arcs, a calibrated logistic score."""
+class CalibratedDetector(LaneDetector, Protocol):
+    """A detector whose confidence is fitted to what it sees.
 
-    def __init__(self, camera: Camera | None = None, weights: tuple[float, ...] | None = None) -> None:
+    Attributes:
+        features: Names of what the confidence is made from.
+        confidence_file: The file beside the package's modules that it is kept in.
+    """
+
+    features: ClassVar[tuple[str, ...]]
+    confidence_file: ClassVar[str]
+
+    def look(
+        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+    ) -> tuple[LaneResult, tuple[Floats, Floats]]:
+        """Return what `detect` does, and the features of the left and the right side."""
+        ...
+
+
+class ClassicalLaneDetector:
+    """Ridges seen from above, exhaustive voting for pairs of arcs, a calibrated confidence."""
+
+    features: ClassVar[tuple[str, ...]] = FEATURES
+    confidence_file: ClassVar[str] = "lane_confidence.json"
+
+    def __init__(self, camera: Camera | None = None, confidence: Confidence | None = None) -> None:
         """Prepare for one camera.
 
         Args:
             camera: The camera and its mounting, the default camera when None.
-            weights: Weights of the confidence; those of the shipped calibration when None.
+            confidence: What makes probabilities of features; the shipped calibration when None.
         """
         self.camera = camera if camera is not None else Camera()
-        self.weights = weights if weights is not None else load_calibration().weights
+        self.confidence = confidence or load_confidence(self.confidence_file, self.features)
         self.birds_eye = BirdsEye(self.camera)
         self.fitter = LaneFitter(self.birds_eye)
 
     def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
         """Return the lane that the camera is in (see `LaneDetector.detect`)."""
+        return self.look(image, prior, pitch)[0]
+
+    def look(
+        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+    ) -> tuple[LaneResult, tuple[Floats, Floats]]:
+        """Return what `detect` does, and the features that the left and the right side's confidence is made from."""
         fits, rows, tilt = self.examine(image, prior, pitch)
         sigma_hat = noise_of(image)
         health = noise_health(sigma_hat)
-        left, right = (_boundary(fit, probability(row, self.weights)) for fit, row in zip(fits, rows, strict=True))
-        return LaneResult(
-            left=left,
-            right=right,
-            sensor_health=health,
-            sigma_hat=sigma_hat,
-            p_left=left.p_geom * health,
-            p_right=right.p_geom * health,
-            lane_width=float(left.y(10.0) - right.y(10.0)),
-            tilt=tilt,
-        )
+        left, right = (_boundary(fit, *self.confidence(row)) for fit, row in zip(fits, rows, strict=True))
+        lane_width = float(left.y(10.0) - right.y(10.0))
+        return LaneResult(left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt), rows
 
     def examine(
         self, image: Image, prior: LaneState | None = None, pitch: float | None = None
@@ -202,7 +230,7 @@ class ClassicalLaneDetector:
                 before, start = start, tilt.pitch
                 if abs(start - before) <= PITCH_STEP:
                     break
-        return (left, right), self._features(left, right, ridges, width), tilt
+        return (left, right), self._features(left, right, ridges, width, state, tilt), tilt
 
     def _first_pitch(self, image: Image, state: LaneState, width: float, spread: float) -> float:
         """Return the pitch to begin with: what is remembered, else the one at which most paint lies on two arcs."""
@@ -227,15 +255,24 @@ class ClassicalLaneDetector:
             chosen = self.fitter.settle(votes, width, spread, chosen)
         return self.fitter.refine(ridges, votes, chosen)
 
-    def _features(self, left: Fit, right: Fit, ridges: Ridges, width: float) -> tuple[Floats, Floats]:
+    def _features(
+        self, left: Fit, right: Fit, ridges: Ridges, width: float, state: LaneState, tilt: Tilt
+    ) -> tuple[Floats, Floats]:
         off = float(left.curve[0] - right.curve[0]) - width
-        return features(left, ridges, off), features(right, ridges, off)
+        found = []
+        for fit, other, before in ((left, right, state.left), (right, left, state.right)):
+            moved = None
+            if before is not None:
+                moved = float(arc_y(fit.curve, MIDDLE - X_FROM)) - float(before.y(MIDDLE))
+            known = Circumstances(off, (tilt.pitch, tilt.deviation), moved, state.way is not None)
+            found.append(features(fit, other, ridges, known))
+        return found[0], found[1]
 
 
-def _boundary(fit: Fit, p_geom: float) -> Boundary:
+def _boundary(fit: Fit, p_geom: float, p_paint: float, p: float) -> Boundary:
     """Return the parabola that is nearest to the fit's arc where boundaries have to be right."""
     curvature, slope, y0 = (float(value) for value in TO_PARABOLA @ arc_y(fit.curve, NEARBY - X_FROM))
-    return Boundary(y0, slope, 2.0 * curvature, p_geom, (fit.nearest, fit.farthest))
+    return Boundary(y0, slope, 2.0 * curvature, p_geom, p_paint, p, (fit.nearest, fit.farthest))
 
 
 def _shape(way: tuple[float, float] | None) -> Floats | None:

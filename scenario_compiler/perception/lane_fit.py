@@ -51,6 +51,9 @@ MOST_STEPS = 20
 MOST_TURNED = 0.95
 """Sine of the heading beyond which an arc goes straight on: the camera sees no farther."""
 
+RIVALS_AT, ELSEWHERE = 12.0, 0.4
+"""Distance ahead at which arcs are distinguished, and how far apart they are then at least, m."""
+
 ON_LINE, STRAY = 0.08, 0.25
 """How far off an arc a ridge counts as on it, m, and the share of ridges that are not from which the slope is in doubt;
 of ridges anywhere in the window two thirds are not."""
@@ -75,6 +78,7 @@ class Fit:
         contrast: (rows,) grey levels on the refined arc itself.
         green: How green the greener side of the arc is where there is paint, grey levels.
         slope_deviation: Standard deviation of the arc's slope as the painted rows tell it; infinite without.
+        rivals: Largest votes of other arcs of the side that lie nearer to the car and farther from it, m 12 m ahead.
         nearest: Smallest x with paint on two rows, m; the map's last row without any.
         farthest: Largest x with paint on two rows, m.
     """
@@ -88,6 +92,7 @@ class Fit:
     contrast: Floats
     green: float
     slope_deviation: float
+    rivals: tuple[float, float]
     nearest: float
     farthest: float
 
@@ -110,6 +115,7 @@ class LaneFitter:
         self._weights: list[NDArray[np.float32]] = []
         self._norms: list[NDArray[np.float32]] = []
         self._bins: list[NDArray[np.int64]] = []
+        self._middles: list[Floats] = []
         for sign in (1.0, -1.0):
             self._add_side(grid * np.array([sign, 1.0, 1.0]), birds_eye)
 
@@ -126,6 +132,7 @@ class LaneFitter:
         self._norms.append(np.sqrt(seen[kept].sum(axis=1)).astype(np.float32))
         bins = np.round((np.abs(curves[kept, 0]) - OFFSETS[0]) * 10).astype(np.int64)
         self._bins.append(bins)
+        self._middles.append(np.sign(curves[kept, 0]) * arc_y(curves[kept], np.array(RIVALS_AT - X_FROM)))
 
     def _column(self, curve: Floats, d: Floats) -> NDArray[np.int64]:
         """Return the columns in which arcs (..., 3) lie at d."""
@@ -221,7 +228,7 @@ class LaneFitter:
         peaks = [self._peaks(ridges, guess) for guess in guesses]
         curves = self._least_squares(guesses, peaks)
         left, right = (
-            self._judge(ridges, votes[side], chosen[side], curves[side], peaks[side]) for side in (LEFT, RIGHT)
+            self._judge(ridges, votes[side], side, chosen[side], curves[side], peaks[side]) for side in (LEFT, RIGHT)
         )
         return left, right
 
@@ -261,6 +268,7 @@ class LaneFitter:
         self,
         ridges: Ridges,
         votes: NDArray[np.float32],
+        side: int,
         chosen: int,
         curve: Floats,
         peaks: tuple[Floats, Floats],
@@ -283,9 +291,15 @@ class LaneFitter:
             contrast=contrast,
             green=float((green * on_curve)[near].sum() / (on_curve[near].sum() + 1.0)),
             slope_deviation=self._slope_deviation(weight, miss),
+            rivals=self._rivals(votes, side, chosen),
             nearest=float(shown[0]) if len(shown) else float(self.x[-1]),
             farthest=float(shown[-1]) if len(shown) else float(self.x[-1]),
         )
+
+    def _rivals(self, votes: NDArray[np.float32], side: int, chosen: int) -> tuple[float, float]:
+        beyond = self._middles[side] - self._middles[side][chosen]
+        inner, outer = (votes[way * beyond > ELSEWHERE].max(initial=0.0) for way in (-1.0, 1.0))
+        return float(inner), float(outer)
 
     def _slope_deviation(self, weight: Floats, miss: Floats) -> float:
         """Return how well rows of some weight, off the arc by the root of `miss`, tell its slope.

@@ -85,11 +85,7 @@ def compose(
     picture, inset = view_image.copy(), camera_image.copy()
     apart = sensor.x - driver.x, sensor.y - driver.y
     for image, camera, shift in ((picture, driver, apart), (inset, sensor, (0.0, 0.0))):
-        if path is not None:
-            points = np.asarray(path, np.float64).reshape(-1, 2) + shift
-            _polyline(image, camera, points[:, 0], points[:, 1], PURPLE)
-        if lane is not None:
-            _draw_boundaries(image, camera, lane, shift)
+        draw_seen(image, camera, lane, path, shift)
     _set_in(picture, inset)
     _write(picture, lane, caption)
     return picture
@@ -100,6 +96,30 @@ def draw_lanes(image: Image, lane: LaneResult, camera: Camera) -> Image:
     drawn = image.copy()
     _draw_boundaries(drawn, camera, lane, (0.0, 0.0))
     return drawn
+
+
+def draw_seen(
+    image: Image, camera: Camera, lane: LaneResult | None, path: ArrayLike | None, shift: tuple[float, float] = (0, 0)
+) -> None:
+    """Draw the detected boundaries and the path into the picture of a camera.
+
+    Args:
+        image: The picture, which is drawn into.
+        camera: Its camera.
+        lane: What was detected, in the sensor's ground frame.
+        path: (n, 2) points of the path, in the same frame, m.
+        shift: How far the sensor is ahead and to the left of the picture's camera, m.
+    """
+    if path is not None:
+        points = np.asarray(path, np.float64).reshape(-1, 2) + shift
+        _polyline(image, camera, points[:, 0], points[:, 1], PURPLE)
+    if lane is not None:
+        _draw_boundaries(image, camera, lane, shift)
+
+
+def draw_on_ground(image: Image, camera: Camera, points: Sequence[tuple[float, float]], colour: Colour) -> None:
+    """Draw a line that lies on the ground, through points (x ahead, y left) of the camera's ground frame, m."""
+    _polyline(image, camera, [x for x, _ in points], [y for _, y in points], colour)
 
 
 def annotate(image: Image, caption: Caption) -> None:
@@ -145,6 +165,14 @@ def write_above(image: Image, corner: tuple[int, int], text: str, colour: Colour
 def encode_webp(image: Image, quality: int = 60) -> bytes:
     """Return the image as a WebP file of a quality, 1 to 100; equal images give equal bytes with one OpenCV."""
     good, data = cv2.imencode(".webp", image, [cv2.IMWRITE_WEBP_QUALITY, quality])
+    if not good:
+        raise ValueError(f"an image of shape {image.shape} cannot be encoded")
+    return data.tobytes()
+
+
+def encode_jpeg(image: Image, quality: int = 80) -> bytes:
+    """Return the image as a JPEG file of a quality, 1 to 100; five times as fast as WebP, and twice as large."""
+    good, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not good:
         raise ValueError(f"an image of shape {image.shape} cannot be encoded")
     return data.tobytes()

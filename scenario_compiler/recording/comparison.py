@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.recording.decimals import shortest, to_the_nanosecond
 from scenario_compiler.recording.events import EventRow
-from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
+from scenario_compiler.recording.names import CAUSES, SOURCES, TAKEOVER_STATES, WISHES
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import COLUMNS, Column, Floats, Integers, Recording
 from scenario_compiler.recording.trajectory import TRAJECTORY_COLUMNS
@@ -277,6 +277,10 @@ def _said(value: Any, column: Column) -> str:
         return TAKEOVER_STATES.get(int(value), "none")
     if column.kind == "cause":
         return CAUSES.get(int(value), "") or "none"
+    if column.kind == "source":
+        return SOURCES.get(int(value), "none")
+    if column.kind == "wish":
+        return WISHES.get(int(value), "") or "none"
     if column.kind == "flag":
         return "yes" if value else "no"
     return shortest(value) if column.kind == "float" else str(value) or "none"

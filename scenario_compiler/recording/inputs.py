@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
+from scenario_compiler.recording.durations import after_request
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 
 
 def steering_time(traces: Traces) -> Floats:
-    """Time from the request to the first steering after the response, s, (...)."""
+    """Time from the request to the driver's first steering after the response, s, (...)."""
     there = traces.between(traces.times["response"]) & traces.present[..., 0]
     first = np.argmax(there, axis=-1)[..., None]
     steer = traces.steer[..., 0]
     turned = np.abs(steer - np.take_along_axis(steer, first, axis=-1)) * traces.inputs.steering_ratio
-    return _first_after(traces, there & (turned > traces.inputs.steering))
+    return _first_after(traces, traces.driven & (turned > traces.inputs.steering))
 
 
 def braking_time(traces: Traces) -> Floats:
-    """Time from the request to the first braking after the response, s, (...)."""
-    there = traces.between(traces.times["response"]) & traces.present[..., 0]
-    return _first_after(traces, there & (traces.brake[..., 0] > traces.inputs.brake))
+    """Time from the request to the driver's first braking after the response, s, (...)."""
+    return _first_after(traces, traces.driven & (traces.brake[..., 0] > traces.inputs.brake))
 
 
 def input_time(traces: Traces) -> Floats:
@@ -31,12 +31,12 @@ def input_time(traces: Traces) -> Floats:
 
 def steering_total(totals: RunTotals) -> Floats:
     """The same as `steering_time`, (runs,)."""
-    return totals.column("time_steered") - totals.times["request"]
+    return after_request(totals, totals.column("time_steered"))
 
 
 def braking_total(totals: RunTotals) -> Floats:
     """The same as `braking_time`, (runs,)."""
-    return totals.column("time_braked") - totals.times["request"]
+    return after_request(totals, totals.column("time_braked"))
 
 
 def input_total(totals: RunTotals) -> Floats:
@@ -45,5 +45,4 @@ def input_total(totals: RunTotals) -> Floats:
 
 
 def _first_after(traces: Traces, where: Booleans) -> Floats:
-    first = np.fmin.reduce(np.where(where, traces.t, np.nan), axis=-1, initial=np.nan)
-    return np.asarray(first - traces.times["request"])
+    return after_request(traces, np.fmin.reduce(np.where(where, traces.t, np.nan), axis=-1, initial=np.nan))

@@ -7,17 +7,17 @@ defined. The definition that a number was made by goes into every file that hold
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
-from scenario_compiler.engine.measures.lane_keeping import JUMP, SETTLING
+from scenario_compiler.engine.measures.lane_keeping import SETTLING
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
+from scenario_compiler.recording.durations import Timed, after_request, whole_steps
 from scenario_compiler.recording.inputs import (
     braking_time,
     braking_total,
@@ -26,21 +26,27 @@ from scenario_compiler.recording.inputs import (
     steering_time,
     steering_total,
 )
+from scenario_compiler.recording.lateral import (
+    lane_position_deviation,
+    lane_position_deviation_total,
+    lateral_offset_at_response,
+    maximum_lateral_offset,
+    time_off_lanes,
+    time_off_lanes_total,
+)
 from scenario_compiler.recording.names import EventKind
-from scenario_compiler.recording.on_path import least_time_to_collision
+from scenario_compiler.recording.on_path import (
+    STEEPEST,
+    drac_of_room,
+    greatest_drac,
+    least_headway,
+    least_time_to_collision,
+)
 from scenario_compiler.recording.recording import Booleans, Floats
+from scenario_compiler.recording.reversals import LEAST, coarse_rate, coarse_total, fine_rate, fine_total
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
-
-
-class Timed(Protocol):
-    """Traces or totals: both know when events happened first."""
-
-    @property
-    def times(self) -> Mapping[EventKind, Floats]:
-        """First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,37 +85,32 @@ def total(name: str) -> Callable[[RunTotals], Floats]:
 
 def takeover_time(runs: Timed) -> Floats:
     """Time from the request to the driver's response."""
-    return _after_request(runs, runs.times["response"])
+    return after_request(runs, runs.times["response"])
 
 
 def eyes_on_time(runs: Timed) -> Floats:
     """Time from the request until the driver's eyes are on the road."""
-    return _after_request(runs, runs.times["eyes_on"])
+    return after_request(runs, runs.times["eyes_on"])
 
 
 def hands_on_time(runs: Timed) -> Floats:
     """Time from the request until the driver's hands are on the wheel."""
-    return _after_request(runs, runs.times["hands_on"])
+    return after_request(runs, runs.times["hands_on"])
 
 
 def first_brake_time(traces: Traces) -> Floats:
     """Time from the request to the driver's first braking."""
-    braking = traces.between(traces.times["response"]) & (traces.brake[..., 0] > BRAKING)
-    return _after_request(traces, np.fmin.reduce(np.where(braking, traces.t, np.nan), axis=-1, initial=np.nan))
+    braking = traces.driven & (traces.brake[..., 0] > BRAKING)
+    return after_request(traces, np.fmin.reduce(np.where(braking, traces.t, np.nan), axis=-1, initial=np.nan))
 
 
 def _first_brake_total(totals: RunTotals) -> Floats:
-    return _after_request(totals, totals.column("time_first_brake"))
-
-
-def _after_request(runs: Timed, time: Floats) -> Floats:
-    waited = time - runs.times["request"]
-    return np.where(waited >= 0, waited, np.nan)
+    return after_request(totals, totals.column("time_first_brake"))
 
 
 def limit_distance(traces: Traces) -> Floats:
     """Distance at the request to the place that the request is about."""
-    return _distance_of(
+    return distance_to_limit(
         cause_of_request(traces),
         _at_request(traces, traces.blocked_distance),
         _at_request(traces, traces.lane_end_distance),
@@ -117,12 +118,13 @@ def limit_distance(traces: Traces) -> Floats:
 
 
 def _limit_distance_total(totals: RunTotals) -> Floats:
-    return _distance_of(
+    return distance_to_limit(
         totals.column("request_cause"), totals.column("request_blocked"), totals.column("request_lane_end")
     )
 
 
-def _distance_of(cause: Floats, blocked: Floats, ends: Floats) -> Floats:
+def distance_to_limit(cause: Floats, blocked: Floats, ends: Floats) -> Floats:
+    """Return the distance to the place that a request is about, m, by the code of its cause; NaN for other causes."""
     return np.where(cause == CAUSE_PATH_BLOCKED, blocked, np.where(cause == CAUSE_LANE_ENDS, ends, np.nan))
 
 
@@ -133,14 +135,15 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    return _time_to(limit_distance(traces), _at_request(traces, traces.v[..., 0]))
+    return whole_steps(traces, time_to_limit(limit_distance(traces), _at_request(traces, traces.v[..., 0])))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
-    return _time_to(_limit_distance_total(totals), totals.column("request_speed"))
+    return whole_steps(totals, time_to_limit(_limit_distance_total(totals), totals.column("request_speed")))
 
 
-def _time_to(distance: Floats, speed: Floats) -> Floats:
+def time_to_limit(distance: Floats, speed: Floats) -> Floats:
+    """Return the time until a limit is reached at unchanged speed, s; NaN at a standstill."""
     return np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan)
 
 
@@ -153,11 +156,11 @@ def _at_request(traces: Traces, values: Floats) -> Floats:
 
 def takeover_buffer(traces: Traces) -> Floats:
     """What is left of the time budget when the driver responds."""
-    return time_budget(traces) - takeover_time(traces)
+    return whole_steps(traces, time_budget(traces) - takeover_time(traces))
 
 
 def _takeover_buffer_total(totals: RunTotals) -> Floats:
-    return _time_budget_total(totals) - takeover_time(totals)
+    return whole_steps(totals, _time_budget_total(totals) - takeover_time(totals))
 
 
 def minimum_time_to_collision(traces: Traces) -> Floats:
@@ -189,52 +192,6 @@ def _greatest(values: Floats, where: Booleans) -> Floats:
     return np.asarray(np.fmax.reduce(np.where(where, values, np.nan), axis=-1, initial=np.nan))
 
 
-def lane_position_deviation(traces: Traces) -> Floats:
-    """Standard deviation of the lateral position in the first seconds after the response."""
-    response = traces.times["response"]
-    window = traces.between(response, response + SETTLING)
-    off = _left_of_centre(traces)
-    jumps = np.abs(np.diff(off, axis=-1)) > JUMP
-    changes = (jumps & window[..., 1:] & window[..., :-1]).any(axis=-1)
-    lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= response + SETTLING - 1e-6
-    count = window.sum(axis=-1)
-    mean = _total(np.where(window, off, 0.0)) / np.maximum(count, 1)
-    square = _total(np.where(window, (off - mean[..., None]) ** 2, 0.0))
-    deviation = np.sqrt(square / np.maximum(count - 1, 1))
-    return np.where(lasts & ~changes & (count > 1), deviation, np.nan)
-
-
-def _total(values: Floats) -> Floats:
-    """Return the sum over the rows, one after the other: zeros behind a run's end do not change it."""
-    return np.asarray(np.add.accumulate(values, axis=-1)[..., -1])
-
-
-def _left_of_centre(traces: Traces) -> Floats:
-    """Return the ego vehicle's offset to the left in its direction of travel, (..., n)."""
-    same_road = np.diff(traces.road[..., 0], axis=-1) == 0
-    step = np.sign(np.where(same_road, np.diff(traces.s[..., 0], axis=-1), 0.0))
-    none = np.zeros_like(traces.t[..., :1])
-    ahead, behind = np.concatenate([step, none], axis=-1), np.concatenate([none, step], axis=-1)
-    direction = np.where(ahead != 0, ahead, behind)
-    moving = np.where(direction != 0, np.arange(direction.shape[-1]), 0)
-    held = np.take_along_axis(direction, np.maximum.accumulate(moving, axis=-1), axis=-1)
-    return traces.off[..., 0] * np.where(held < 0, -1.0, 1.0)
-
-
-def _lane_position_deviation_total(totals: RunTotals) -> Floats:
-    lasts = totals.last_time >= totals.times["response"] + SETTLING - 1e-6
-    count = totals.column("keeping_count")
-    broken = ~np.isnan(totals.column("keeping_broken"))
-    squares = np.nan_to_num(totals.column("keeping_squares"))
-    return np.where(lasts & ~broken & (count > 1), np.sqrt(squares / np.maximum(count - 1, 1)), np.nan)
-
-
-def maximum_lateral_offset(traces: Traces) -> Floats:
-    """Greatest distance from the lane's centre after the request."""
-    on_lane = traces.lane[..., 0] != 0
-    return _greatest(np.abs(traces.off[..., 0]), traces.between(traces.times["request"]) & on_lane)
-
-
 def minimum_confidence(traces: Traces) -> Floats:
     """Least lane confidence, of the better side."""
     better = np.fmax(traces.confidence_left, traces.confidence_right)
@@ -257,6 +214,11 @@ def collision_speed(traces: Traces) -> Floats:
 
 def _collision_speed_total(totals: RunTotals) -> Floats:
     return np.where(np.isnan(totals.times["collision"]), np.nan, totals.column("speed_before_collision"))
+
+
+def requests(traces: Traces) -> Floats:
+    """Number of requests of the run."""
+    return np.where(traces.requests > 0, traces.requests, np.nan)
 
 
 def _time_of(kind: EventKind, what: str) -> Measure:
@@ -331,8 +293,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "first_brake_time",
         "s",
-        "Time from the request to the first row from the response on in which the brake is pressed by more than "
-        f"{BRAKING:.0%}.",
+        "Time from the request to the first row, of those that the driver drives from the response until control is "
+        f"handed back, in which the brake is pressed by more than {BRAKING:.0%}.",
         "no response, or no braking after it",
         first_brake_time,
         _first_brake_total,
@@ -340,8 +302,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "time_budget",
         "s",
-        "Distance to the limit at the request over the speed then: the time until the limit is reached at unchanged "
-        "speed.",
+        "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
+        "is reached at unchanged speed.",
         "no request, or one that is not about a place ahead",
         time_budget,
         _time_budget_total,
@@ -373,6 +335,29 @@ MEASURES: tuple[Measure, ...] = (
         f"nothing in the path would ever be reached within {HORIZON:g} s",
         minimum_time_to_collision,
         total("least_time_to_collision"),
+        of_takeover=False,
+    ),
+    Measure(
+        "minimum_time_headway",
+        "s",
+        "Least over the run of gap over the vehicle's own speed to any entity whose box lies across the path ahead, as "
+        f"for the time to collision; 0 while boxes overlap. {HORIZON:g} s or more counts as none.",
+        f"nothing in the path was within {HORIZON:g} s",
+        least_headway,
+        total("least_headway"),
+        "time headway (THW)",
+        of_takeover=False,
+    ),
+    Measure(
+        "maximum_drac",
+        "m/s2",
+        "Greatest over the run of the square of the closing speed over twice the gap, to any entity that would be "
+        f"reached within {HORIZON:g} s, as for the time to collision: the constant deceleration that would just do. At "
+        f"most {STEEPEST:g} m/s2, which it is while boxes overlap.",
+        "nothing in the path was closed in on",
+        greatest_drac,
+        lambda totals: drac_of_room(totals.column("least_room")),
+        "deceleration rate to avoid a crash (DRAC)",
         of_takeover=False,
     ),
     Measure(
@@ -409,16 +394,54 @@ MEASURES: tuple[Measure, ...] = (
         f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
         f"no response, a lane change, or a run that ends within {SETTLING:g} s of it",
         lane_position_deviation,
-        _lane_position_deviation_total,
+        lane_position_deviation_total,
         "standard deviation of lateral position (SDLP)",
     ),
     Measure(
         "maximum_lateral_offset",
         "m",
-        "Greatest absolute distance of the reference point from the centre of the lane it is in, from the request on.",
+        "Greatest absolute distance of the reference point from the centre of the lane that it was in at the request, "
+        "from the request on; rows off every lane are left out.",
         "no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),
+    ),
+    Measure(
+        "steering_reversal_rate",
+        "1/min",
+        "Reversals of the steering wheel a minute, by at least 3 degrees after a low-pass of 0.6 Hz (Butterworth, "
+        "second order, forwards), in the rows that the driver drives from the response until control is handed back.",
+        f"the driver drove for less than {LEAST:g} s",
+        coarse_rate,
+        coarse_total,
+        "after Markkula and Engstrom 2006, not verified",
+    ),
+    Measure(
+        "fine_steering_reversal_rate",
+        "1/min",
+        "The same by at least 0.1 degrees after a low-pass of 2 Hz.",
+        f"the driver drove for less than {LEAST:g} s",
+        fine_rate,
+        fine_total,
+        "after Markkula and Engstrom 2006, not verified",
+    ),
+    Measure(
+        "lateral_offset_at_response",
+        "m",
+        "Distance of the reference point to the left of the centre of the lane at the request, in the direction of "
+        "travel, in the row of the response; negative to the right.",
+        "no response",
+        lateral_offset_at_response,
+        total("offset_at_response"),
+    ),
+    Measure(
+        "time_off_lanes",
+        "s",
+        "Time that the reference point was off every lane: the number of such rows times the step.",
+        "it was on a lane throughout",
+        time_off_lanes,
+        time_off_lanes_total,
+        of_takeover=False,
     ),
     Measure(
         "minimum_confidence",
@@ -445,6 +468,14 @@ MEASURES: tuple[Measure, ...] = (
         collision_speed,
         _collision_speed_total,
         of_takeover=False,
+    ),
+    Measure(
+        "requests",
+        "1",
+        "Number of takeover requests in the run.",
+        "no request",
+        requests,
+        total("requests"),
     ),
     _time_of("warning", "warning"),
     _time_of("request", "request"),

@@ -53,10 +53,24 @@ EVENT_TEXTS: dict[EventKind, str] = {
     **{entry.told.event: entry.told.text for entry in ACTIONS if entry.told is not None},
     "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`.",
     "lane_invasion": "The world's own sensor reports that the ego vehicle crosses a mark; `message` is its type.",
+    "message_over": "The reason of a message has ended, and with it the message: `message`; `cause` is the modality.",
+    "person_left": "The page of the person at the wheel is gone: the vehicle stops if they were driving.",
+    "person_back": "The page of the person at the wheel is there again.",
     "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` says why.",
     "stop": "The run ends; `message` is the reason.",
 }
 """Every kind of event, and what it tells: the engine's own, its actions', the worlds', and the loop's."""
+
+SOURCES: dict[int, str] = {0: "automation", 1: "driver model", 2: "person", 3: "minimum-risk manoeuvre"}
+"""Who commands the automated vehicle."""
+
+WISHES: dict[int, Literal["", "take_over", "hand_back", "leave"]] = {
+    opcodes.WISH_NONE: "",
+    opcodes.WISH_TAKE_OVER: "take_over",
+    opcodes.WISH_HAND_BACK: "hand_back",
+    opcodes.WISH_LEAVE: "leave",
+}
+"""What a person at the wheel wants of the automation."""
 
 FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_NOISE: "noise",
@@ -112,6 +126,7 @@ STATE_AFTER: dict[EventKind, StateName] = {
     "request": "request",
     "escalation": "escalation",
     "response": "manual",
+    "override": "manual",
     "hand_back": "hand_back",
     "minimum_risk": "minimum_risk",
     "standstill": "standstill",

@@ -28,6 +28,7 @@ from scenario_compiler.recording.names import (
 )
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import MEANINGS, Resolution, resolutions
+from scenario_compiler.recording.takeovers import Takeover, takeovers_of
 from scenario_compiler.recording.traces import Traces, traces_of
 
 
@@ -85,6 +86,7 @@ class Outcome(_Part):
     timeline: tuple[Interval, ...] = Field(
         description="The takeover's states, one after the other; none without an automated vehicle."
     )
+    takeovers: tuple[Takeover, ...] = Field(default=(), description="All takeovers, one for each request.")
     measures: dict[str, MeasureValue] = Field(description="The measures by name, each with the definition used.")
     trajectory_hash: str = Field(description="SHA-256 of the trajectories: equal runs have equal hashes.")
     versions: dict[str, str] = Field(description="Versions of what the result depends on.")
@@ -115,6 +117,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
         duration=float(recording.t[-1]) if len(recording.t) else 0.0,
         criteria=criteria,
         timeline=timeline(recording) if automated else (),
+        takeovers=takeovers_of(recording) if automated else (),
         measures=measure_run(traces, measures_of(plan)),
         trajectory_hash=recording.trajectory_hash,
         versions=dict(sorted(header.versions.items())),

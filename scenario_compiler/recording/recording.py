@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import EventKind, StopReason
+from scenario_compiler.vocabulary.driver import ReferenceName
 
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
@@ -32,6 +33,10 @@ class Header(BaseModel):
     variant: int = Field(default=0, description="Index of the variant in a sweep.")
     parameters: dict[str, float | bool | str] = Field(
         default={}, description="Value of each parameter that the plan leaves open."
+    )
+    avoided: dict[ReferenceName, bool] = Field(
+        default={},
+        description="Whether each reference driver that a criterion names has no collision, driving from the start.",
     )
     step: float = Field(description="Length of a time step, s.")
     entities: tuple[str, ...] = Field(
@@ -72,8 +77,8 @@ class Column:
         unit: SI unit, empty for numbers without one.
         description: What it holds.
         name: Its name, the same in the type and in the file.
-        kind: "float"; "integer"; "flag"; "road": index into `Recording.roads`; "state" and "cause": code
-            of `names`.
+        kind: "float"; "integer"; "flag"; "road": index into `Recording.roads`; "state", "cause", "source"
+            and "wish": code of `names`.
         nothing: Value where there is none.
         far: The engine's `FAR` stands for "none" and is recorded as NaN.
         trajectory: Part of the trajectory hash.
@@ -83,7 +88,7 @@ class Column:
     unit: str
     description: str
     name: str = ""
-    kind: Literal["float", "integer", "flag", "road", "state", "cause"] = "float"
+    kind: Literal["float", "integer", "flag", "road", "state", "cause", "source", "wish"] = "float"
     nothing: float = float("nan")
     far: bool = False
     trajectory: bool = False
@@ -141,6 +146,15 @@ class Recording:
     brake: Annotated[Floats, Column("entity", "1", "Brake, 0 to 1.")]
 
     takeover_state: Annotated[Integers, Column("run", "", "State of the takeover.", kind="state", nothing=0)]
+    control: Annotated[Integers, Column("run", "", "Who commands the automated vehicle.", kind="source", nothing=0)]
+    person_throttle: Annotated[Floats, Column("run", "1", "Throttle of the person at the wheel, 0 to 1.")]
+    person_brake: Annotated[Floats, Column("run", "1", "Brake of the person at the wheel, 0 to 1.")]
+    person_steer: Annotated[
+        Floats, Column("run", "1", "Steering of the person, -1 to 1 of the greatest angle, positive to the left.")
+    ]
+    person_wish: Annotated[
+        Integers, Column("run", "", "What the person wants of the automation.", kind="wish", nothing=0)
+    ]
     cause: Annotated[Integers, Column("run", "", "Cause of the present warning or request.", kind="cause", nothing=0)]
     confidence_left: Annotated[Floats, Column("run", "1", "Lane confidence on the left, 0 to 1.")]
     confidence_right: Annotated[Floats, Column("run", "1", "Lane confidence on the right, 0 to 1.")]

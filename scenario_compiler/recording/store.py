@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,19 @@ from numpy.typing import NDArray
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.events import EventRow
-from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
+from scenario_compiler.recording.names import CAUSES, SOURCES, TAKEOVER_STATES, WISHES
 from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
 
 FORMAT = "scenario-compiler/recording/1"
 _KEY = b"scenario-compiler"
+CODES: dict[str, Mapping[int, str]] = {
+    "state": TAKEOVER_STATES,
+    "cause": CAUSES,
+    "source": SOURCES,
+    "wish": WISHES,
+}
+"""Names of the codes of a kind of column."""
+
 _UNREADABLE = (pa.ArrowException, OSError, KeyError, ValueError, TypeError, AttributeError, IndexError)
 """What reading a file that is missing, damaged or something else can end in."""
 
@@ -112,7 +121,7 @@ def _encoded(
 ) -> pa.Array:
     if column.kind == "road":
         return _named(values, roads, absent)
-    if column.kind in ("state", "cause"):
+    if column.kind in CODES:
         return _named(values, _code_names(column), absent)
     if column.kind == "integer":
         return pa.array(values.astype(np.int32), mask=absent)
@@ -120,7 +129,7 @@ def _encoded(
 
 
 def _code_names(column: Column) -> tuple[str, ...]:
-    names = TAKEOVER_STATES if column.kind == "state" else CAUSES
+    names = CODES[column.kind]
     return tuple(names.get(code, "") for code in range(max(names) + 1))
 
 
@@ -152,7 +161,7 @@ def _decoded(table: pa.Table, about: dict[str, Any], metadata: dict[bytes, bytes
 def _values(table: pa.Table, column: Column, roads: tuple[str, ...]) -> NDArray[Any]:
     if column.kind == "road":
         return _codes(table, column.name, roads)
-    if column.kind in ("state", "cause"):
+    if column.kind in CODES:
         return _codes(table, column.name, _code_names(column))
     values = table[column.name]
     nothing = pa.scalar(column.nothing if column.kind == "float" else int(column.nothing), values.type)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from scenario_compiler.engine.columns.totals import SUMMARY, Totals
+from scenario_compiler.engine.columns.totals import SUMMARY, TAKEOVER_FIELDS, TAKEOVERS, TAKEOVERS_AT, Totals
 from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.recording.names import EventKind
 from scenario_compiler.recording.recording import Floats
@@ -21,9 +21,11 @@ class RunTotals:
 
     Attributes:
         summaries: (runs, SUMMARY_SIZE), as `Simulation.sweep` returns them.
+        step: Length of a time step, s.
     """
 
     summaries: Floats
+    step: float
 
     def column(self, name: str) -> Floats:
         """Return a total of each run, (runs,), NaN where it still has its start value: what it measures was not."""
@@ -33,6 +35,12 @@ class RunTotals:
     def raw(self, name: str) -> Floats:
         """Return a total of each run, (runs,), as it stands."""
         return np.asarray(self.summaries[:, SUMMARY.index(name)])
+
+    def of_takeovers(self, name: str) -> Floats:
+        """Return a total of each takeover of each run, (runs, TAKEOVERS), NaN where it still has its start value."""
+        each = self.summaries[:, TAKEOVERS_AT:].reshape(len(self.summaries), TAKEOVERS, len(TAKEOVER_FIELDS))
+        values = each[:, :, TAKEOVER_FIELDS.index(name)]
+        return np.where(values == columns_of(Totals)[name].start, np.nan, values)
 
     def code(self, name: str) -> list[int]:
         """Return a code or number of each run."""

@@ -10,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.measures.rows import STILL
 from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.expressions import Value
@@ -111,6 +112,7 @@ class Traces:
         off: (..., n, m), m left of the lane's centre in the road's s direction.
         steer: (..., n, m), rad, of the front wheels, positive to the left.
         brake: (..., n, m), 0 to 1.
+        takeover_state: (..., n), code.
         cause: (..., n), code.
         confidence_left: (..., n); confidence_right likewise.
         confidence_right: See confidence_left.
@@ -120,8 +122,10 @@ class Traces:
         width: (m,), m.
         height: (m,), m.
         center: (m,), m from the reference point forward to the box's centre.
+        step: Length of a time step, s.
         inputs: What counts as the driver's input.
         times: First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened.
+        requests: Number of takeover requests, (...).
     """
 
     t: Floats
@@ -138,6 +142,7 @@ class Traces:
     off: Floats
     steer: Floats
     brake: Floats
+    takeover_state: Integers
     cause: Integers
     confidence_left: Floats
     confidence_right: Floats
@@ -147,13 +152,26 @@ class Traces:
     width: Floats
     height: Floats
     center: Floats
+    step: float
     inputs: InputLimits
     times: Mapping[EventKind, Floats]
+    requests: Floats
 
     def between(self, begin: Floats, end: Floats | None = None) -> Booleans:
         """Return which rows lie in [begin, end], (..., n); none where begin or a given end is NaN."""
         inside = self.t >= begin[..., None] - SAME_TIME
         return inside if end is None else inside & (self.t <= end[..., None] + SAME_TIME)
+
+    @cached_property
+    def driven(self) -> Booleans:
+        """Rows that the driver drove who responded first, until control was handed back, (..., n).
+
+        The row of the response is none of them: the automation commanded the motion up to it.
+        """
+        with np.errstate(invalid="ignore"):
+            after = self.t > self.times["response"][..., None] + SAME_TIME
+        manual = np.isin(self.takeover_state, (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK))
+        return np.asarray(after & np.logical_and.accumulate(manual | ~after, axis=-1) & self.present[..., 0])
 
     @cached_property
     def seen(self) -> Seen:
@@ -213,7 +231,8 @@ class Traces:
 def traces_of(plan: Plan, recording: Recording) -> Traces:
     """Return the arrays of one run, without leading axes."""
     same = (
-        *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake", "cause"),
+        *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
+        *("takeover_state", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "lane_end_distance"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
@@ -223,8 +242,10 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         width=np.array([vehicle.width for vehicle in vehicles]),
         height=np.array([vehicle.height for vehicle in vehicles]),
         center=np.array([vehicle.center for vehicle in vehicles]),
+        step=plan.step,
         inputs=input_limits(plan, recording.header.parameters),
         times={kind: np.asarray(_first(recording, kind)) for kind in TIMED_EVENTS},
+        requests=np.asarray(float(sum(event.kind == "request" for event in recording.events))),
     )
 
 

@@ -40,9 +40,6 @@ PER_SECOND = 5.0
 DOWN = math.radians(-60.0)
 """Pitch below which a camera looks down onto the vehicle that carries it, rad."""
 
-MESSAGE_TIME = 4.0
-"""How long a message stays in the picture when nothing follows it, s."""
-
 
 def camera_pictures(run: Run, per_second: float = PER_SECOND, *, width: int = 640) -> tuple[Picture, ...]:
     """Draw pictures of a run for a page, at even times and at its moments; WebP, without writing in them."""
@@ -162,9 +159,8 @@ class Sights:
         if plan.controller is not None:
             left, right = float(recording.confidence_left[row]), float(recording.confidence_right[row])
             notes.append(f"confidence left {left:.2f}   right {right:.2f}")
-        said = [one for one in recording.events if one.kind == "message" and t - MESSAGE_TIME < one.t <= t]
         state = "" if plan.controller is None else TAKEOVER_STATES[int(recording.takeover_state[row])]
-        texts = list(dict.fromkeys(one.message for one in said if one.message))[-1:]
+        texts = said_at(run=self._run, t=t)
         warns = state in ("automated", "warning")
         return Caption(
             time=t,
@@ -174,6 +170,17 @@ class Sights:
             warnings=texts if warns else (),
             alarms=() if warns else texts,
         )
+
+
+def said_at(run: Run, t: float) -> list[str]:
+    """Return the messages that the driver is given at a time: those that have begun and whose reason has not ended."""
+    shown: dict[tuple[str, str], None] = {}
+    for event in run.recording.events:
+        if event.t <= t + 1e-6 and event.kind == "message":
+            shown[event.cause, event.message] = None
+        elif event.t <= t + 1e-6 and event.kind == "message_over":
+            shown.pop((event.cause, event.message), None)
+    return list(dict.fromkeys(text for _, text in shown if text))[-1:]
 
 
 def stills(run: Run, rows: Iterable[int]) -> Iterator[Still]:

@@ -418,6 +418,8 @@ def _row_at(t: Floats, time: float) -> int:
 def svg_of(figure: Figure, prefix: str) -> str:
     """Return the figure as an SVG element whose ids begin with `prefix`, to stand in a page with others.
 
+    What it shows is said by the element that it stands in.
+
     Matplotlib names clip paths by addresses in memory; they are numbered, so that equal figures give equal text.
     """
     text = io.StringIO()
@@ -437,6 +439,4 @@ def svg_of(figure: Figure, prefix: str) -> str:
     return "\n".join(line.rstrip() for line in svg.splitlines())
 
 
-_SVG_ATTRIBUTES = (
-    'role="img" xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" version="1.1"'
-)
+_SVG_ATTRIBUTES = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" version="1.1"'

@@ -9,13 +9,14 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.painted import lines_beside, mark_stretches, secondary_lines
 from scenario_compiler.recording.names import TAKEOVER_STATES
 from scenario_compiler.recording.recording import COLUMNS, Floats, Recording
@@ -63,6 +64,9 @@ FLATNESS = 0.02
 
 MARGIN = 80.0
 """How far the map reaches beyond the places of the ego vehicle, m."""
+
+LARGEST = 2.0**50
+"""Steps that a number of a page has at most: JavaScript counts exactly up to 2^53."""
 
 HEALTHY = 0.98
 """Sensor health from which on it is not worth a line."""
@@ -139,7 +143,7 @@ def replay_of(run: Run, name: str, *, pictured: bool) -> dict[str, Any]:
         "states": _states(run),
         "events": _events(run),
         "curves": _curves(run),
-        "roadmap": _roadmap(run, origin),
+        "roadmap": roadmap(run.plan, run.network, _window(run), origin, starts_of(recording)),
         "focus": run.focus[1],
     }
 
@@ -154,8 +158,11 @@ def _origin(run: Run) -> tuple[float, float]:
 
 
 def _differences(values: NDArray[Any], step: float) -> list[int | None]:
-    """Return values as multiples of a step: each as its difference from the one before that is finite, NaN as null."""
-    finite = np.isfinite(values)
+    """Return values as multiples of a step: each as its difference from the one before that is shown, others as null.
+
+    Shown is what is finite, and not so large that a page could not count it.
+    """
+    finite = np.isfinite(values) & (np.abs(np.nan_to_num(values)) < step * LARGEST)
     whole = np.round(values[finite] / step).astype(np.int64)
     out: list[int | None] = [None] * len(values)
     for at, change in zip(np.nonzero(finite)[0].tolist(), np.diff(whole, prepend=0).tolist(), strict=True):
@@ -258,11 +265,20 @@ def _levels(run: Run) -> list[tuple[str, float]]:
     return [(name.replace("_", " "), number_value(level, values)) for name, level in named if level is not None]
 
 
-def _roadmap(run: Run, origin: tuple[float, float]) -> dict[str, Any]:
-    """Return the roads around the run: lanes as outlines, marks as lines, in steps of a centimetre from the origin."""
-    window = _window(run)
+def roadmap(
+    plan: Plan, network: Network, window: Window, origin: tuple[float, float], starts: Sequence[Pose]
+) -> dict[str, Any]:
+    """Return the roads in a window: lanes as outlines, marks as lines, in steps of a centimetre from an origin.
+
+    Args:
+        plan: The plan, which changes the paint.
+        network: Its map.
+        window: What is shown.
+        origin: The point that places are counted from, m.
+        starts: Where each entity starts; empty where that is not known.
+    """
     size = max(window.x_max - window.x_min, window.y_max - window.y_min)
-    painted = run.network.with_mark_quality(mark_stretches(run.plan))
+    painted = network.with_mark_quality(mark_stretches(plan))
     around = surroundings(painted, window, spacing=max(SPACING, size / 500.0))
     strips = []
     for strip in around.strips:
@@ -274,10 +290,12 @@ def _roadmap(run: Run, origin: tuple[float, float]) -> dict[str, Any]:
         for mark in around.marks
         if mark.quality > 0.0
     ]
-    marks += [
-        (MARK_COLOURS.get(line.colour, ""), line.broken, line.quality, _line(simplified(points), origin))
-        for line, points in _lines(run)
-    ]
+    beside = lines_beside(plan, network, starts) if starts else ()
+    for line in (*secondary_lines(plan), *beside):
+        points = _points_of(network, line)
+        if len(points) > 1:
+            colour = MARK_COLOURS.get(line.colour, "")
+            marks.append((colour, line.broken, line.quality, _line(simplified(points), origin)))
     return {"step": PLACE_STEP, "strips": strips, "marks": marks}
 
 
@@ -299,25 +317,10 @@ def _kind(lane_type: str, drivable: bool) -> str:
     return "pavement" if lane_type in ("sidewalk", "walking", "biking", "curb") else "verge"
 
 
-def _lines(run: Run) -> Iterator[tuple[SecondaryLine, Floats]]:
-    """Yield each line that the plan adds beside the map's marks, with points of it, (k, 2) m."""
-    recording = run.recording
-    if not len(recording.t) or not recording.present[0].all():
-        beside: Sequence[SecondaryLine] = ()
-    else:
-        beside = lines_beside(
-            run.plan,
-            run.network,
-            starts_of(recording),
-        )
-    for line in (*secondary_lines(run.plan), *beside):
-        points = _points_of(run.network, line)
-        if len(points) > 1:
-            yield line, points
-
-
 def starts_of(recording: Recording) -> list[Pose]:
-    """Return where each entity is in the first row."""
+    """Return where each entity is in the first row; nothing for a recording without rows."""
+    if not len(recording.t):
+        return []
     columns = (recording.x, recording.y, recording.z, recording.h)
     places = np.nan_to_num(np.stack([one[0] for one in columns], axis=-1))
     return [Pose(x, y, z, h, 0.0, 0.0) for x, y, z, h in places.tolist()]
@@ -347,8 +350,9 @@ def simplified(points: Floats) -> Floats:
             continue
         along = points[last] - points[first]
         away = points[first + 1 : last] - points[first]
-        length = float(np.hypot(*along))
-        off = np.hypot(*away.T) if length == 0.0 else np.abs(along[0] * away[:, 1] - along[1] * away[:, 0]) / length
+        size = float(along @ along)
+        share = np.zeros(len(away)) if size == 0.0 else np.clip(away @ along / size, 0.0, 1.0)
+        off = np.hypot(*(away - share[:, None] * along).T)
         farthest = int(np.argmax(off))
         if off[farthest] > FLATNESS:
             middle = first + 1 + farthest

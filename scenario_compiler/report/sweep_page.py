@@ -15,14 +15,16 @@ from typing import Any
 import jinja2
 import numpy as np
 
+from scenario_compiler.expressions import format_value
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
-from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.recording import Booleans, Floats, Integers
 from scenario_compiler.report import plots, sweep_plots
 from scenario_compiler.report.palette import WORDS
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.report.wording import decimal, unit_words, with_unit
+from scenario_compiler.vocabulary.criteria import references_in
 
 TEMPLATE = "sweep.html.jinja"
 
@@ -41,6 +43,15 @@ SHOWN = (
 
 MOST_MAPS = 6
 """Pairs of parameters with a heat map, at most."""
+
+MOST_CONDITIONS = 4
+"""Parameters with boxes, and with scatter, at most."""
+
+MOST_GROUPS = 8
+"""Values up to which a parameter's are conditions that are compared by boxes."""
+
+MOST_POINTS = 1000
+"""Runs that are drawn as points, at most."""
 
 Rows = Mapping[str, Sequence[Any]]
 
@@ -120,6 +131,12 @@ class SweepPage:
         return all(case.run is None or case.run.plan.criteria for case in self.cases)
 
     @property
+    def references(self) -> tuple[str, ...]:
+        """The reference drivers of the shown cases' criteria, whose collisions are drawn beside those of the runs."""
+        plans = [case.run.plan for case in self.cases if case.run is not None]
+        return tuple(dict.fromkeys(name for plan in plans for name in references_in(plan.criteria)))
+
+    @property
     def automated(self) -> bool:
         """Whether an automated vehicle drives, whose takeover requests count; so unless a shown case has none."""
         return all(case.run is None or case.run.plan.controller is not None for case in self.cases)
@@ -145,6 +162,7 @@ def write_sweep_report(page: SweepPage, folder: Path) -> Path:
         errors=_errors(page.rows),
         still_open=_still_open(page.rows) if page.automated else 0,
         pictures=_pictures(page),
+        sound=sum(result != "error" for result in page.rows["result"]),
         maps={case.index: _case_pictures(case) for case in page.cases},
         measures=[measure for measure in MEASURES if measure.name in SHOWN],
         values=lambda name, index: page.rows[name][index],
@@ -188,40 +206,134 @@ def _still_open(rows: Rows) -> int:
     )
 
 
-def _pictures(page: SweepPage) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Condition:
+    """What runs are compared by: the names of its values, in order, and each run's."""
+
+    names: Sequence[str]
+    taken: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The pictures of a page, each as SVG, and what is left out of them.
+
+    Attributes:
+        distributions: Histograms of the measures; empty where none has a value.
+        boxes: Measures by condition: (parameter, picture).
+        scatter: Measures over a parameter: (parameter, picture).
+        along: Rates along a parameter: (parameter, picture).
+        maps: Two parameters at a time: (one, other, pictures).
+        left_out: Sentences on what is not shown.
+    """
+
+    distributions: str
+    boxes: list[tuple[str, str]]
+    scatter: list[tuple[str, str]]
+    along: list[tuple[str, str]]
+    maps: list[tuple[str, str, list[str]]]
+    left_out: list[str]
+
+
+def _pictures(page: SweepPage) -> Pictures:
     rows = page.rows
     sound = np.array([result != "error" for result in rows["result"]], dtype=bool)
-    defined = []
+    runs = int(sound.sum())
+    left_out = []
+    if runs < len(sound):
+        left_out.append(f"{len(sound) - runs} of {len(sound)} variants broke off and are in no picture.")
+    measures: list[sweep_plots.Panel] = []
     for measure in MEASURES:
         if measure.name in SHOWN:
-            values = _numbers(rows[measure.name])
-            values = values[np.isfinite(values)]
-            if len(values):
-                defined.append((measure.name.replace("_", " "), measure.unit, values))
-    pictures: dict[str, Any] = {
-        "distributions": sweep_plots.distributions_plot(defined, "measures") if defined else "",
-        "along": [],
-        "maps": [],
-    }
+            values = _numbers(rows[measure.name])[sound]
+            if np.isfinite(values).any():
+                measures.append((measure.name.replace("_", " "), measure.unit, values))
+            else:
+                left_out.append(f"No run has a {measure.name.replace('_', ' ')}.")
     collided = np.array([time is not None for time in rows["collision_time"]], dtype=np.float64)[sound]
     requested = np.array([end != "no_request" for end in rows["resolution"]], dtype=np.float64)[sound]
-    closest = _numbers(rows["minimum_time_to_collision"])[sound]
-    axes = {}
+    asked = [row if row is not None else "" for row in np.array(rows["avoided_by"], dtype=object)[sound]]
+    references = [
+        (
+            f"collision, {name.replace('_', ' ')} in its place",
+            np.array([name not in row.split() for row in asked], dtype=np.float64),
+        )
+        for name in page.references
+    ]
+    hits = [("collision", collided), *([("takeover request", requested)] if page.automated else []), *references]
+    axes, conditions = _axes(page, sound, left_out)
+    shown = dict(list(conditions.items())[:MOST_CONDITIONS]) if measures else {}
+    boxes = [
+        (name, sweep_plots.boxes_plot(measures, one.names, one.taken, f"boxes-{name}")) for name, one in shown.items()
+    ]
+    points, picked = _thinned(runs)
+    clouds = {name: values for name, values in axes.items() if name not in conditions}
+    scattered = dict(list(clouds.items())[:MOST_CONDITIONS]) if measures else {}
+    some = [(name, unit, values[picked]) for name, unit, values in measures]
+    scatter = [
+        (name, sweep_plots.scatter_plot((page.titled(name), values[picked]), some, collided[picked], f"scatter-{name}"))
+        for name, values in scattered.items()
+    ]
+    if scatter and points < runs:
+        left_out.append(f"Scatter shows {points} of {runs} runs, evenly chosen.")
+    for kind, drawn, there in (("boxes", shown, conditions), ("scatter", scattered, clouds)):
+        if len(drawn) < len(there):
+            left_out.append(f"Without {kind}: {', '.join(name for name in there if name not in drawn)}.")
+    along = [
+        (name, sweep_plots.rate_plot((page.titled(name), values), hits, f"rate-{name}"))
+        for name, values in axes.items()
+    ]
+    pairs = list(combinations(axes, 2))
+    if len(pairs) > MOST_MAPS:
+        left_out.append(f"Two parameters at a time: {MOST_MAPS} of {len(pairs)} pairs are shown.")
+    maps = [(first, second, _heat_maps(page, (first, second), axes, collided, sound)) for first, second in pairs]
+    distributions = sweep_plots.distributions_plot(measures, "measures") if measures else ""
+    return Pictures(distributions, boxes, scatter, along, maps[:MOST_MAPS], left_out)
+
+
+def _axes(page: SweepPage, sound: Booleans, left_out: list[str]) -> tuple[dict[str, Floats], dict[str, Condition]]:
+    """Return the parameters that are numbers, and those whose few values are conditions, by the names of these.
+
+    A parameter that is neither, or has one value alone, is named in `left_out`.
+    """
+    axes: dict[str, Floats] = {}
+    conditions: dict[str, Condition] = {}
     for name in page.parameters:
-        taken = rows[f"parameter.{name}"]
-        if all(isinstance(value, float) for value in taken) and sound.any() and len(set(taken)) > 1:
-            axes[name] = _numbers(taken)[sound]
-    for name, values in axes.items():
-        hits = [("collision", collided), *([("takeover request", requested)] if page.automated else [])]
-        pictures["along"].append((name, sweep_plots.rate_plot((page.titled(name), values), hits, f"rate-{name}")))
-    for first, second in list(combinations(axes, 2))[:MOST_MAPS]:
-        both = (page.titled(first), axes[first]), (page.titled(second), axes[second])
-        drawn = [sweep_plots.heat_map(*both, collided, "collision rate", f"collision-{first}-{second}")]
-        if np.isfinite(closest).any():
-            label = "mean of the minimum time to collision (s)"
-            drawn.append(sweep_plots.heat_map(*both, closest, label, f"ttc-{first}-{second}"))
-        pictures["maps"].append((first, second, drawn))
-    return pictures
+        taken = [value for value, good in zip(page.rows[f"parameter.{name}"], sound, strict=True) if good]
+        numbers = bool(taken) and all(isinstance(value, float) for value in taken)
+        values = _numbers(taken) if numbers else np.empty(0)
+        texts = [decimal(value) for value in values.tolist()] if numbers else [format_value(value) for value in taken]
+        distinct = len(set(values.tolist())) if numbers else len(set(texts))
+        if distinct < 2:
+            left_out.append(f"{name} has one value in all runs.")
+            continue
+        if numbers:
+            axes[name] = values
+        if distinct <= MOST_GROUPS:
+            rising = sorted(range(len(texts)), key=lambda k: values[k] if numbers else texts[k])
+            conditions[name] = Condition(tuple(dict.fromkeys(texts[k] for k in rising)), texts)
+        elif not numbers:
+            left_out.append(f"{name} has {distinct} values; up to {MOST_GROUPS} are shown as conditions.")
+    return axes, conditions
+
+
+def _thinned(runs: int) -> tuple[int, Integers]:
+    """Return how many of so many runs are drawn as points, and which: evenly chosen."""
+    picked = np.unique(np.linspace(0, max(runs - 1, 0), min(runs, MOST_POINTS)).astype(np.int64))
+    return len(picked), picked
+
+
+def _heat_maps(
+    page: SweepPage, names: tuple[str, str], axes: Mapping[str, Floats], collided: Floats, sound: Booleans
+) -> list[str]:
+    first, second = ((page.titled(name), axes[name]) for name in names)
+    suffix = "-".join(names)
+    drawn = [sweep_plots.heat_map(first, second, collided, "collision rate", f"collision-{suffix}")]
+    closest = _numbers(page.rows["minimum_time_to_collision"])[sound]
+    if np.isfinite(closest).any():
+        label = "mean of the minimum time to collision (s)"
+        drawn.append(sweep_plots.heat_map(first, second, closest, label, f"ttc-{suffix}"))
+    return drawn
 
 
 def _case_pictures(case: Case) -> dict[str, Any]:
@@ -245,4 +357,5 @@ def _errors(rows: Rows) -> list[tuple[str, int, int]]:
 
 
 def _numbers(values: Sequence[float | None]) -> Floats:
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+    """Return numbers, NaN where there is none; those that differ by rounding alone are equal."""
+    return sweep_plots.levelled(np.array([np.nan if value is None else value for value in values], dtype=np.float64))

@@ -1,4 +1,4 @@
-"""Pictures of a sweep: distributions of measures and heat maps over two parameters."""
+"""Pictures of a sweep: distributions of measures, boxes by condition, scatter over parameters, and heat maps."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
@@ -24,20 +25,104 @@ FEW = 16
 RATES = LinearSegmentedColormap.from_list("rates", ["#f7f7f2", SKY, BLUE, "#06264a"])
 
 
-def distributions_plot(measures: Sequence[tuple[str, str, Floats]], prefix: str) -> str:
-    """Return an SVG with a histogram of each measure: (name, unit, its defined values)."""
-    rows = (len(measures) + 2) // 3
+ROUNDING = 1e-9
+"""Share of a value by which another may differ and still count as the same: sums in another order differ by less."""
+
+Panel = tuple[str, str, Floats]
+"""A measure of a picture: its name, its unit, and its values, NaN where it has none."""
+
+
+def levelled(values: Floats) -> Floats:
+    """Return values in which those that differ by rounding alone are equal: each has the least of them; NaN stays."""
+    order = np.argsort(values, kind="stable")
+    rising = values[order]
+    apart = np.abs(np.diff(rising)) > ROUNDING * np.maximum(np.abs(rising[1:]), np.abs(rising[:-1]))
+    begins = np.concatenate([[True], apart | np.isnan(rising[1:])])[: len(rising)]
+    groups = np.maximum.accumulate(np.where(begins, np.arange(len(rising)), 0))
+    even = np.empty_like(values)
+    even[order] = rising[groups]
+    return even
+
+
+def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
+    """Return a figure with panels, three in a row, and these."""
+    rows = (count + 2) // 3
+    figure = Figure(figsize=(WIDTH, 0.3 + height * rows), layout="constrained")
+    axes = list(figure.subplots(rows, 3, squeeze=False).flat)
+    for axis in axes[count:]:
+        axis.set_axis_off()
+    for axis in axes[:count]:
+        axis.tick_params(labelsize=7.5)
+    return figure, axes[:count]
+
+
+def boxes_plot(measures: Sequence[Panel], names: Sequence[str], taken: Sequence[str], prefix: str) -> str:
+    """Return an SVG with the boxes of each measure by condition: median, quartiles, whiskers and what lies beyond.
+
+    Whiskers reach to the farthest value within 1.5 times the distance of the quartiles (Tukey 1977).
+
+    Args:
+        measures: The measures, NaN where a run has no value.
+        names: The conditions, in order.
+        taken: Each run's condition.
+        prefix: What the ids in the SVG begin with.
+    """
+    member = np.array([names.index(one) for one in taken])
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 0.3 + 1.75 * rows), layout="constrained")
-        axes = figure.subplots(rows, 3, squeeze=False)
-        for axis in axes.flat[len(measures) :]:
-            axis.set_axis_off()
-        for axis, (name, unit, values) in zip(axes.flat, measures, strict=False):
-            axis.hist(values, bins=BINS if len(values) > BINS else 10, color=SKY, edgecolor=BLUE, linewidth=0.4)
-            middle = float(np.median(values))
-            axis.axvline(middle, color=VERMILION, linewidth=1.1)
+        figure, axes = _panels(len(measures), 1.95)
+        for axis, (name, unit, values) in zip(axes, measures, strict=True):
+            groups = [values[(member == k) & np.isfinite(values)] for k in range(len(names))]
+            axis.boxplot(
+                groups,
+                widths=0.55,
+                patch_artist=True,
+                boxprops={"facecolor": SKY, "edgecolor": BLUE, "linewidth": 0.6},
+                whiskerprops={"color": BLUE, "linewidth": 0.6},
+                capprops={"color": BLUE, "linewidth": 0.6},
+                medianprops={"color": VERMILION, "linewidth": 1.2},
+                flierprops={"marker": ".", "markersize": 2.5, "markeredgecolor": QUIET},
+            )
+            labels = [f"{label}\nn = {len(group)}" for label, group in zip(names, groups, strict=True)]
+            axis.set_xticks(range(1, len(names) + 1), labels, fontsize=6.5)
             axis.set_title(with_unit(name, unit), fontsize=8.5, color=INK)
-            axis.tick_params(labelsize=7.5)
+        return svg_of(figure, prefix)
+
+
+def scatter_plot(x: tuple[str, Floats], measures: Sequence[Panel], collided: Floats, prefix: str) -> str:
+    """Return an SVG with each measure over a parameter, (label, values), runs with a collision (1) apart from others.
+
+    The points are one picture in it: thousands of shapes would make the file large.
+    """
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(len(measures), 1.85)
+        for axis, (name, unit, values) in zip(axes, measures, strict=True):
+            for hit, colour, marker in ((0.0, BLUE, "o"), (1.0, VERMILION, "x")):
+                chosen = (collided == hit) & np.isfinite(values)
+                axis.scatter(
+                    x[1][chosen],
+                    values[chosen],
+                    s=7,
+                    c=colour,
+                    marker=marker,
+                    linewidths=0.7 if hit else 0.0,
+                    alpha=0.7,
+                    rasterized=True,
+                )
+            axis.set_xlabel(x[0], fontsize=7.5)
+            axis.set_title(with_unit(name, unit), fontsize=8.5, color=INK)
+        return svg_of(figure, prefix)
+
+
+def distributions_plot(measures: Sequence[Panel], prefix: str) -> str:
+    """Return an SVG with a histogram of each measure that has values, and how many runs have one."""
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(len(measures), 1.85)
+        for axis, (name, unit, values) in zip(axes, measures, strict=True):
+            known = values[np.isfinite(values)]
+            axis.hist(known, bins=BINS if len(known) > BINS else 10, color=SKY, edgecolor=BLUE, linewidth=0.4)
+            axis.axvline(float(np.median(known)), color=VERMILION, linewidth=1.1)
+            axis.set_title(with_unit(name, unit), fontsize=8.5, color=INK)
+            axis.set_xlabel(f"{len(known)} of {len(values)} runs", fontsize=7, color=QUIET)
         return svg_of(figure, prefix)
 
 
@@ -66,9 +151,10 @@ def rate_plot(x: tuple[str, Floats], hits: Sequence[tuple[str, Floats]], prefix:
     middle = 0.5 * (edges[1:] + edges[:-1])
     count, _ = np.histogram(x[1], bins=edges)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH * 0.62, 2.4), layout="constrained")
+        many = len(hits) > 2
+        figure = Figure(figsize=(WIDTH * (0.95 if many else 0.62), 2.4), layout="constrained")
         axis = figure.subplots()
-        for (label, hit), colour in zip(hits, (VERMILION, BLUE, ORANGE, QUIET), strict=False):
+        for (label, hit), colour in zip(hits, (VERMILION, BLUE, ORANGE, QUIET, INK, SKY), strict=False):
             found, _ = np.histogram(x[1], bins=edges, weights=hit)
             rate = np.where(count > 0, found / np.maximum(count, 1), np.nan)
             axis.plot(middle, rate, color=colour, marker="o", markersize=3, label=label)
@@ -76,7 +162,10 @@ def rate_plot(x: tuple[str, Floats], hits: Sequence[tuple[str, Floats]], prefix:
         axis.set_xlabel(x[0])
         axis.set_ylabel("rate")
         axis.grid(axis="y")
-        axis.legend()
+        if many:
+            axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        else:
+            axis.legend()
         return svg_of(figure, prefix)
 
 

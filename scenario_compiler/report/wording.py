@@ -230,6 +230,8 @@ def _cause(cause: Cause) -> str:
 
 def _driver(run: Run) -> str:
     driver = run.plan.takeover.driver
+    if driver.by_person is not None:
+        return "a person at the wheel"
     if isinstance(driver, Driver):
         if driver.takeover_time is not None:
             return f"answers after {decimal(number_value(driver.takeover_time, run.recording.header.parameters))} s"

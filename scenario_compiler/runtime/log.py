@@ -12,7 +12,6 @@ from scenario_compiler.engine.moves.table import ACTIONS, NUMBERS
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import BY_HAND, CAUSES, FAILURES, STANDING_PLACES
-from scenario_compiler.runtime.messages import messages
 from scenario_compiler.vocabulary.actions import MessageAction
 from scenario_compiler.vocabulary.word import Word
 
@@ -106,8 +105,3 @@ class EventLog:
             return EventRow(t=t, kind=kind, entity=reported, cause=FAILURES[int(value)])
         number = value if code == op.EVENT_HAZARD_LIGHTS else None
         return EventRow(t=t, kind=kind, entity=reported, cause=cause if code in CAUSED else "", value=number)
-
-    def messages(self, row: EventRow) -> Iterator[EventRow]:
-        """Yield what the scenario's policy tells the driver at an event."""
-        for modality, text in messages(self.plan.takeover, row.kind, row.cause):
-            yield EventRow(t=row.t, kind="message", cause=modality, message=text)

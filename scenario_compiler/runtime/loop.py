@@ -16,22 +16,30 @@ from scenario_compiler.controllers import (
     VehicleState,
     create_controller,
 )
+from scenario_compiler.controllers.person import Person
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
-from scenario_compiler.engine.program.build import lowered
+from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
+from scenario_compiler.engine.moves.appearance import LIGHTS
+from scenario_compiler.engine.program.build import build_program, lowered
+from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
-from scenario_compiler.recording.names import STOP_REASONS, StopReason
+from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_STATES, WISHES, EventKind, StopReason
 from scenario_compiler.recording.recording import Header, Recording, RecordingBuilder
 from scenario_compiler.recording.versions import processor, versions
 from scenario_compiler.roads import Network, Pose
 from scenario_compiler.runtime.failures import ENGINE_BROKE_OFF
 from scenario_compiler.runtime.log import EventLog
+from scenario_compiler.runtime.messages import Messenger
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
 from scenario_compiler.trust import Trust
+from scenario_compiler.vocabulary.criteria import references_in
+from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.weather import weather_of
 from scenario_compiler.worlds import (
@@ -39,6 +47,7 @@ from scenario_compiler.worlds import (
     CameraFaults,
     EgoCommand,
     EgoState,
+    Entities,
     EntityState,
     Snapshot,
     World,
@@ -66,6 +75,12 @@ BRAKE_LIGHTS = 1.3
 """Deceleration from which the brake lights of a vehicle that is not driven by commands are on, m/s2: that from which UN
 R13-H (5.2.22.4) has them on when a vehicle brakes without its driver's pedal.
 """
+
+PERSON_COLUMNS = ("person_throttle", "person_brake", "person_steer", "person_wish")
+"""Columns of the engine that a person's inputs stand in, recorded where one is at the wheel."""
+
+SOURCE_CODES = {source: code for code, source in SOURCES.items()}
+WISH_CODES = {wish: code for code, wish in WISHES.items()}
 
 LANE_COLUMNS = tuple(f"{side}_{name}" for side in ("left", "right") for name in ("y0", "slope", "curvature"))
 
@@ -100,6 +115,7 @@ def run(
     interpreted: bool = False,
     progress: Callable[[float], None] | None = None,
     trust: Trust | None = None,
+    person: Person | None = None,
 ) -> Recording:
     """Execute a plan in a world.
 
@@ -114,13 +130,55 @@ def run(
         interpreted: Whether the engine runs interpreted although its machine code is there.
         progress: Called with the time, s, after every step.
         trust: Code of the user's own that the plan may name as its controller.
+        person: Who is at the wheel of a plan with a person; without one nobody answers.
     """
-    execution = _Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust)
+    execution = Execution(plan, world, seed, variant, interpreted=interpreted, trust=trust, person=person)
     while execution.going:
         execution.advance()
         if progress is not None:
             progress(execution.state.clock[0])
     return execution.finish()
+
+
+def entities_of(state: State, step: float) -> Entities:
+    """Return the entities as they are now: their columns are copied, each one's state is built when it is asked for.
+
+    Args:
+        state: The engine's state.
+        step: How long they have moved since stock was taken of them, s; 0 where it has just been taken.
+    """
+    present, visible, lights = state.present[:], state.visible[:], state.lights[:]
+    poses = [column[:] for column in (state.x, state.y, state.z, state.h, state.pitch, state.roll)]
+    speed, steering, throttle, brake = state.v[:], state.steer[:], state.throttle[:], state.brake[:]
+    gains = state.a[:]
+    velocities = [column[:] for column in (state.velocity_x, state.velocity_y, state.velocity_z)]
+    before = [column[:] for column in (state.before_x, state.before_y, state.before_z)]
+
+    def velocity_of(i: int, pose: Pose) -> tuple[float, float, float]:
+        if step <= 0.0:
+            return velocities[0][i], velocities[1][i], velocities[2][i]
+        x, y, z = pose.x - before[0][i], pose.y - before[1][i], pose.z - before[2][i]
+        if math.hypot(x, y) <= farthest_without_leap(speed[i], step):
+            return x / step, y / step, z / step
+        level = speed[i] * math.cos(pose.pitch)
+        return level * math.cos(pose.heading), level * math.sin(pose.heading), -speed[i] * math.sin(pose.pitch)
+
+    def state_of(i: int) -> EntityState:
+        pose = Pose(*(column[i] for column in poses))
+        return EntityState(
+            there=present[i] == 1,
+            shown=present[i] == 1 and visible[i] & op.SEEN_IN_PICTURES != 0,
+            pose=pose,
+            speed=speed[i],
+            steering=steering[i],
+            throttle=throttle[i],
+            brake=brake[i],
+            braking=brake[i] > 0.0 or gains[i] < -BRAKE_LIGHTS,
+            velocity=velocity_of(i, pose),
+            lights=frozenset(name for bit, name in enumerate(LIGHTS) if lights[i] >> bit & 1),
+        )
+
+    return Entities(len(present), state_of)
 
 
 def faults_of(state: State) -> CameraFaults:
@@ -135,25 +193,46 @@ def faults_of(state: State) -> CameraFaults:
     )
 
 
-class _Execution:
-    """One run under way."""
+def source_of(st: State, program: Program) -> int:
+    """Return who commands the ego, a code of `SOURCES`."""
+    if st.takeover_state[0] in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK):
+        return SOURCE_CODES["person" if program.person[0] == 1 else "driver model"]
+    stopping = st.takeover_state[0] in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL)
+    return SOURCE_CODES["minimum-risk manoeuvre" if stopping else "automation"]
+
+
+class Execution:
+    """One run under way, step by step; `run` goes through one, and a page keeps one in step with the clock."""
 
     def __init__(
-        self, plan: Plan, world: World, seed: int, variant: int, *, interpreted: bool, trust: Trust | None
+        self,
+        plan: Plan,
+        world: World,
+        seed: int,
+        variant: int = 0,
+        *,
+        interpreted: bool = False,
+        trust: Trust | None = None,
+        person: Person | None = None,
     ) -> None:
+        """Put everything where the run begins; the arguments are those of `run`."""
         self.plan = plan
         self.world = world
         self.lowered = lowered(plan, world.network, posed=world.moves_ego)
         self.program = self.lowered.program
+        self.program.watches[0] |= WATCH_MOTION
         self.simulation = Simulation(world.network.tables, self.program, interpreted=interpreted)
         self.state = self.simulation.state
         self.weather_changes = self.program.weather_count[0] > 1
         self.log = EventLog(plan, self.program)
+        self.messenger = Messenger(plan)
         self.controller: ControllerModel | None = None
         self.control: Control | None = None
         self.seen: SensorData | None = None
         self.lanes = {name: [math.nan] for name in LANE_COLUMNS}
         self.pictured: set[str] = set()
+        self.person = person
+        self.source = [0]
         self.broken: StopReason = ""
         self.simulation.reset(make_draws(seed, variant))
         self.builder = RecordingBuilder(self._header(seed, variant), world.network.road_ids, self._columns())
@@ -174,14 +253,24 @@ class _Execution:
     def advance(self) -> None:
         """Let the controller act where a control step is due, then step the engine and the world."""
         with self._noticing_failures():
+            if self.person is not None:
+                self._let_act(self.person)
             if self.state.frame[0] % self.plan.control_every == 0 and self.controller is not None:
                 self._let_control(self.controller)
             if self.simulation.begin():
                 self.simulation.move()
                 self._step_world()
                 self.simulation.end()
+                self.source[0] = source_of(self.state, self.program)
                 self.builder.append(self.state.clock[0])
             self._note_events()
+
+    def _let_act(self, person: Person) -> None:
+        """Write what the person does into the state's input columns."""
+        st = self.state
+        done = person.act(st.clock[0], TAKEOVER_STATES[st.takeover_state[0]])
+        st.person_throttle[0], st.person_brake[0], st.person_steer[0] = done.throttle, done.brake, done.steer
+        st.person_wish[0] = WISH_CODES[done.wish]
 
     def _step_world(self) -> None:
         st = self.state
@@ -189,18 +278,16 @@ class _Execution:
         ego = self.program.ego[0]
         if ego >= 0:
             command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego])
-        moved = self.world.step(self.snapshot(), command)
+        moved = self.world.step(self.snapshot(self.plan.step), command)
         if moved is not None:
             self._pose_ego(ego, moved)
         for event in self.world.events():
             self.builder.event(event.t, event.kind, entity=event.entity, message=event.message)
 
     def _pose_ego(self, ego: int, moved: EgoState) -> None:
-        st, pose = self.state, moved.pose
-        st.x[ego], st.y[ego], st.z[ego] = pose.x, pose.y, pose.z
-        st.h[ego], st.pitch[ego], st.roll[ego] = pose.heading, pose.pitch, pose.roll
-        st.v[ego], st.steer[ego] = moved.speed, moved.steering
-        st.throttle[ego], st.brake[ego] = moved.throttle, moved.brake
+        st = self.state
+        self.simulation.pose(ego, moved.pose, moved.speed)
+        st.steer[ego], st.throttle[ego], st.brake[ego] = moved.steering, moved.throttle, moved.brake
 
     @contextmanager
     def _noticing_failures(self) -> Iterator[None]:
@@ -229,26 +316,13 @@ class _Execution:
             name = "" if self.plan.controller is None else self.plan.controller.model
             raise ControllerError.of(name, error) from error
 
-    def snapshot(self) -> Snapshot:
-        """Return the entities' states now."""
+    def snapshot(self, moved_for: float = 0.0) -> Snapshot:
+        """Return the entities' states now, `moved_for` s after stock was taken of them."""
         st = self.state
-        entities = tuple(
-            EntityState(
-                there=st.present[i] == 1,
-                shown=st.present[i] == 1 and st.visible[i] & op.SEEN_IN_PICTURES != 0,
-                pose=Pose(st.x[i], st.y[i], st.z[i], st.h[i], st.pitch[i], st.roll[i]),
-                speed=st.v[i],
-                steering=st.steer[i],
-                throttle=st.throttle[i],
-                brake=st.brake[i],
-                braking=st.brake[i] > 0.0 or st.a[i] < -BRAKE_LIGHTS,
-            )
-            for i in range(len(st.present))
-        )
         return Snapshot(
             st.clock[0],
             st.frame[0],
-            entities,
+            entities_of(st, moved_for),
             st.sigma[0],
             faults_of(st),
             weather_of(st.weather) if self.weather_changes else None,
@@ -262,10 +336,14 @@ class _Execution:
         states = zip(self.lowered.signals, self.state.signal_state, strict=True)
         return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
-    def finish(self) -> Recording:
-        """Return the recording."""
+    def note(self, kind: EventKind, message: str = "") -> None:
+        """Take down an event that the engine does not know of."""
+        self.builder.event(self.state.clock[0], kind, message=message)
+
+    def finish(self, ended: StopReason = "") -> Recording:
+        """Return the recording; `ended` is why a run was ended that could have gone on."""
         st = self.state
-        reason = self.broken or STOP_REASONS[st.stop[0]]
+        reason = self.broken or STOP_REASONS[st.stop[0]] or ended
         if st.flag[0]:
             at = st.flag_at[0]
             ids = [entity.id for entity in self.plan.entities]
@@ -315,9 +393,11 @@ class _Execution:
 
     def _note_events(self) -> None:
         """Take down what the engine logged since the last time, and the message that the driver gets."""
+        for told in self.messenger.come(self.state.clock[0]):
+            self.builder.add(told)
         for row in self.log.news(self.state):
             self.builder.add(row)
-            for told in self.log.messages(row):
+            for told in self.messenger.heed(row):
                 self.builder.add(told)
             self._picture(row.t, row.kind, row.cause)
 
@@ -328,6 +408,7 @@ class _Execution:
             seed=seed,
             variant=variant,
             parameters=parameter_values(self.plan.parameters),
+            avoided=self._avoided(seed, variant),
             step=self.plan.step,
             entities=tuple(entity.id for entity in self.plan.entities),
             perception=self.plan.perception,
@@ -336,12 +417,25 @@ class _Execution:
             processor=processor(),
         )
 
+    def _avoided(self, seed: int, variant: int) -> dict[ReferenceName, bool]:
+        """Return whether each reference driver that a criterion names has no collision."""
+        names = references_in(self.plan.criteria)
+        if not names:
+            return {}
+        network, limit = self.world.network, int(self.plan.duration / self.plan.step) + 2
+        program = build_program(self.plan, network)
+        rows, draws = [list(program.const)], [make_draws(seed, variant)]
+        return {name: avoided_by(name, network.tables, program, rows, draws, limit)[0] for name in names}
+
     def _columns(self) -> dict[str, list[float] | list[int]]:
         """Return the live columns of the engine's state that are recorded."""
         st = self.state
         columns: dict[str, list[float] | list[int]] = {name: getattr(st, name) for name in ENTITY_COLUMNS}
         if self.plan.controller is not None:
             columns |= {name: getattr(st, column) for name, column in RUN_COLUMNS.items()}
+            columns |= {"control": self.source}
+            if self.program.person[0] == 1:
+                columns |= {name: getattr(st, name) for name in PERSON_COLUMNS}
         return columns | self.lanes
 
     def _picture(self, t: float, kind: str, cause: str) -> None:

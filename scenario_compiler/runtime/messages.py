@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import get_args
 
-from scenario_compiler.vocabulary.takeover import Content, Language, Takeover
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.takeover import Content, Language, Modality, Told
+from scenario_compiler.vocabulary.word import number_value
+
+ENDS = ("warning_over", "response", "override", "hand_back", "activation", "standstill")
+"""Events that end the messages to the driver."""
+
+SAME_TIME = 1e-6
+"""Times that are less apart count as one, s."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +87,54 @@ TEXTS: dict[Language, Texts] = {
             "controller": "lenken und auf die Straße achten",
         },
     ),
+    "fi": Texts(
+        what={
+            "warning": "Valmistaudu ottamaan ajoneuvo hallintaasi",
+            "request": "Ota ajoneuvo hallintaasi nyt",
+            "escalation": "Ota ajoneuvo hallintaasi heti",
+            "minimum_risk": "Ajoneuvo pysähtyy kaistalle",
+        },
+        why={
+            "lane_confidence": "kaistamerkintöjä ei näy",
+            "sensor_health": "kamera on vikaantumassa",
+            "path_blocked": "tie edessä on tukossa",
+            "lane_ends": "kaista päättyy eikä viereinen kaista ole vapaa",
+            "no_progress": "ajoneuvo ei pääse eteenpäin",
+            "controller": "automaatio pyytää sitä",
+        },
+        next={
+            "lane_confidence": "ohjaa ja pysy kaistalla",
+            "sensor_health": "ohjaa ja pysy kaistalla",
+            "path_blocked": "jarruta tai väistä",
+            "lane_ends": "etsi väli tai pysähdy ennen kaistan päätä",
+            "no_progress": "etsi reitti eteenpäin",
+            "controller": "ohjaa ja seuraa tietä",
+        },
+    ),
+    "sv": Texts(
+        what={
+            "warning": "Var beredd att ta över",
+            "request": "Ta över nu",
+            "escalation": "Ta över omedelbart",
+            "minimum_risk": "Bilen stannar i körfältet",
+        },
+        why={
+            "lane_confidence": "vägmarkeringarna syns inte",
+            "sensor_health": "kameran håller på att sluta fungera",
+            "path_blocked": "vägen framåt är blockerad",
+            "lane_ends": "körfältet upphör och körfältet bredvid är inte fritt",
+            "no_progress": "bilen kommer inte vidare",
+            "controller": "automatiken begär det",
+        },
+        next={
+            "lane_confidence": "styr och håll körfältet",
+            "sensor_health": "styr och håll körfältet",
+            "path_blocked": "bromsa eller kör runt",
+            "lane_ends": "hitta en lucka eller stanna före slutet",
+            "no_progress": "hitta en väg vidare",
+            "controller": "styr och håll ögonen på vägen",
+        },
+    ),
 }
 """The texts by language; every language has the same events and causes."""
 
@@ -95,12 +155,59 @@ def message_text(event: str, cause: str, content: tuple[Content, ...], language:
     return text[:1].upper() + text[1:]
 
 
-def messages(policy: Takeover, event: str, cause: str) -> list[tuple[str, str]]:
-    """Return (modality, text) of every message that a policy gives at an event; the modality `none` gives none."""
-    told = [
-        (modality, message_text(event, cause, message.content, message.language))
-        for message in policy.messages
-        for modality in message.modality
-        if modality != "none"
-    ]
-    return [(modality, text) for modality, text in told if text]
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A message to the driver.
+
+    Attributes:
+        modality: By which channel.
+        text: What is said; what a tone or an icon stands for.
+        language: Its language.
+    """
+
+    modality: Modality
+    text: str
+    language: Language
+
+
+class Messenger:
+    """Tells the driver what a policy says, and ends each message with its reason."""
+
+    def __init__(self, plan: Plan) -> None:
+        """Take the policy of a plan."""
+        self._policy = plan.takeover
+        self._values = parameter_values(plan.parameters)
+        self.shown: tuple[Shown, ...] = ()
+        self._waiting: list[tuple[float, Shown]] = []
+
+    def heed(self, row: EventRow) -> Iterator[EventRow]:
+        """Yield what an event of the takeover makes begin and end."""
+        asks = row.kind in get_args(Told)
+        if not asks and row.kind not in ENDS:
+            return
+        yield from self._end(row.t)
+        if asks:
+            self._waiting = list(self._begun(row))
+            yield from self.come(row.t)
+
+    def come(self, t: float) -> Iterator[EventRow]:
+        """Yield the messages whose time has come."""
+        due = [one for time, one in self._waiting if time <= t + SAME_TIME]
+        if due:
+            self._waiting = [one for one in self._waiting if one[0] > t + SAME_TIME]
+            self.shown += tuple(due)
+            yield from (EventRow(t=t, kind="message", cause=one.modality, message=one.text) for one in due)
+
+    def _end(self, t: float) -> Iterator[EventRow]:
+        ended, self.shown, self._waiting = self.shown, (), []
+        yield from (EventRow(t=t, kind="message_over", cause=one.modality, message=one.text) for one in ended)
+
+    def _begun(self, row: EventRow) -> Iterator[tuple[float, Shown]]:
+        """Yield (time, message) of every message of an event; the modality `none` gives none."""
+        for message in self._policy.messages:
+            own = next((one.text for one in message.says if one.at == row.kind), "")
+            text = own or message_text(row.kind, row.cause, message.content, message.language)
+            time = row.t + number_value(message.after, self._values)
+            for modality in message.modality if text else ():
+                if modality != "none":
+                    yield time, Shown(modality, text, message.language)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from scenario_compiler.controllers import CameraMounting, Control, ControllerModel, SensorData
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.runtime.messages import message_text
+from scenario_compiler.vocabulary.takeover import Told
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,6 +44,7 @@ def picture_of(
     """
     from scenario_compiler.perception.overlay import Caption, compose, encode_png
 
+    asked = kind in get_args(Told)
     said = [text for text in [message_text(kind, cause, ("what", "why"))] if text]
     notes = [] if control.lanes else [f"{label} {value}" for label, value in controller.display_info().items()]
     caption = Caption(
@@ -50,8 +52,8 @@ def picture_of(
         speed=speed,
         state=STATES.get(kind, kind),
         notes=notes,
-        warnings=(said if kind == "warning" else []) + controller.warning_messages(),
-        alarms=(said if kind != "warning" else []) or controller.critical_messages()[:1],
+        warnings=((said if kind == "warning" else []) + controller.warning_messages()) if asked else (),
+        alarms=((said if kind != "warning" else []) or controller.critical_messages()[:1]) if asked else (),
     )
     inset = controller.overlay_image(seen.image)
     path = camera_path(control, seen.camera, plan.ego.vehicle.center)

@@ -341,10 +341,12 @@ def catalog_driver(driver: Driver | DriverModel, catalogs: Catalogs, sink: Diagn
     fixed = found.takeover_time if driver.takeover_time is None else driver.takeover_time
     changes = {
         "takeover_time": fixed,
+        "by_person": driver.by_person,
         "task": driver.task,
         "eyes_closed": driver.eyes_closed,
         "traffic_density": driver.traffic_density,
         "effects": _effects(catalogs.effects.values(), found.effects, driver.effects),
+        "driving": driver.driving or found.driving,
     }
     return found.model_copy(update=changes).written_at(driver.origin)
 

@@ -22,13 +22,6 @@ def conflict_xsd() -> str:
     return xsd_of((LibraryElement, CatalogElement))
 
 
-def language_reference() -> str:
-    """Return the reference of the conflict language, as Markdown."""
-    from scenario_compiler.vocabulary.reference import language_page
-
-    return language_page((LibraryElement, CatalogElement))
-
-
 def judge_form(document: Document, sink: Diagnostics) -> None:
     """Report what the schema finds in a file; nothing when the schema is not there."""
     schema = _schema()

@@ -113,7 +113,9 @@ def study(target: str, runs: int = 0, maps: Sequence[Path] = (), templates: Sequ
     """Return what is known of one scenario; why it could not be compiled is part of that."""
     sink = Diagnostics()
     with templates_from(templates):
-        compilation = compile_target(target, {}, sink, maps=maps, overrides=Overrides(perception="ideal"))
+        compilation = compile_target(
+            target, {}, sink, maps=maps, overrides=Overrides(perception="ideal", driven_by="model")
+        )
     if compilation is None:
         first = next((one for one in sink if one.severity is Severity.ERROR), None)
         if first is None:

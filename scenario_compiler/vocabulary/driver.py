@@ -25,6 +25,12 @@ Law = Literal["lognormal", "normal", "sumo"]
 """Kind of distribution of the takeover time."""
 
 
+ReferenceName = Literal["careful_and_competent", "careful_by_way", "careful_by_overlap", "rss", "fuzzy_safety_model"]
+"""Reference drivers: the careful and competent driver after UN R157, whose text allows three readings of when a cut-in
+is perceived (0.375 m sideways and then 0.4 s; 0.375 m and 0.72 m; overlapping sides), RSS, and the fuzzy safety model.
+"""
+
+
 class Effect(Word):
     """By how much something changes the mean takeover time. The spread grows and falls with the mean."""
 
@@ -65,6 +71,77 @@ class Inputs(Word):
     )
 
 
+class Driving(Word):
+    """How the driver drives once he has taken over."""
+
+    word: Literal["driving"] = "driving"
+
+    brakes: float = attribute(
+        "Share of drivers who only brake before what is in the way. The default is chosen.",
+        default=0.0,
+        quantity="fraction",
+        minimum=0,
+        maximum=1,
+    )
+    steers: float = attribute(
+        "Share of drivers who steer around it where there is room and brake where there is none; the rest do both at "
+        "once. The default is chosen.",
+        default=1.0,
+        quantity="fraction",
+        minimum=0,
+        maximum=1,
+    )
+    deceleration: Number = attribute(
+        "Hardest braking, m/s2; the default is 0.774 g of the careful and competent driver after UN R157.",
+        default=7.59,
+        quantity="acceleration",
+        minimum=0.5,
+    )
+    lateral_acceleration: Number = attribute(
+        "Greatest lateral acceleration of a planned evasion, m/s2. The default is chosen.",
+        default=5.0,
+        quantity="acceleration",
+        minimum=0.5,
+    )
+    perception: Number = attribute(
+        "Time in which the risk of something new is seen, s, after UN R157.",
+        default=0.4,
+        quantity="time",
+        minimum=0,
+    )
+    reaction: Number = attribute(
+        "Time from then until the driver acts, s, after UN R157.", default=0.75, quantity="time", minimum=0
+    )
+    sdlp: Number = attribute(
+        "Standard deviation of the lateral position once the driver has settled, m. The default is after the "
+        "on-the-road driving test, Verster and Roth 2011, not verified.",
+        default=0.2,
+        quantity="length",
+        minimum=0,
+        maximum=1,
+    )
+    sdlp_at_first: Number = attribute(
+        "The same right after the response, m. That it is larger is in Merat et al. 2014; the default is chosen.",
+        default=0.35,
+        quantity="length",
+        minimum=0,
+        maximum=1,
+    )
+    settled_after: Number = attribute(
+        "Time from the response until the driver has settled, s; 35 to 40 s in Merat et al. 2014.",
+        default=37.5,
+        quantity="time",
+        minimum=0,
+        exclusive=True,
+    )
+
+
+class Person(Word):
+    """A person at the wheel, who takes over and drives in the page of `drive`."""
+
+    word: Literal["person"] = "person"
+
+
 class Driver(Word):
     """Who answers a request: a driver of the catalog, and what he does and sees at the time."""
 
@@ -93,6 +170,10 @@ class Driver(Word):
         minimum=0,
     )
     effects: tuple[Effect, ...] = child("Effects of your own, in place of the catalog's.", default=())
+    driving: Driving | None = child("How he drives, in place of what the preset says.", default=None)
+    by_person: Person | None = child(
+        "A person answers; the preset stands in where nobody can: in sweeps and with --pilot.", default=None
+    )
 
 
 class DriverModel(Word):
@@ -104,6 +185,9 @@ class DriverModel(Word):
     formerly: str = attribute("Name that it had before, which is refused with a hint.", default="")
     summary: str = attribute("Whom it stands for.", default="")
     source: str = attribute("Where the numbers come from.", default="")
+    drives_as: ReferenceName | None = attribute(
+        "Reference driver who drives once he has answered, in place of the model of a person.", default=None
+    )
     law: Law = attribute(
         "Distribution of the takeover time: lognormal; normal, of those times that are positive; or sumo, that of "
         "SUMO's transition-of-control device, whose mean for a time budget L is the lesser of 2 sqrt(L) and 0.7 L.",
@@ -139,6 +223,7 @@ class DriverModel(Word):
         quantity="time",
         minimum=0,
     )
+    by_person: Person | None = child("A person answers in place of this model.", default=None)
     person: float = attribute(
         "Share of the variance that is between people: one person drives a whole run, and its requests are correlated "
         "by this. The default is chosen.",
@@ -177,3 +262,4 @@ class DriverModel(Word):
     eyes_closed: bool = same_as(Driver, "eyes_closed")
     traffic_density: Number = same_as(Driver, "traffic_density")
     effects: tuple[Effect, ...] = child("Effects, in place of the catalog's.", default=())
+    driving: Driving = child("How he drives.", default_factory=Driving.model_construct)

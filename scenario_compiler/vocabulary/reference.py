@@ -1,6 +1,8 @@
 """The language's reference as a page of Markdown, made from the declarations of its words."""
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 
 from scenario_compiler.expressions import FUNCTIONS
 from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of, limits_text
@@ -17,28 +19,91 @@ and `${...}` an expression over parameters. Numbers are decimal, in the unit tha
 `+ - * / % ^`, comparisons, `and`, `or`, `not`, brackets, and the functions """
 
 
-def language_page(roots: Iterable[type[Word]]) -> str:
-    """Return the page on the documents whose first elements are these words."""
+LEAST_WORDS, LEAST_PARENTS = 5, 4
+"""How many words must stand in the same places, and how many places that must be, for them to be listed once."""
+
+Examples = Mapping[tuple[str, str], str]
+"""Text of an example by the tags of an element and of its parent."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Words that stand in the same elements.
+
+    Attributes:
+        name: What one of them is called.
+        words: They, in the page's order.
+        parents: Where they stand.
+    """
+
+    name: str
+    words: tuple[type[Word], ...]
+    parents: tuple[type[Word], ...]
+
+    @property
+    def link(self) -> str:
+        """The group's name, with its anchor."""
+        return f"[{self.name}](#{self.name.replace(' ', '-')})"
+
+
+def language_page(roots: Iterable[type[Word]], examples: Examples) -> str:
+    """Return the page on the documents whose first elements are these words, with an example of each element."""
     words = words_below(tuple(roots))
-    parents: dict[type[Word], list[type[Word]]] = {word: [] for word in words}
+    found: dict[type[Word], list[type[Word]]] = {word: [] for word in words}
     for word in words:
         for inner in dict.fromkeys(one for rule in grammar_of(word).children for one in rule.words.values()):
-            parents[inner].append(word)
+            found[inner].append(word)
+    parents = {word: tuple(inner) for word, inner in found.items()}
+    groups = _groups(parents)
     functions = ", ".join(f"`{name}`" for name in FUNCTIONS)
     parts = [f"{_HEAD}{functions}.\n"]
-    parts += ["\n".join(_section(word, parents[word])) for word in words]
+    parts += ["\n".join(_group_section(group)) for group in groups]
+    parts += ["\n".join(_section(word, parents[word], groups, examples)) for word in words]
     return "\n".join(parts)
 
 
-def _section(word: type[Word], parents: list[type[Word]]) -> Iterator[str]:
+def _groups(parents: Mapping[type[Word], tuple[type[Word], ...]]) -> list[Group]:
+    """Return the groups of words that stand in the same many places, which would be listed again with each."""
+    counts = Counter(parents.values())
+    found = []
+    for places, count in counts.items():
+        if count >= LEAST_WORDS and len(places) >= LEAST_PARENTS:
+            members = tuple(word for word, where in parents.items() if where == places)
+            package = members[0].__module__.split(".")[2]
+            name = package.removesuffix("s") if package in ("conditions", "positions") else "part of a scenario"
+            found.append(Group(name, members, places))
+    return found
+
+
+def _group_section(group: Group) -> Iterator[str]:
+    yield f'<a id="{group.name.replace(" ", "-")}"></a>'
+    yield ""
+    yield f"## A {group.name}"
+    yield ""
+    yield f"One of {', '.join(map(_link, group.words))}."
+    yield ""
+    yield f"It stands in {', '.join(map(_link, group.parents))}."
+    yield ""
+
+
+def _section(
+    word: type[Word], parents: tuple[type[Word], ...], groups: list[Group], examples: Examples
+) -> Iterator[str]:
     yield f'<a id="{word.__name__}"></a>'
     yield ""
     yield f"## `<{word.tag()}>`{_of(parents)}"
     yield ""
     yield from _paragraphs(word)
-    if len(parents) > 1:
-        yield f"Stands in {', '.join(map(_link, parents))}."
+    group = next((one for one in groups if word in one.words), None)
+    if group is not None:
+        yield f"It is a {group.link}."
         yield ""
+    elif len(parents) > 1:
+        yield f"It stands in {', '.join(map(_link, parents))}."
+        yield ""
+    example = next((examples[word.tag(), one] for one in _tags(parents) if (word.tag(), one) in examples), "")
+    if example:
+        yield from ("```xml", example, "```", "")
     grammar = grammar_of(word)
     if grammar.attributes:
         yield "| attribute | holds | |"
@@ -51,11 +116,17 @@ def _section(word: type[Word], parents: list[type[Word]]) -> Iterator[str]:
     if grammar.children:
         yield "Holds, in this order:"
         yield ""
-        yield from (_child(rule) for rule in grammar.children)
+        yield from (_child(rule, groups) for rule in grammar.children)
         yield ""
 
 
-def _of(parents: list[type[Word]]) -> str:
+def _tags(parents: tuple[type[Word], ...]) -> list[str]:
+    """Return the tags of elements that a word may stand in; a wrapper's tag where it stands in one."""
+    wrappers = [rule.wrapper for parent in parents for rule in grammar_of(parent).children if rule.wrapper]
+    return [*(parent.tag() for parent in parents), *wrappers, ""]
+
+
+def _of(parents: tuple[type[Word], ...]) -> str:
     return f" in `<{parents[0].tag()}>`" if len(parents) == 1 else ""
 
 
@@ -94,17 +165,25 @@ def holds(rule: AttributeRule) -> str:
     return ", ".join([what, *limits])
 
 
-def _child(rule: ChildRule) -> str:
+def _child(rule: ChildRule, groups: list[Group]) -> str:
     count = {
         (True, True): "one or more",
         (True, False): "one",
         (False, True): "any number",
         (False, False): "at most one",
     }
-    words = ", ".join(map(_link, rule.words.values()))
+    words = ", ".join(_links(tuple(rule.words.values()), groups))
     if rule.wrapper:
         words = f"`<{rule.wrapper}>` around {words}"
         number = "one" if rule.required else "at most one"
     else:
         number = count[rule.required, rule.many]
     return f"* {words} ({number}): {rule.description}"
+
+
+def _links(words: tuple[type[Word], ...], groups: list[Group]) -> Iterator[str]:
+    """Yield links to words, one link to all of a group."""
+    whole = [group for group in groups if set(group.words) <= set(words)]
+    for group in whole:
+        yield f"a {group.link}"
+    yield from (_link(word) for word in words if not any(word in group.words for group in whole))

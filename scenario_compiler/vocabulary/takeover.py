@@ -124,8 +124,21 @@ RETIRED_MODALITIES = (("audio", "tone or speech"),)
 """Channels of before, and what is to be written in their place."""
 
 Content = Literal["what", "why", "next"]
-Language = Literal["en", "de"]
+Language = Literal["en", "de", "fi", "sv"]
 """Languages of the messages, by their ISO 639-1 codes."""
+
+
+Told = Literal["warning", "request", "escalation", "minimum_risk"]
+"""Events that messages announce; a message ends when one of them gives way to another or its reason ends."""
+
+
+class Say(Word):
+    """A text of your own, in place of those that come along."""
+
+    word: Literal["say"] = "say"
+
+    at: Told = attribute("Event at which it is said.")
+    text: str = attribute("What is said.")
 
 
 class Message(Word):
@@ -140,6 +153,13 @@ class Message(Word):
         "What is said: what happens, why, what to do next.", default=("what",), separated=True
     )
     language: Language = attribute("Language of the texts.", default="en")
+    after: Number = attribute(
+        "Time from the event to the message, s; it does not come where its reason has ended by then.",
+        default=0.0,
+        quantity="time",
+        minimum=0,
+    )
+    says: tuple[Say, ...] = child("Texts of your own.", default=())
 
 
 Before = Literal["follow", "hold_speed"]

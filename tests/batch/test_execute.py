@@ -8,6 +8,7 @@ import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 from _pytest.mark import ParameterSet
 from lxml import etree
@@ -15,7 +16,7 @@ from lxml import etree
 from scenario_compiler.batch.codebook import PARAMETER
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.execute import prepare, run_sweep
-from scenario_compiler.batch.measuring import row_of_recording
+from scenario_compiler.batch.measuring import TAKEOVERS, row_of_recording
 from scenario_compiler.batch.results import read_results
 from scenario_compiler.batch.runner import Part, Runner, Variant, record
 from scenario_compiler.batch.spec import SweepSpec
@@ -44,6 +45,8 @@ def test_a_row_says_what_the_outcome_of_its_run_says(conflict: Path, tmp_path: P
     spec = _spec(samples=12, interpreted=interpreted, seed=5)
     run_sweep(conflict, spec, tmp_path / "sweep", workers=1, report=False)
     rows, about = read_results(tmp_path / "sweep")
+    takeovers = pq.read_table(tmp_path / "sweep" / "takeovers.parquet").to_pylist()
+    assert takeovers
     sweep = prepare(conflict, spec, Diagnostics())
     assert {"pass", "fail"} <= set(rows["result"])
     assert {"driver", "open"} <= set(rows["resolution"])
@@ -58,6 +61,8 @@ def test_a_row_says_what_the_outcome_of_its_run_says(conflict: Path, tmp_path: P
         failed = [criterion.criterion for criterion in outcome.criteria if not criterion.passed]
         assert rows["failed"][index].split() == failed
         assert rows[PARAMETER + "distance"][index] == variant.values["distance"]
+        expected = [{"variant": index, **one.model_dump()} for one in outcome.takeovers]
+        assert [one for one in takeovers if one["variant"] == index] == expected
     assert [one["column"] for one in about["columns"]] == list(rows)
 
 
@@ -92,6 +97,8 @@ def test_library_conflicts_run_compiled_as_interpreted(target: str, tmp_path: Pa
         recording = record(family.plan, family.network, variant)
         alone = row_of_recording(with_values(family.plan, variant.values), recording)
         for name, (found,) in alone.items():
+            if name == TAKEOVERS:
+                continue
             summed = name == "lane_position_deviation" and found is not None
             assert tables[0][name][index] == (pytest.approx(found, rel=1e-12, abs=1e-12) if summed else found), name
 

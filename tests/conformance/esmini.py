@@ -136,12 +136,12 @@ def _manifest(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def recorded(path: Path) -> list[dict[str, Row]]:
-    """Return the rows of a recorded run by step and entity."""
+def recorded(path: Path, length: float = STEP) -> list[dict[str, Row]]:
+    """Return the rows of a recorded run by step, of a length in s, and entity."""
     steps: list[dict[str, Row]] = []
     with gzip.open(path, "rt", encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
-            at = round(float(row["t"]) / STEP)
+            at = round(float(row["t"]) / length)
             while len(steps) <= at:
                 steps.append({})
             steps[at][row["name"]] = (float(row["x"]), float(row["y"]), float(row["h"]), float(row["v"]))
@@ -153,10 +153,10 @@ def map_folders(corpus: Path) -> list[Path]:
     return [corpus / "esmini" / "EnvironmentSimulator" / "Unittest" / "xodr", corpus / "esmini" / "resources" / "xodr"]
 
 
-def simulated(scenario: Path, maps: Sequence[Path]) -> list[dict[str, Row]] | str:
-    """Return the rows of our run by step and entity, or why there is none."""
+def simulated(scenario: Path, maps: Sequence[Path], length: float = STEP) -> list[dict[str, Row]] | str:
+    """Return the rows of our run by step, of a length in s, and entity, or why there is none."""
     sink = Diagnostics()
-    overrides = Overrides(perception="ideal", step=STEP, duration=LONGEST)
+    overrides = Overrides(perception="ideal", step=length, duration=LONGEST)
     done = compile_target(scenario, {}, sink, maps=list(maps), overrides=overrides)
     if done is None:
         first = next(one for one in sink if one.severity.name == "ERROR")

@@ -9,9 +9,10 @@ import pytest
 
 from scenario_compiler.controllers import CameraMounting, Control, SensorData, VehicleState, create_controller
 from scenario_compiler.perception.calibration.scenes import Reference
+from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.roads import Pose
-from scenario_compiler.vocabulary.entities import Controller
+from scenario_compiler.vocabulary.entities import Controller, Property
 from tests.perception.scenery import CLEAR, bend, fork, two_lanes
 
 CAMERA = CameraMounting(512, 256, math.radians(45.0), 0.5, 1.3, math.radians(-5.0))
@@ -48,10 +49,11 @@ def test_without_a_junction_in_sight_the_way_changes_nothing(
     assert commands(driven(1.0, route, junction)) == commands(driven(1.0, (), None))
 
 
-def test_a_lane_that_goes_the_way_is_trusted_as_without_one() -> None:
+def test_a_lane_that_goes_the_way_is_trusted_nearly_as_without_one() -> None:
+    """Where a way is told a junction is near, and there boundaries were less often right in the fit."""
     here, there = driven(1.0, AHEAD, 5.0)[-1], driven(1.0, (), None)[-1]
-    assert here.confidence_left == pytest.approx(there.confidence_left, abs=0.05)
-    assert here.confidence_right == pytest.approx(there.confidence_right, abs=0.05)
+    assert there.confidence_left - 0.2 < here.confidence_left < there.confidence_left + 0.05
+    assert there.confidence_right - 0.2 < here.confidence_right < there.confidence_right + 0.05
     assert here.steer == pytest.approx(there.steer, abs=0.02)
 
 
@@ -65,6 +67,35 @@ def test_where_no_paint_is_the_way_adds_neither_confidence_nor_steering(route: t
     for one in driven(0.0, route, 5.0):
         assert max(one.confidence_left, one.confidence_right) < 0.3
         assert one.steer == 0.0
+
+
+def arc(radius: float, begin: float) -> tuple[tuple[float, float], ...]:
+    """Return a way that is straight up to a distance and then an arc to the left, a point each metre."""
+    turned = [max(k - begin, 0.0) / radius for k in range(41)]
+    return tuple((min(k, begin) + radius * math.sin(a), radius * (1.0 - math.cos(a))) for k, a in enumerate(turned))
+
+
+@pytest.mark.parametrize(
+    ("route", "speed", "brakes"),
+    [
+        (AHEAD, 14.0, False),
+        (arc(20.0, 0.0), 8.0, True),
+        (arc(20.0, 0.0), 6.5, False),
+        (arc(20.0, 20.0), 14.0, True),
+        (arc(100.0, 0.0), 14.0, False),
+        (arc(40.0, 0.0), 14.0, True),
+    ],
+)
+def test_bends_are_driven_at_their_own_speed(
+    route: tuple[tuple[float, float], ...], speed: float, brakes: bool
+) -> None:
+    """At 2.5 m/s2 a radius of 20 m is driven with 7.1 m/s, one of 40 m with 10 m/s; the desired speed is 14 m/s."""
+    controller = create_controller(Controller(model="lane_detection"))
+    controller.reset(1)
+    image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(20.0), [], CLEAR, 0.0, 0)
+    vehicle = VehicleState(0.0, 0.0, 0.0, 2.65, 1.4, 0.7, 3.5, 8.0, 14.0, 0.1)
+    command = controller.control(SensorData(0.0, image, CAMERA, route=route), speed, vehicle)
+    assert (command.brake > 0.0) == brakes
 
 
 STRAIGHT = Reference([(150.0, 0.0, 0.0)])
@@ -95,6 +126,22 @@ def followed(painted: tuple[Reference, ...], meant: Reference) -> tuple[float, f
         heading += SPEED / 2.65 * math.tan(0.7 * command.steer) * PERIOD
         x, y = x + SPEED * math.cos(heading) * PERIOD, y + SPEED * math.sin(heading) * PERIOD
     return farthest, least
+
+
+def test_the_detector_is_chosen_by_name() -> None:
+    image = RoadCamera(two_lanes(bend(0.0))).frame(bend(0.0).pose(20.0, 0.2), [], CLEAR, 0.0, 0)
+    vehicle = VehicleState(0.0, 0.0, 0.0, 2.65, 1.4, 0.7, 3.5, 8.0, 14.0, 0.1)
+    found = []
+    for name in DETECTORS:
+        controller = create_controller(
+            Controller(model="lane_detection", properties=(Property(name="detector", value=name),))
+        )
+        controller.reset(1)
+        command = controller.control(SensorData(0.0, image, CAMERA), 10.0, vehicle)
+        assert min(command.confidence_left, command.confidence_right) > 0.8
+        assert command.steer < 0.0
+        found.append(command.confidence_left)
+    assert len(set(found)) == len(DETECTORS)
 
 
 @pytest.mark.parametrize("meant", [STRAIGHT, TURNING], ids=["straight", "turning"])

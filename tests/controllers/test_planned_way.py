@@ -10,7 +10,7 @@ import pytest
 from scenario_compiler.controllers.planned_way import Point, shape_of, worth_on_way
 from scenario_compiler.perception.lane_detector import Boundary
 
-STRAIGHT = Boundary(1.75, 0.0, 0.0, 0.9, (5.0, 25.0))
+STRAIGHT = Boundary(1.75, 0.0, 0.0, 0.9, 0.9, 0.9, (5.0, 25.0))
 
 
 def way(begin: float, curvature: float, aside: float = 0.0) -> list[Point]:

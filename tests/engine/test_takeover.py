@@ -51,7 +51,7 @@ def test_a_driver_passes_on_the_free_lane_beside_and_comes_back() -> None:
     run = blocked(1.0).go()
     assert run.time_of(op.EVENT_EVADE) > 0.0
     assert run.st.x[0] > 260.0
-    assert abs(run.st.off[0]) < 0.3
+    assert abs(run.st.off[0]) < 0.8
     assert run.st.lane[0] == -1
 
 

@@ -91,30 +91,16 @@ def random_draft(number: int) -> Draft:
     for slot, low, high in (
         (slots.K_DURATION, 5.0, 25.0),
         (slots.K_NOISE, 0.0, 60.0),
-        (slots.K_DRIVER_TIME, 0.0, 8.0),
+        (slots.K_DRIVER_TIME, 0.0, 14.0),
         (slots.K_BUDGET, 2.0, 9.0),
         (slots.K_SENSOR_RANGE, 20.0, 160.0),
         (slots.K_FIELD_OF_VIEW, 0.2, 6.0),
         (slots.K_HAND_BACK_AFTER, -1.0, 3.0),
-        (slots.K_DRIVER_MU, 0.0, 1.0),
         (slots.K_DRIVER_SIGMA, 0.0, 0.5),
         (slots.K_DRIVER_LAPSE, -0.5, 0.5),
-        (slots.K_DRIVER_PERSON, 0.0, 1.0),
-        (slots.K_DRIVER_LATE, -0.5, 0.5),
-        (slots.K_DRIVER_LATEST, 0.0, 12.0),
-        (slots.K_EYES_ON, 0.05, 0.9),
-        (slots.K_HANDS_ON, 0.05, 0.9),
-        (slots.K_STAGE_SPREAD, 0.0, 1.0),
-        (slots.K_EFFECT_REQUEST, -2.0, 2.0),
-        (slots.K_EFFECT_REPETITION, -2.0, 0.0),
-        (slots.K_EFFECT_BUDGET, -0.5, 0.5),
-        (slots.K_REFERENCE_BUDGET, -5.0, 10.0),
-        (slots.K_INPUT_STEERING, 0.0, 0.1),
-        (slots.K_INPUT_BRAKE, 0.0, 0.3),
-        (slots.K_STEERING_RATIO, 8.0, 20.0),
     ):
         p.const[slot] = dice.between(low, high)
-    p.driver_kind[0] = dice.pick(op.DRIVER_FIXED, op.DRIVER_LOGNORMAL, op.DRIVER_NORMAL, op.DRIVER_SUMO)
+    p.driver_kind[0] = dice.pick(op.DRIVER_FIXED, op.DRIVER_LOGNORMAL)
     p.perception[0] = dice.pick(op.PERCEPTION_IDEAL, op.PERCEPTION_IDEAL, op.PERCEPTION_CAMERA)
     p.control_every[0] = dice.pick(1, 2, 3)
     right = [-1] if number % 5 in (1, 3) else [-2] if number % 10 == 2 else [-1, -2]
@@ -140,6 +126,33 @@ def random_draft(number: int) -> Draft:
     add_story(draft, dice)
     add_camera_story(draft, Dice(number + PROGRAMS))
     add_world_story(draft, Dice(number + 2 * PROGRAMS))
+    for slot, low, high in (
+        (slots.K_DRIVER_MU, 0.0, 1.0),
+        (slots.K_BRAKES, 0.0, 0.5),
+        (slots.K_STEERS, 0.0, 1.0),
+        (slots.K_DRIVER_DECELERATION, 3.0, 8.0),
+        (slots.K_DRIVER_LATERAL, 2.0, 6.0),
+        (slots.K_REACTION_TIME, 0.0, 1.0),
+        (slots.K_SDLP, 0.0, 0.3),
+        (slots.K_SDLP_AT_FIRST, 0.0, 0.5),
+        (slots.K_SETTLED_AFTER, 0.0, 40.0),
+        (slots.K_DRIVER_PERSON, 0.0, 1.0),
+        (slots.K_DRIVER_LATE, -0.5, 0.5),
+        (slots.K_DRIVER_LATEST, 0.0, 12.0),
+        (slots.K_EYES_ON, 0.05, 0.9),
+        (slots.K_HANDS_ON, 0.05, 0.9),
+        (slots.K_STAGE_SPREAD, 0.0, 1.0),
+        (slots.K_EFFECT_REQUEST, -2.0, 2.0),
+        (slots.K_EFFECT_REPETITION, -2.0, 0.0),
+        (slots.K_EFFECT_BUDGET, -0.5, 0.5),
+        (slots.K_REFERENCE_BUDGET, -5.0, 10.0),
+        (slots.K_INPUT_STEERING, 0.0, 0.1),
+        (slots.K_INPUT_BRAKE, 0.0, 0.3),
+        (slots.K_STEERING_RATIO, 8.0, 20.0),
+    ):
+        p.const[slot] = dice.between(low, high)
+    if p.driver_kind[0] == op.DRIVER_LOGNORMAL:
+        p.driver_kind[0] = dice.pick(op.DRIVER_LOGNORMAL, op.DRIVER_NORMAL, op.DRIVER_SUMO)
     return draft
 
 

@@ -1,58 +1,56 @@
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
 from scenario_compiler.engine.ego.camera_health import noise_health
-from scenario_compiler.perception.calibration.fit import cross_validated, fit_logistic, reliability
-from scenario_compiler.perception.calibration.frames import CLEAR_DAY, Wanted, random_frame
-from scenario_compiler.perception.calibration.measure import collect, mean_confidence
-from scenario_compiler.perception.confidence import (
-    FEATURES,
-    load_calibration,
-    noise_of,
-    probability,
-)
+from scenario_compiler.perception.calibration.bank import BANK
+from scenario_compiler.perception.calibration.collect import look_at_bank
+from scenario_compiler.perception.calibration.fit import fit_confidence, reliability
+from scenario_compiler.perception.calibration.scenes import Fading
+from scenario_compiler.perception.confidence import FEATURES, load_confidence, noise_of
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector
-
-TABLE = load_calibration()
-
-
-def falling(rows: tuple[tuple[float, float], ...]) -> bool:
-    return all(a[1] >= b[1] - TABLE.error for a, b in pairwise(rows))
+from scenario_compiler.perception.road_camera import RoadCamera
+from tests.perception.scenery import CLEAR, bend, two_lanes
 
 
-def test_the_table_says_what_the_confidence_is_for() -> None:
-    assert len(TABLE.weights) == len(FEATURES)
-    assert TABLE.error < 0.06
-    assert falling(tuple(reversed(sorted(TABLE.by_quality, key=lambda row: row[0]))))
-    assert falling(tuple(sorted(TABLE.by_sigma)))
-    quality, sigma = dict(TABLE.by_quality), dict(TABLE.by_sigma)
-    assert quality[1.0] > 0.9
-    assert quality[0.0] < 0.15
-    assert sigma[5.0] > sigma[0.0] - 0.02
-    assert sigma[60.0] < 0.01
-    assert TABLE.neither_without_paint > 0.8
+def situation(name: str) -> int:
+    return next(number for number, one in enumerate(BANK) if one.name == name)
 
 
-def test_the_table_still_holds_for_fresh_roads() -> None:
-    """Rows measured again on other roads stay within the stated error and the sampling error of 30 frames."""
-    detector = ClassicalLaneDetector()
-    for quality in (1.0, 0.3, 0.0):
-        row = mean_confidence(detector, "quality", quality, 30, seed=77)
-        assert row.p == pytest.approx(dict(TABLE.by_quality)[quality], abs=TABLE.error + 0.09)
+def test_the_shipped_confidence_is_for_the_features_there_are() -> None:
+    shipped = load_confidence("lane_confidence.json", FEATURES)
+    assert shipped.middle.shape == shipped.scale.shape == (len(FEATURES),)
+    assert shipped.out.shape == (3, len(shipped.hidden) + len(FEATURES) + 1)
+    p = shipped.all(np.random.default_rng(1).normal(shipped.middle, shipped.scale, (50, len(FEATURES))))
+    assert ((p > 0.0) & (p < 1.0)).all()
 
 
-def test_probabilities_come_true_on_fresh_roads() -> None:
-    rows, outcomes, _ = collect(100, seed=78)
-    p = np.array([probability(row, TABLE.weights) for row in rows])
-    assert abs(p.mean() - outcomes.mean()) < TABLE.error + 0.05
-    assert reliability(p, outcomes).area > 0.93
+@pytest.mark.parametrize(
+    "name", ["straight", "radius 100 m, left", "pitch +1 degrees", "pitch -1 degrees", "grade begins, 3 degrees down"]
+)
+def test_in_situations_of_the_bank_boundaries_are_right_and_trusted(name: str) -> None:
+    looks = look_at_bank(ClassicalLaneDetector(), situation(name), 3, 8)
+    assert (looks.error < 0.25).mean() >= 0.85
+    assert looks.p[:, 2].mean() > 0.85
+
+
+@pytest.mark.parametrize("name", ["no paint", "leader at 6 m", "radius 60 m, right"])
+def test_in_situations_of_the_bank_few_are_confident_and_wrong(name: str) -> None:
+    looks = look_at_bank(ClassicalLaneDetector(), situation(name), 3, 10)
+    assert ((looks.p[:, 2] > 0.6) & (looks.error > 0.25)).mean() <= 0.2
+
+
+def test_paint_and_geometry_are_told_apart() -> None:
+    """On a straight road without paint the width tells little of where the lane is, and the paint's probability all."""
+    looks = look_at_bank(ClassicalLaneDetector(), situation("no paint"), 4, 8)
+    assert looks.p[:, 1].mean() < 0.3
+    painted = look_at_bank(ClassicalLaneDetector(), situation("straight"), 4, 4)
+    assert painted.p[:, 1].mean() > 0.9
 
 
 def test_measured_noise_is_the_noise_that_was_added() -> None:
-    image = random_frame(np.random.default_rng(3), Wanted(1.0, 0.0, CLEAR_DAY, False)).image
+    scene, place = two_lanes(bend(200.0), quality=Fading(1.0, 1.0)), bend(200.0).pose(60.0)
+    image = RoadCamera(scene).frame(place, [], CLEAR, 0.0, 0)
     assert noise_of(image) < 2.0
     for sigma in (5.0, 15.0, 25.0):
         assert noise_of(add_noise(image, sigma, 1, 0)) == pytest.approx(sigma, rel=0.08)
@@ -65,11 +63,27 @@ def test_health_falls_through_one_half_at_thirty_grey_levels() -> None:
     assert noise_health(1e9) >= 0.0
 
 
-def test_the_fit_finds_the_weights_that_made_the_outcomes() -> None:
+def test_the_fit_finds_probabilities_that_come_true() -> None:
     draw = np.random.default_rng(1)
-    rows = np.concatenate([np.ones((4000, 1)), draw.normal(size=(4000, 2))], axis=1)
-    truth = np.array([0.3, 1.5, -2.0])
-    outcomes = (draw.random(4000) < 1 / (1 + np.exp(-rows @ truth))).astype(float)
-    assert np.allclose(fit_logistic(rows, outcomes), truth, atol=0.2)
-    p = cross_validated(rows, outcomes, np.arange(4000))
-    assert reliability(p, outcomes).largest_error < 0.06
+    rows = draw.normal(size=(6000, 3))
+    truth = 1 / (1 + np.exp(-(1.5 * rows[:, 0] - 2.0 * rows[:, 1] * rows[:, 2])))
+    labels = np.stack([draw.random(6000) < truth, rows[:, 0] > 0.0, rows[:, 1] > 0.0], axis=1).astype(float)
+    fitted = fit_confidence(rows[:4000], labels[:4000]).all(rows[4000:])
+    assert np.abs(fitted[:, 0] - truth[4000:]).mean() < 0.06
+    found = reliability(fitted[:, 0], labels[4000:, 0])
+    assert found.expected_error < 0.04
+    assert found.area > 0.8
+    assert reliability(fitted[:, 1], labels[4000:, 1]).area > 0.99
+
+
+def test_figures_of_made_up_probabilities() -> None:
+    p = np.repeat([0.25, 0.75], 200)
+    outcomes = np.concatenate([np.arange(200) % 4 == 0, np.arange(200) % 4 != 0]).astype(float)
+    found = reliability(p, outcomes)
+    assert found.expected_error == pytest.approx(0.0)
+    assert found.largest_error == pytest.approx(0.0)
+    assert found.brier == pytest.approx(0.1875)
+    assert found.area == pytest.approx(0.75)
+    flipped = reliability(1.0 - p, outcomes)
+    assert flipped.expected_error == pytest.approx(0.5)
+    assert flipped.area == pytest.approx(0.25)

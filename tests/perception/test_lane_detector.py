@@ -168,9 +168,13 @@ def test_pure_noise_has_no_lane() -> None:
     assert max(DETECTOR.detect(image).left.p_geom, DETECTOR.detect(image).right.p_geom) < 0.2
 
 
+def boundary(offset: float, p: float) -> Boundary:
+    return Boundary(offset, 0.0, 0.0, p, p, p, (5.0, 25.0))
+
+
 def test_what_is_remembered() -> None:
-    sure, unsure = Boundary(1.7, 0.0, 0.0, 0.95, (5.0, 25.0)), Boundary(-1.8, 0.0, 0.0, 0.2, (5.0, 9.0))
-    both = LaneResult(sure, Boundary(-1.8, 0.0, 0.0, 0.9, (5.0, 25.0)), 1.0, 0.3, 0.95, 0.9, 3.5)
+    sure, unsure = boundary(1.7, 0.95), boundary(-1.8, 0.2)
+    both = LaneResult(sure, boundary(-1.8, 0.9), 1.0, 0.3, 0.95, 0.9, 3.5)
     one = LaneResult(sure, unsure, 1.0, 0.3, 0.95, 0.2, 3.1)
     state = LaneState().after(both)
     assert state.width == 3.5

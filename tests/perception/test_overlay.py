@@ -8,7 +8,7 @@ from scenario_compiler.perception.overlay import DRIVER, GREEN, PURPLE, Caption,
 VIEW = np.full((DRIVER.height, DRIVER.width, 3), 90, np.uint8)
 CAMERA = np.full((256, 512, 3), 70, np.uint8)
 LANE = LaneResult(
-    Boundary(1.75, 0.0, 0.0, 0.95, (5.0, 28.0)), Boundary(-1.75, 0.0, 0.0, 0.9, (5.0, 28.0)),
+    Boundary(1.75, 0.0, 0.0, 0.95, 0.95, 0.95, (5.0, 28.0)), Boundary(-1.75, 0.0, 0.0, 0.9, 0.9, 0.9, (5.0, 28.0)),
     1.0, 0.4, 0.95, 0.9, 3.5,
 )  # fmt: skip
 CAPTION = Caption(12.5, 13.9, "request", ["map town"], ["WEAK left lane"], ["TAKE OVER"])

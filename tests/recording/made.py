@@ -12,10 +12,11 @@ import numpy as np
 from scenario_compiler.engine.columns import opcodes, slots
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import new_state
-from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, Totals
+from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, TAKEOVERS_AT, Totals
 from scenario_compiler.engine.measures.judging import finish_totals, judge_row
 from scenario_compiler.engine.measures.rows import take_row
 from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.engine.measures.takeovers import write_takeovers
 from scenario_compiler.engine.motion.collision import update_boxes
 from scenario_compiler.forms.declaration import at_start, write_first
 from scenario_compiler.plan.model import Entity, MapReference, Plan
@@ -129,7 +130,7 @@ def approach(speed: float = 10.0, stop_at: float = math.inf) -> Callable[[float]
             "lane_end_distance": (opcodes.FAR,),
             "confidence_left": (0.9,),
             "confidence_right": (0.4 + 0.01 * t,),
-            "takeover_state": (opcodes.TAKEOVER_AUTOMATED,),
+            "takeover_state": (opcodes.TAKEOVER_MANUAL if t > 3.05 else opcodes.TAKEOVER_AUTOMATED,),
         }
 
     return row
@@ -153,12 +154,25 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
     one = traces_of(plan_of(*ids), record(ids, 1, lambda _: {"x": (0.0,) * entities}))
     nothing = {
         name: np.broadcast_to(getattr(one, name), (runs, rows, *getattr(one, name).shape[1:]))
-        for name in ("a", "road", "lane", "s", "off", "steer", "brake", "cause", "confidence_left", "confidence_right")
+        for name in (
+            "a",
+            "road",
+            "lane",
+            "s",
+            "off",
+            "steer",
+            "brake",
+            "takeover_state",
+            "cause",
+            "confidence_left",
+            "confidence_right",
+        )
     }
     nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance")}
     sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
     center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
     times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
+    nothing["requests"] = np.zeros(runs)
     present = np.moveaxis(present, 0, -1)
     changed: dict[str, Any] = nothing | {
         "t": t,
@@ -174,7 +188,9 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
 def added_up(runs: Traces) -> RunTotals:
     """Return what the engine's totals come to over the rows of runs, row by row, as a sweep adds them up."""
     lead = runs.t.shape[:-1]
-    return RunTotals(np.array([_summary(runs, index) for index in np.ndindex(*lead)]).reshape(-1, SUMMARY_SIZE))
+    return RunTotals(
+        np.array([_summary(runs, index) for index in np.ndindex(*lead)]).reshape(-1, SUMMARY_SIZE), runs.step
+    )
 
 
 def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
@@ -183,6 +199,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
     program.entity_count[:], program.ego[:] = [count], [0]
     program.entity_const[:] = [slots.K_ENTITIES + i * BLOCK for i in range(count)]
     program.const[:] = [0.0] * (slots.K_ENTITIES + count * BLOCK)
+    program.const[slots.K_STEP] = runs.step
     program.const[slots.K_INPUT_STEERING] = runs.inputs.steering
     program.const[slots.K_INPUT_BRAKE] = runs.inputs.brake
     program.const[slots.K_STEERING_RATIO] = runs.inputs.steering_ratio
@@ -201,6 +218,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
         for name in ("road", "lane"):
             getattr(st, name)[:] = getattr(runs, name)[index][row].tolist()
         st.present[:] = runs.present[index][row].astype(int).tolist()
+        st.takeover_state[0] = int(runs.takeover_state[index][row])
         st.cause[0] = int(runs.cause[index][row])
         st.conf_left[0], st.conf_right[0] = (
             float(side[index][row]) for side in (runs.confidence_left, runs.confidence_right)
@@ -209,6 +227,8 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
         st.lane_end_distance[0] = _or_far(runs.lane_end_distance[index][row])
         update_boxes(program, st)
         take_row(program, st, totals)
+        if row and runs.times["request"][index] <= st.clock[0] + SAME_TIME:
+            st.requests[0], st.request_at[0] = 1, float(runs.times["request"][index])
         st.log_count[0] = sum(float(times[index]) <= st.clock[0] + SAME_TIME for times in runs.times.values())
         for kind, times in runs.times.items():
             time = float(times[index])
@@ -220,6 +240,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
     finish_totals(program, st, totals)
     out = [0.0] * SUMMARY_SIZE
     write_first(totals, SUMMARY, out, 0)
+    write_takeovers(totals, out, TAKEOVERS_AT)
     return out
 
 

@@ -9,9 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
 from scenario_compiler.recording.measures import MEASURES
-from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
+from scenario_compiler.recording.on_path import (
+    STEEPEST,
+    greatest_drac,
+    least_headway,
+    least_time_to_collision,
+    time_bounds,
+    time_to_collision,
+    times_at,
+)
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
 from scenario_compiler.vocabulary.horizon import HORIZON
@@ -63,6 +72,11 @@ def answered() -> Recording:
         ("time_budget", 4.9),
         ("takeover_buffer", 2.9),
         ("minimum_time_to_collision", 1.0),
+        ("minimum_time_headway", 1.0),
+        ("maximum_drac", 10.0 * 10.0 / (2 * 10.0)),
+        ("lateral_offset_at_response", 0.0),
+        ("time_off_lanes", math.nan),
+        ("requests", 1.0),
         ("minimum_distance", 10.0),
         ("maximum_longitudinal_acceleration", 0.0),
         ("maximum_lateral_acceleration", 0.0),
@@ -90,6 +104,7 @@ def _turning(t: float) -> Row:
         "v": (10.0, 0.0),
         "steer": (0.001 * k, 0.0),
         "brake": (0.02 * (k - 10) * (k > 10), 0.0),
+        "takeover_state": (opcodes.TAKEOVER_MANUAL if k > 20 else opcodes.TAKEOVER_REQUEST,),
     }
 
 
@@ -99,8 +114,9 @@ def test_steering_counts_from_the_angle_at_the_response_by_the_steering_wheel() 
     assert value("eyes_on_time", recording) == pytest.approx(0.2)
     assert value("hands_on_time", recording) == pytest.approx(0.5)
     assert value("steering_time", recording) == pytest.approx(1.3)  # 0.0349 rad / 16 = 0.0022 rad: 3 rows after 2.0 s
-    assert value("braking_time", recording) == pytest.approx(1.0)  # the brake is past a tenth before the response
-    assert value("input_time", recording) == pytest.approx(1.0)
+    # The brake is past a tenth before the response; the driver's own begins with the row after it.
+    assert value("braking_time", recording) == value("first_brake_time", recording) == 11 * STEP
+    assert value("input_time", recording) == 11 * STEP
     runs = dataclasses.replace(traces(recording), inputs=InputLimits(math.radians(4), 0.5, 8.0))
     later = BY_NAME["steering_time"]
     assert float(later.compute(runs)) == pytest.approx(1.9)  # 0.0698 rad / 8 = 0.0087 rad: 9 rows after 2.0 s
@@ -110,7 +126,65 @@ def test_steering_counts_from_the_angle_at_the_response_by_the_steering_wheel() 
 
 def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
-    assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {"final_speed"}
+    assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {
+        "final_speed",
+        "time_off_lanes",
+    }
+
+
+@pytest.mark.parametrize(("handed_back", "expected"), [(math.inf, 0.9), (2.05, math.nan), (2.55, math.nan)])
+def test_only_the_brake_of_the_driver_who_drives_counts(handed_back: float, expected: float) -> None:
+    """The automation brakes until 1.95 s and from the hand-back on, the driver from 2.85 s on; a second one at 4 s."""
+
+    def row(t: float) -> Row:
+        manual = 2.05 < t < handed_back or t > 4.05
+        brakes = t < 2.05 or t > (2.85 if handed_back > 5 else 3.85)
+        state = opcodes.TAKEOVER_MANUAL if manual else opcodes.TAKEOVER_REQUEST
+        return {"x": (t,), "v": (9.0,), "brake": (0.5 if brakes else 0.0,), "takeover_state": (state,)}
+
+    run = record(("ego",), 60, row, [(2.0, "request", "path_blocked"), (2.0, "response", "")])
+    assert value("first_brake_time", run) == pytest.approx(expected, nan_ok=True)
+    assert value("braking_time", run) == pytest.approx(expected, nan_ok=True)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: float) -> None:
+    """At 1 m/s to the left from 2 s to 5.5 s, over lanes 3.5 m wide: 3.5 m, half of it in the offset."""
+
+    def row(t: float) -> Row:
+        left = 0.25 + min(max(t - 2.0, 0.0), 3.5)
+        lane = left > 1.75
+        off = left - 3.5 * lane
+        s = 100.0 + direction * 10.0 * t
+        return {
+            "x": (10.0 * t,), "v": (10.0,), "s": (s,), "road": (0,), "lane": (-1 if lane else -2,),
+            "off": (direction * off,),
+        }  # fmt: skip
+
+    run = record(("ego",), 80, row, [(1.0, "request", "path_blocked")])
+    assert value("maximum_lateral_offset", run) == pytest.approx(3.75)
+    late = record(("ego",), 80, row, [(5.0, "request", "path_blocked")])
+    assert value("maximum_lateral_offset", late) == pytest.approx(0.25)
+    assert value("maximum_lateral_offset", record(("ego",), 80, row)) == pytest.approx(math.nan, nan_ok=True)
+
+
+def test_equal_durations_are_equal_numbers() -> None:
+    found: dict[str, set[float]] = {"takeover_time": set(), "time_budget": set(), "takeover_buffer": set()}
+    for k in range(1, 40):
+        events = [(k * STEP, "request", "path_blocked"), ((k + 7) * STEP, "response", "")]
+
+        def row(t: float, k: int = k) -> Row:
+            there = t > k * STEP - 0.05
+            blocked = 12.0 + 1e-9 * k if there else opcodes.FAR
+            cause = opcodes.CAUSE_PATH_BLOCKED if there else opcodes.CAUSE_NONE
+            return {"x": (t,), "v": (10.0,), "cause": (cause,), "blocked_distance": (blocked,)}
+
+        run = record(("ego",), 60, row, events)
+        for name, values in found.items():
+            values.add(value(name, run))
+    assert {name: len(values) for name, values in found.items()} == dict.fromkeys(found, 1)
+    assert found["takeover_time"] == {7 * STEP}
+    assert found["time_budget"] == {12 * STEP}
 
 
 def test_a_collision_has_a_time_and_the_speed_before_it() -> None:
@@ -240,7 +314,7 @@ def _stacked(parts: list[Traces]) -> Traces:
     rows = max(len(part.t) for part in parts)
     columns: dict[str, Any] = {}
     for field in dataclasses.fields(Traces):
-        if field.name in ("length", "width", "height", "center", "inputs", "times"):
+        if field.name in ("length", "width", "height", "center", "step", "inputs", "times", "requests"):
             continue
         arrays = [getattr(part, field.name) for part in parts]
         padded = []
@@ -249,11 +323,12 @@ def _stacked(parts: list[Traces]) -> Traces:
             padded.append(np.concatenate([array, more]))
         columns[field.name] = np.stack(padded)
     times = {kind: np.stack([part.times[kind] for part in parts]) for kind in TIMED_EVENTS}
-    return dataclasses.replace(parts[0], **columns, times=times)
+    requests = np.stack([part.requests for part in parts])
+    return dataclasses.replace(parts[0], **columns, times=times, requests=requests)
 
 
-def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats]:
-    """Return times to collision from points on the boxes' outlines, and how much less they may be between points, s.
+def _sampled_ahead(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats, Floats]:
+    """Return gaps from points on the boxes' outlines, how much less they may be between points, m, and closing speeds.
 
     The corners are taken to the circle that is driven one by one and joined there by straight edges.
     """
@@ -275,9 +350,8 @@ def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> t
     within = np.abs(sampled.imag) < 0.5 * runs.width[0]
     gap = np.where(within, sampled.real, np.inf).min(axis=(0, 1)) - runs.center[0] - 0.5 * runs.length[0]
     half_way = np.ptp(outline.real, axis=0) * np.abs(curvature) >= np.pi
-    counts = np.isfinite(gap) & (gap >= 0) & (closing > 0) & ~half_way
-    slower = np.where(counts, closing, 1.0)
-    return np.where(counts, gap / slower, np.inf), np.abs(edges).max(axis=0) / points / slower
+    counts = np.isfinite(gap) & (gap >= 0) & ~half_way & np.isfinite(curvature)
+    return np.where(counts, gap, np.inf), np.abs(edges).max(axis=0) / points, closing
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -290,7 +364,9 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     distance, time = distance_at(runs, places), times_at(runs, places)
     assert (runs.seen.apart[places] <= distance).all()
     assert (time_bounds(runs)[places] <= time).all()
-    nearest, spacing = _sampled_times(runs, places)
+    gap, spacing, closing = _sampled_ahead(runs, places)
+    slower = np.where(closing > 0, closing, 1.0)
+    nearest, spacing = np.where(closing > 0, gap / slower, np.inf), spacing / slower
     assert (time_bounds(runs)[places] <= nearest).all()
     seen = np.isfinite(nearest) & (nearest > spacing)
     assert (time[seen] <= nearest[seen] + 1e-9).all()
@@ -310,6 +386,53 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     assert (soon < 2.0).tolist() == (expected < 2.0).tolist()
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_headway_and_drac_are_those_of_sampled_outlines(seed: int) -> None:
+    """The outlines are an implementation of their own; where a gap is short beside their points, they say little."""
+    runs = random_runs(seed)
+    places = tuple(np.indices(runs.seen.apart.shape).reshape(3, -1))
+    places = tuple(place[np.isfinite(runs.seen.apart).reshape(-1)] for place in places)
+    touched = np.asarray(touching(runs).any(axis=-1))
+    gap, spacing, closing = _sampled_ahead(runs, places)
+    own = runs.v[..., 0][places[1:]]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        headway = np.where(own > 0, gap / own, np.inf)
+        drac = np.where((closing > 0) & (gap < HORIZON * closing), closing * closing / (2 * gap), 0.0)
+        slack = np.where(own > 0, spacing / own, 0.0)
+    for run in range(len(touched)):
+        of_run = places[1] == run
+        found, needed = least_headway(runs)[run], greatest_drac(runs)[run]
+        if touched[run]:
+            assert (found, needed) == (0.0, STEEPEST)
+            continue
+        nearest = headway[of_run].min(initial=np.inf)
+        assert math.isnan(found) == (nearest >= HORIZON)
+        if nearest < HORIZON:
+            assert nearest - slack[of_run].max() <= found <= nearest + 1e-9
+        greatest = drac[of_run].max(initial=0.0)
+        assert math.isnan(needed) == (greatest == 0.0)
+        if greatest and gap[of_run].min() > 100 * spacing[of_run].max():
+            assert needed == pytest.approx(min(greatest, STEEPEST), rel=0.03)
+
+
+def test_a_follower_at_the_same_speed_has_a_headway_and_needs_no_brake() -> None:
+    def row(t: float) -> Row:
+        return {"x": (20 * t, 27.0 + 20 * t), "y": (0.0, 0.0), "h": (0.0, 0.0), "v": (20.0, 20.0)}
+
+    run = record(IDS, 9, row)
+    assert value("minimum_time_headway", run) == pytest.approx((27.0 - 1.0 - 3.0) / 20.0)
+    assert math.isnan(value("maximum_drac", run))
+    assert math.isnan(value("minimum_time_to_collision", run))
+
+
+def test_the_time_off_the_lanes_is_so_many_steps() -> None:
+    def row(t: float) -> Row:
+        off = 0.45 < t < 0.75
+        return {"x": (t,), "v": (1.0,), "road": (-1 if off else 0,), "lane": (0 if off else -1,), "off": (0.0,)}
+
+    assert value("time_off_lanes", record(("ego",), 20, row)) == 3 * STEP
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
     runs = random_runs(seed, rows=120)
@@ -323,14 +446,33 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
     }
     road = np.where(runs.present, dice.integers(-1, 2, runs.road.shape), -1)
     lane = np.where(road >= 0, dice.integers(-2, 2, runs.lane.shape), 0)
-    off = np.where(runs.present, np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape), 0.0), np.nan)
+    off = np.where(
+        runs.present,
+        np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape) + dice.choice([0.0, 1.5], runs.off.shape), 0.0),
+        np.nan,
+    )
+    steer = np.where(runs.present, np.cumsum(dice.normal(0.0, 0.01, runs.steer.shape), axis=1), np.nan)
     brake = np.where(runs.present, dice.random(runs.brake.shape) ** 8, np.nan)
     a = np.where(runs.present, dice.normal(0.0, 2.0, runs.a.shape), np.nan)
-    runs = dataclasses.replace(runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a)
+    states = np.repeat(dice.choice([1, 2, opcodes.TAKEOVER_MANUAL, opcodes.TAKEOVER_HAND_BACK], (6, 12)), 10, axis=-1)
+    states[::2] = opcodes.TAKEOVER_MANUAL
+    runs = dataclasses.replace(
+        runs,
+        times=times,
+        road=road,
+        lane=lane,
+        brake=brake,
+        off=off,
+        a=a,
+        takeover_state=states,
+        requests=np.ones(6),
+        steer=steer,
+    )
     totals = added_up(runs)
     for measure in MEASURES:
         same(measure.name, measure.compute(runs), measure.total(totals))
     assert np.isfinite(totals.column("least_time_to_collision")).any()
+    assert (totals.raw("fine_reversals") > totals.raw("coarse_reversals")).any()
 
 
 def test_every_measure_says_how_it_is_made_and_when_it_is_not_defined() -> None:

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
+from scenario_compiler.recording.names import CAUSES, SOURCES, TAKEOVER_STATES, WISHES
 from scenario_compiler.recording.recording import COLUMNS, Column, Header, Recording, RecordingBuilder
 from scenario_compiler.recording.store import RecordingError, read_recording, write_recording
 
@@ -43,6 +43,8 @@ def value_of(column: Column) -> st.SearchStrategy[Any]:
         "road": st.integers(-1, len(ROADS) - 1),
         "state": st.sampled_from(sorted(TAKEOVER_STATES)),
         "cause": st.sampled_from(sorted(CAUSES)),
+        "source": st.sampled_from(sorted(SOURCES)),
+        "wish": st.sampled_from(sorted(WISHES)),
     }
     return kinds[column.kind]
 

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.sweep_page import SHOWN, Case, SweepPage, rates_of, write_sweep_report
+from scenario_compiler.report.sweep_plots import ROUNDING, levelled
 
 ROWS: dict[str, Sequence[Any]] = {
     "variant": [0, 1, 2],
@@ -18,6 +23,7 @@ ROWS: dict[str, Sequence[Any]] = {
     "resolution": ["no_request", "driver", "no_request"],
     "collision_time": [None, 3.0, None],
     "collision_with": [None, "parked", None],
+    "avoided_by": [None, None, None],
     "error": [None, None, None],
     "parameter.gap": [1.0, 2.0, 3.0],
     **{name: [1.0, 0.5, 2.0] for name in SHOWN},
@@ -47,6 +53,100 @@ def test_requests_that_are_open_at_the_end_are_left_out_of_those_that_were_answe
         page = SweepPage("it", "", shown, {"gap": "uniform(1, 3)"}, {"gap": "m/s2"}, [], [], "scenario-compiler sweep")
         text = write_sweep_report(page, tmp_path).read_text(encoding="utf-8")
         assert ("1 still open when the run ended" in text) is left_out
+
+
+def page_of(rows: Mapping[str, Sequence[Any]], *parameters: str, cases: Sequence[Case] = ()) -> SweepPage:
+    return SweepPage("it", "", rows, dict.fromkeys(parameters, "values(...)"), {}, [], cases, "scenario-compiler sweep")
+
+
+def rows_of(count: int, **columns: Sequence[Any]) -> dict[str, Sequence[Any]]:
+    """Return the rows of runs that passed, with these columns in place of others."""
+    rows: dict[str, Sequence[Any]] = {name: [value[0]] * count for name, value in ROWS.items() if "." not in name}
+    rows |= {name: [None] * count for name in SHOWN if name != "takeover_time"}
+    return {
+        **rows,
+        "variant": list(range(count)),
+        **{name.replace("__", "."): values for name, values in columns.items()},
+    }
+
+
+NEIGHBOURS = [0.1 + 0.2, 0.3, math.nextafter(0.3, 0.0), 0.3]
+
+
+@pytest.mark.parametrize(
+    ("gap", "times"),
+    [
+        (NEIGHBOURS, NEIGHBOURS),
+        ([*NEIGHBOURS[:3], 8.0], [None, None, None, 0.3]),
+        ([1e15 + 0.125, 1e15, 1e15, 2.0], [None] * 4),
+        ([0.0, 5e-324, 0.0, 1.0], [0.0, 1e-320, 2.0, 3.0]),
+    ],
+)
+def test_values_that_differ_by_rounding_are_drawn(tmp_path: Path, gap: list[float], times: list[float | None]) -> None:
+    rows = rows_of(4, parameter__gap=gap, parameter__other=[1.0, 2.0, 3.0, 3.0], minimum_time_to_collision=times)
+    text = write_sweep_report(page_of(rows, "gap", "other"), tmp_path).read_text(encoding="utf-8")
+    assert ("gap has one value in all runs" in text) == (gap == NEIGHBOURS)
+    assert ("No run has a minimum time to collision" in text) == (times == [None] * 4)
+
+
+@given(st.lists(st.floats(-1e6, 1e6) | st.just(math.nan), max_size=30))
+def test_levelling_changes_values_by_rounding_alone(values: list[float]) -> None:
+    before = np.array(values, dtype=np.float64)
+    after = levelled(before)
+    assert (np.isnan(after) == np.isnan(before)).all()
+    known = ~np.isnan(before)
+    assert np.allclose(after[known], before[known], rtol=30 * ROUNDING, atol=0.0)
+    rising = np.argsort(before[known], kind="stable")
+    assert (np.diff(after[known][rising]) >= 0.0).all()
+    edges = np.unique(after[known])
+    assert (np.diff(edges) > 0.5 * ROUNDING * np.abs(edges[1:])).all()
+    assert levelled(after).tobytes() == after.tobytes()
+
+
+def test_conditions_are_compared_and_numbers_scattered(tmp_path: Path) -> None:
+    gap = [float(k) for k in range(12)]
+    rows = rows_of(
+        12, parameter__gap=gap, parameter__preset=["slow", "fast"] * 6, parameter__lanes=[2222.0, 11111.0, 3333.0] * 4
+    )
+    text = write_sweep_report(page_of(rows, "gap", "preset", "lanes"), tmp_path).read_text(encoding="utf-8")
+    boxes = text.partition("By condition")[2].partition("Measures over each parameter")[0]
+    assert "Measures by preset" in boxes
+    assert "Measures by lanes" in boxes
+    assert "Measures by gap" not in boxes
+    assert boxes.index(">2222</text>") < boxes.index(">3333</text>") < boxes.index(">11111</text>")
+    scatter = text.partition("Measures over each parameter")[2].partition("Rates along")[0]
+    assert "Runs by gap" in scatter
+    assert "preset" not in scatter
+
+
+def test_what_is_left_out_is_said(tmp_path: Path) -> None:
+    count = 1200
+    names = [f"p{k}" for k in range(6)]
+    many = {f"parameter__{name}": [float(j + k) for j in range(count)] for k, name in enumerate(names)}
+    models = [f"m{k % 11}" for k in range(count)]
+    results = ["error"] * 2 + ["pass"] * (count - 2)
+    rows = rows_of(count, **many, parameter__model=models, result=results, error=["no"] * 2 + [None] * (count - 2))
+    cases = [Case(5, dict.fromkeys([*names, "model"], 1.0), "scenario-compiler run")]
+    page = page_of(rows, *names, "model", cases=cases)
+    left_out = write_sweep_report(page, tmp_path).read_text(encoding="utf-8").partition("Not shown")[2]
+    for sentence in (
+        "2 of 1200 variants broke off and are in no picture",
+        "1000 of 1198 runs",
+        "Without scatter: p4, p5",
+        "6 of 15 pairs",
+        "model has 11 values; up to 8 are shown as conditions",
+        "1 of 1198 runs. Collisions first",
+    ):
+        assert sentence in left_out
+
+
+def test_a_case_has_its_values_under_their_names(tmp_path: Path) -> None:
+    rows = rows_of(3, parameter__speed=[7.5, 8.5, 9.5], parameter__gap=[31.0, 32.0, 33.0])
+    cases = [Case(1, {"speed": 8.5, "gap": 32.0}, "scenario-compiler run")]
+    text = write_sweep_report(page_of(rows, "gap", "speed", cases=cases), tmp_path).read_text(encoding="utf-8")
+    table = text.partition("The worst cases")[2].partition("</table>")[0]
+    assert table.index(">gap<") < table.index(">speed<")
+    assert table.index(">32<") < table.index(">8.5<")
 
 
 def test_parameters_and_measures_have_their_units(tmp_path: Path) -> None:

@@ -98,6 +98,10 @@ EVENTS: dict[int, tuple[str, str]] = {
         "The automated vehicle has stood for as long as the cause `no_progress` allows, and nothing that it follows, "
         "no red signal and no action held it.",
     ),
+    op.EVENT_OVERRIDE: (
+        "override",
+        "The person at the wheel takes over without being asked.",
+    ),
     op.EVENT_CONTACT: (
         "contact",
         "Two others touch, one of them for the first time: `entity`, and the one that `message` names.",

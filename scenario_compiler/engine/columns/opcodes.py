@@ -249,6 +249,26 @@ STANDS_IN_OTHER_LANE = 2
 STANDS_ON_SHOULDER = 3
 STANDS_OFF_ROAD = 4
 
+# What a driver does about something in the way.
+STYLE_BRAKES = 0
+STYLE_STEERS = 1
+STYLE_BOTH = 2
+
+# Reference drivers; the three readings of the careful and competent one: by time, by way, by overlap.
+REFERENCE_NONE = 0
+REFERENCE_CAREFUL = 1
+REFERENCE_CAREFUL_WAY = 2
+REFERENCE_CAREFUL_OVERLAP = 3
+REFERENCE_RSS = 4
+REFERENCE_FUZZY = 5
+REFERENCES = 6
+
+WISH_NONE = 0
+WISH_TAKE_OVER = 1
+WISH_HAND_BACK = 2
+WISH_LEAVE = 3
+"""What the person at the wheel wants of the automation."""
+
 MANOEUVRE_KEEP = 0
 MANOEUVRE_BRAKE = 1
 MANOEUVRE_EVADE = 2
@@ -280,6 +300,7 @@ EVENT_CONTACT = 20
 EVENT_NO_PROGRESS = 21
 EVENT_EYES_ON = 22
 EVENT_HANDS_ON = 23
+EVENT_OVERRIDE = 24
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 
@@ -328,6 +349,7 @@ STREAM_FAILURE = 4
 STREAM_TRAFFIC = 5
 STREAM_DRIVER = 6
 STREAM_ODOMETRY = 7
+STREAM_WANDER = 8
 
 # Sizes of scratch columns.
 BUCKETS = 128

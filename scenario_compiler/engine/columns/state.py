@@ -36,6 +36,11 @@ FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
+STEER_RATE = 0.7
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
+driver's.
+"""
+
 
 @container("st", 2, written=True)
 @dataclass(slots=True)
@@ -44,6 +49,8 @@ class State:
 
     # The run, one element each.
     clock: list[float] = column(RUN)
+    """Time, s: the number of steps times the step, so that equal times are equal numbers."""
+    steps: list[int] = column(RUN)
     """Time, s: the sum of the steps."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""
@@ -72,6 +79,8 @@ class State:
     a: list[float] = column(ENTITY)
     steer: list[float] = column(ENTITY)
     """Angle of the front wheels, positive to the left."""
+    steer_rate: list[float] = column(ENTITY, STEER_RATE)
+    """Greatest rate of that angle, rad/s."""
     throttle: list[float] = column(ENTITY)
     brake: list[float] = column(ENTITY)
     road: list[int] = column(ENTITY)
@@ -124,6 +133,8 @@ class State:
     """Speed that it aims for while it follows."""
     ended: list[int] = column(ENTITY)
     """1 when the entity stands at the end of its road."""
+    lights: list[int] = column(ENTITY)
+    """Lights that actions have switched on, as bits: the first of `moves.appearance.LIGHTS` is the lowest."""
     visible: list[int] = column(ENTITY, op.SEEN_BY_ALL)
     """Who minds the entity, by SEEN_... bits."""
     towed: list[int] = column(ENTITY, op.NONE)
@@ -332,6 +343,8 @@ class State:
     command_throttle: list[float] = column(ENTITY)
     command_steer: list[float] = column(ENTITY)
     command_brake: list[float] = column(ENTITY)
+    command_reverse: list[int] = column(ENTITY)
+    """1 where the throttle drives the vehicle backwards."""
     pedal: list[float] = column(RUN)
     """Acceleration asked for at the last control step, for limiting jerk."""
     shift_begin: list[float] = column(RUN)
@@ -340,6 +353,9 @@ class State:
     shift_from: list[float] = column(RUN)
     """Offset from the path lane's centre before it, positive to the left of the direction of travel."""
     shift_to: list[float] = column(RUN)
+
+    aside: list[float] = column(RUN)
+    """How far left of the planned offset is steered for, m; 0 but while a driver steers."""
 
     # What lies ahead: the way, then each entity as seen along it.
     way_road: list[int] = column(WAY)
@@ -432,6 +448,35 @@ class State:
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver answers the present request, FAR for never."""
+    looking: list[int] = column(RUN)
+    """1 while the driver's eyes are on the road: from a request on, and while he drives."""
+    style: list[int] = column(RUN, op.STYLE_STEERS)
+    """STYLE_... of the driver at this takeover."""
+    noticed_at: list[float] = column(ENTITY, -1.0)
+    """Time since which the entity has called for a reaction of the driver, -1 where it does not."""
+    called_at: list[float] = column(ENTITY, -1.0)
+    """Time at which it did so last."""
+    place_known: list[int] = column(ENTITY)
+    """1 from when a reference driver knows where the entity drives while it keeps its place in the lane."""
+    place_before: list[float] = column(ENTITY)
+    """That place, m to the left of the way's lane."""
+    in_lane_before: list[int] = column(ENTITY)
+    """1 where that is in the ego's lane."""
+    minded_at: list[float] = column(ENTITY, -1.0)
+    """Time since which a reference driver perceives that the entity comes in, -1 where he does not."""
+    danger_at: list[float] = column(ENTITY, -1.0)
+    """Time since which it is dangerous by the reference driver's condition, -1 where it is not."""
+    was_danger: list[int] = column(ENTITY)
+    """1 from when it has been."""
+    evaded: list[int] = column(RUN, op.NONE)
+    """Moving entity that the driver goes around, NONE without one."""
+    person_throttle: list[float] = column(RUN)
+    """What the person at the wheel does, written between steps: throttle and brake, 0 to 1."""
+    person_brake: list[float] = column(RUN)
+    person_steer: list[float] = column(RUN)
+    """-1 to 1 of the greatest steering angle, positive to the left."""
+    person_wish: list[int] = column(RUN)
+    """What the person wants of the automation, a WISH code."""
     eyes_on_at: list[float] = column(RUN, op.FAR)
     """Time at which the driver will look at the road, FAR where that is not to come."""
     hands_on_at: list[float] = column(RUN, op.FAR)

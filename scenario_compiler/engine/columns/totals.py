@@ -16,6 +16,12 @@ from scenario_compiler.vocabulary.horizon import HORIZON
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
+VARIANT = fixed("variant of the steering reversal rate", 2)
+
+TAKEOVERS = 8
+"""Takeovers of a run that are kept, the first ones; all are counted."""
+TAKEOVER = fixed("takeover", TAKEOVERS)
+
 
 @container("m", 3, written=True)
 @dataclass(slots=True)
@@ -55,12 +61,16 @@ class Totals:
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)
     least_time_to_collision: list[float] = column(RUN, HORIZON)
+    least_headway: list[float] = column(RUN, HORIZON)
+    least_room: list[float] = column(RUN, op.FAR)
+    """Twice the gap over the square of the closing speed, s2/m: the inverse of the deceleration that would do."""
     touched: list[int] = column(RUN)
-    """1 from when the ego's box has overlapped that of another entity; both least values are 0 then."""
+    """1 from when the ego's box has overlapped that of another entity; all these least values are 0 then."""
     least_confidence: list[float] = column(RUN, op.FAR)
     greatest_offset: list[float] = column(RUN, -1.0)
     """Distance from the lane's centre, m."""
     time_off_lanes: list[float] = column(RUN, -1.0)
+    rows_off_lanes: list[int] = column(RUN)
     speed_before_collision: list[float] = column(RUN, op.FAR)
 
     # From the first request on.
@@ -70,6 +80,8 @@ class Totals:
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
     time_first_brake: list[float] = column(RUN, -1.0)
+    driving: list[int] = column(RUN)
+    """1 while the driver drives who took over first, 2 from when control was handed back."""
     response_seen: list[int] = column(RUN)
     """1 from the first row from the response on, with the angle of the front wheels in it, rad."""
     response_steer: list[float] = column(RUN)
@@ -80,6 +92,44 @@ class Totals:
     """Acceleration or deceleration along the heading, m/s2, and the lateral one."""
     greatest_lateral: list[float] = column(RUN, -1.0)
     greatest_offset_after: list[float] = column(RUN, -1.0)
+    """Distance from the centre of the lane at the request, m."""
+
+    offset_at_response: list[float] = column(RUN, op.FAR)
+    """Distance to the left of the centre of the lane at the request, m."""
+
+    # The steering wheel while the driver drives who took over first: coarse reversals, and fine ones.
+    driven_rows: list[int] = column(RUN)
+    coarse_reversals: list[float] = column(RUN)
+    fine_reversals: list[float] = column(RUN)
+    wheel_before: list[float] = column(VARIANT)
+    """Angle in the row before, and in the one before that, rad, as it was and filtered."""
+    wheel_long_before: list[float] = column(VARIANT)
+    smooth_before: list[float] = column(VARIANT)
+    smooth_long_before: list[float] = column(VARIANT)
+    wheel_high: list[float] = column(VARIANT)
+    """Greatest and least filtered angle since the last reversal, rad."""
+    wheel_low: list[float] = column(VARIANT)
+    wheel_sense: list[int] = column(VARIANT)
+    """1 where the wheel is turned to the left, -1 to the right, 0 before it was turned by the gap."""
+    wheel_count: list[float] = column(VARIANT)
+
+    # The takeovers, each by its request.
+    requests: list[int] = column(RUN)
+    """Number of requests."""
+    state: list[int] = column(RUN)
+    """State of the takeover in the row before."""
+    undescribed: list[int] = column(RUN)
+    """1 where there was no row with a cause since the last request."""
+    takeover_request: list[float] = column(TAKEOVER, -1.0)
+    takeover_cause: list[float] = column(TAKEOVER, -1.0)
+    takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
+    takeover_lane_end: list[float] = column(TAKEOVER, op.FAR)
+    takeover_speed: list[float] = column(TAKEOVER, op.FAR)
+    takeover_escalation: list[float] = column(TAKEOVER, -1.0)
+    takeover_response: list[float] = column(TAKEOVER, -1.0)
+    takeover_minimum_risk: list[float] = column(TAKEOVER, -1.0)
+    takeover_standstill: list[float] = column(TAKEOVER, -1.0)
+    takeover_hand_back: list[float] = column(TAKEOVER, -1.0)
 
     # Lane keeping after the response: the rows of its window.
     keeping_count: list[int] = column(RUN)
@@ -101,6 +151,7 @@ class Totals:
     row_off: list[float] = column(RUN)
     row_steer: list[float] = column(RUN)
     row_brake: list[float] = column(RUN)
+    row_state: list[int] = column(RUN)
     row_cause: list[int] = column(RUN)
     row_confidence: list[float] = column(RUN)
     """Of the better side."""
@@ -119,6 +170,17 @@ class Totals:
     added_left: list[float] = column(RUN)
     """Offset to the left in the direction of travel."""
     added_inside: list[int] = column(RUN)
+    before_lane: list[int] = column(RUN)
+    before_after: list[int] = column(RUN)
+    """1 where it lies behind the request."""
+    added_after: list[int] = column(RUN)
+    before_answered: list[int] = column(RUN)
+    """1 where it lies behind the response."""
+    added_count: list[int] = column(RUN)
+    added_step: list[float] = column(RUN)
+    """Change of the offset from one row to the next, the last that was no change of lane."""
+    aside: list[float] = column(RUN)
+    """Distance from the centre of the present lane to that of the lane at the request, by the changes of lane since."""
     sense: list[int] = column(RUN)
     """Sign of the last step along the road, 0 where there was none, and of the last that had one."""
     sense_kept: list[int] = column(RUN)
@@ -139,4 +201,11 @@ class Totals:
 SUMMARY: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is RUN)
 """What a sweep writes for a run, in this order."""
 
-SUMMARY_SIZE = len(SUMMARY)
+TAKEOVER_FIELDS: tuple[str, ...] = tuple(name for name, one in columns_of(Totals).items() if one.of is TAKEOVER)
+"""What it writes for each takeover, in this order, after that."""
+
+SUMMARY_SIZE = len(SUMMARY) + TAKEOVERS * len(TAKEOVER_FIELDS)
+"""Numbers that a sweep writes for a run."""
+
+TAKEOVERS_AT = len(SUMMARY)
+"""Where the takeovers begin in them."""

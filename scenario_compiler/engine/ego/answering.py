@@ -39,6 +39,7 @@ DRAW_LATE = 3
 DRAW_LATENESS = 4
 DRAW_EYES = 5
 DRAW_HANDS = 7
+DRAW_STYLE = 9
 DRAW_AGAIN = 16
 
 
@@ -153,9 +154,15 @@ def drawn_share(p: Program, st: State, median: float, what: int) -> float:
 
 @compiled
 def plan_answer(p: Program, st: State) -> None:
-    """Plan when the driver looks at the road, has the hands on the wheel, and takes over, after a request now."""
+    """Plan when the driver looks at the road, has the hands on the wheel, and takes over, and what he does then."""
     now = st.clock[0]
     time = takeover_time(p, st)
+    style = drawn_unit(st, DRAW_STYLE)
+    st.style[0] = op.STYLE_BOTH
+    if style < p.const[slot.K_BRAKES]:
+        st.style[0] = op.STYLE_BRAKES
+    elif style < p.const[slot.K_BRAKES] + p.const[slot.K_STEERS]:
+        st.style[0] = op.STYLE_STEERS
     st.eyes_on_at[0] = op.FAR
     st.hands_on_at[0] = op.FAR
     st.answer_at[0] = now + time
@@ -172,6 +179,7 @@ def note_stages(st: State) -> None:
     now = st.clock[0]
     if now >= st.eyes_on_at[0] - 1.0e-6:
         st.eyes_on_at[0] = op.FAR
+        st.looking[0] = 1
         if st.time_eyes_on[0] < 0.0:
             st.time_eyes_on[0] = now
         log_event(st, op.EVENT_EYES_ON, now - st.request_at[0])

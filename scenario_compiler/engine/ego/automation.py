@@ -7,12 +7,15 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.driver import SIGHT, VIEW, drive_by_hand
+from scenario_compiler.engine.ego.foresight import notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.lane_memory import remember_lane, remembered_angle, steers_by_memory
 from scenario_compiler.engine.ego.limits import behaviour, request_distance
 from scenario_compiler.engine.ego.merging import consider_merge
 from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
+from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
+from scenario_compiler.engine.ego.reference import drive_by_reference
 from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import step_takeover
 from scenario_compiler.engine.ego.warning import warning_distance
@@ -92,7 +95,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
         return
     state = st.takeover_state[0]
     if driven_by_hand(st) == 1:
-        if st.manoeuvre[0] != op.MANOEUVRE_EVADE:
+        if p.person[0] == 0 and st.manoeuvre[0] != op.MANOEUVRE_EVADE:
             consider_merge(n, p, st, i, SIGHT, SIGHT)
     elif state not in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL) and p.cause_on[op.CAUSE_LANE_ENDS] == 1:
         within = request_distance(p, st, i, slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
@@ -103,6 +106,10 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 @compiled
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
+    if p.replaced_by[0] != op.REFERENCE_NONE:
+        look_ahead(n, p, st, i, SIGHT, VIEW)
+        drive_by_reference(n, p, st, i, p.replaced_by[0])
+        return
     ideal = p.perception[0] == op.PERCEPTION_IDEAL
     if ideal and (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
         ideal_confidence(n, p, st)
@@ -113,6 +120,9 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     merge_if_due(n, p, st, i)
     blocker = sense(n, p, st, i)
     watch_progress(p, st, i)
+    notice(p, st, i, blocker)
+    if p.person[0] == 1:
+        heed_person(p, st)
     step_takeover(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:
@@ -120,7 +130,10 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         st.command_throttle[i] = 0.0
         st.command_brake[i] = 1.0
     elif driven_by_hand(st) == 1:
-        drive_by_hand(n, p, st, i, blocker)
+        if p.person[0] == 0 and p.driver_reference[0] != op.REFERENCE_NONE:
+            drive_by_reference(n, p, st, i, p.driver_reference[0])
+        elif p.person[0] == 0:
+            drive_by_hand(n, p, st, i, blocker)
     elif state == op.TAKEOVER_MINIMUM_RISK:
         drive_to_stop(n, p, st, i)
     else:

@@ -1,24 +1,37 @@
 """The driver who has taken over: keeps the lane by preview, brakes before a blocked path, evades or merges.
 
-Awareness is 0.5 at first and rises by 0.1 a second, as in SUMO's ToC device: until then the steering is slower and
-less steady. Braking is that of the careful and competent driver of UN R157 (annex, table 1): up to 0.774 g, with a
-jerk of 12.65 m/s3.
+He acts on something new after the times of perception and reaction of `foresight`, and never steers perfectly: the
+place in the lane that he steers for wanders, at first more than once he has settled. Awareness is 0.5 at first and
+rises by 0.1 a second, as in SUMO's ToC device: until then the hands turn slower. The jerk of braking is that of the
+careful and competent driver after UN R157 (annex, table 1).
 """
 
 from __future__ import annotations
 
+from math import cos, pi
+
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
-from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
+from scenario_compiler.engine.columns.numbers import clip, length_of, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.sensor import gap_between, gap_is_free, look_ahead
+from scenario_compiler.engine.ego.foresight import CALL, LIFT_OFF, ONCOMING, called_for, meets, reacts_to
+from scenario_compiler.engine.ego.sensor import (
+    GAP_HORIZON,
+    SLOW,
+    gap_behind_free,
+    gap_between,
+    gap_is_free,
+    look_ahead,
+)
+from scenario_compiler.engine.motion.ahead import measure_on_way, walk
 from scenario_compiler.engine.motion.beside import neighbour_lane
-from scenario_compiler.engine.motion.following import idm_acceleration, leader_gap
-from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.engine.motion.following import idm_acceleration
+from scenario_compiler.engine.motion.path import path_ahead, preferred_road
 from scenario_compiler.engine.motion.steering import (
+    SHIFT_PEAK,
     come_to_rest,
     command_acceleration,
     command_angle,
@@ -33,53 +46,66 @@ from scenario_compiler.roads.lanes import lane_direction, lane_type, lane_width
 from scenario_compiler.roads.tables import RoadTables
 
 SIGHT = 150.0
-"""How far a driver looks ahead, m."""
+"""How far a driver looks ahead, m; chosen."""
 
 VIEW = 3.490658503988659
-"""Full angle that a driver looks over, rad: 200 degrees, the human field of view with both eyes."""
+"""Full angle that a driver looks over, rad; chosen: 200 degrees, about the human field of view with both eyes."""
 
 AWARENESS_AT_FIRST = 0.5
 AWARENESS_RATE = 0.1
 """Awareness after the answer and its rise per second (SUMO's ToC device: initialAwareness, recoveryRate)."""
 
-HARDEST_BRAKE = 7.59
 BRAKE_JERK = 12.65
-"""Deceleration, m/s2, and jerk, m/s3, of the careful and competent driver."""
+"""Jerk of braking, m/s3: 0.774 g in 0.6 s, the careful and competent driver's after UN R157."""
 
 LATE_BRAKE = 2.5
-"""Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2."""
+"""Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2; chosen."""
 
 STANDOFF = 5.0
 """Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out
-later.
+later; chosen.
 """
 
 PULL_OUT_ACCELERATION = 1.0
-"""Acceleration that a driver counts on when judging how long the way past takes, m/s2."""
+"""Acceleration that a driver counts on when judging how long the way past takes, m/s2; chosen."""
 
 CLEARANCE = 0.3
-"""Distance that a driver keeps to both sides when passing, m."""
-
-EVADE_ACCELERATION = 3.0
-"""Greatest lateral acceleration of a planned evasion, m/s2."""
+"""Distance that a driver keeps to both sides when passing, m; chosen."""
 
 STEER_ACCELERATION = 6.0
-"""Bound of the lateral acceleration that a driver steers for, m/s2."""
+"""Bound of the lateral acceleration that a driver steers for, m/s2; chosen."""
 
 MEETING_TIME = 1.5
-"""Time to spare before an oncoming vehicle is met, s."""
+"""Time to spare before an oncoming vehicle is met, s; chosen."""
 
-ONCOMING = -0.5
-"""Speed along the way below which a vehicle is oncoming, m/s."""
+RETURN_ACCELERATION = 1.5
+"""Lateral acceleration of a move back to the lane's centre, and of an evasion that has time, m/s2; chosen."""
 
-SWAY = 0.012
-"""Greatest error of the front wheels' angle with no awareness at all, rad."""
+PAST = 5.0
+"""Distance by which a moving vehicle is behind before the driver comes back before it, m; chosen."""
 
-SWAY_INTERVAL = 0.5
-"""Time from one drawn steering error to the next, s; linear between."""
+BEHIND_TIME = 1.0
+"""Time gap at which the driver comes back behind a moving vehicle, s; chosen."""
+
+BOTH_SHARE = 0.5
+"""Share of the hardest braking with which a driver brakes who steers at the same time; chosen."""
+
+WANDER_INTERVAL = 2.0
+"""Time from one drawn place in the lane to the next, s; a cosine between. Chosen."""
+
+SQRT_12 = 3.4641016151377544
+"""The width of an even distribution over its standard deviation."""
+
+WANDER_GAIN = 1.22
+"""Standard deviation of the drawn places over that of the lateral position that comes of them: 0.75 of their variance
+is left between them, and the preview rounds them off. Measured: see tests/engine/test_driver.py.
+"""
+
+CONCENTRATION = 0.3
+"""Share of the wandering that is left while the driver evades; chosen."""
 
 HAND_RATE = 0.6
-"""Greatest rate of the front wheels' angle that an aware driver asks for, rad/s."""
+"""Greatest rate of the front wheels' angle that an aware driver asks for, rad/s; chosen."""
 
 
 @compiled
@@ -89,22 +115,33 @@ def awareness(st: State) -> float:
 
 
 @compiled
-def steering_sway(st: State) -> float:
-    """Return the error of the steering, rad: drawn every SWAY_INTERVAL, linear between, less with awareness."""
-    place = clip((st.clock[0] - st.manual_since[0]) / SWAY_INTERVAL, 0.0, 1.0e6)
+def drawn_place(st: State, k: int) -> float:
+    """Return an evenly distributed number of mean 0 and standard deviation 1 for a place in the lane."""
+    return SQRT_12 * (random_unit(run_seed(st, -1), op.STREAM_WANDER, st.requests[0], k) - 0.5)
+
+
+@compiled
+def wandering(p: Program, st: State) -> float:
+    """Return how far left of where he means to be the driver steers for, m."""
+    driven = max(st.clock[0] - st.manual_since[0], 0.0)
+    place = min(driven / WANDER_INTERVAL, 1.0e6)
     k = int(place)
-    share = place - k
-    seed = run_seed(st, -1)
-    before = random_unit(seed, op.STREAM_STEERING, st.requests[0], k)
-    after = random_unit(seed, op.STREAM_STEERING, st.requests[0], k + 1)
-    drawn = 2.0 * (before + share * (after - before)) - 1.0
-    return SWAY * (1.0 - awareness(st)) * drawn
+    share = 0.5 * (1.0 - cos(pi * (place - k)))
+    before = drawn_place(st, k)
+    unsettled = clip(1.0 - ratio(driven, p.const[slot.K_SETTLED_AFTER], 1.0), 0.0, 1.0)
+    settled = p.const[slot.K_SDLP]
+    spread = settled + unsettled * (p.const[slot.K_SDLP_AT_FIRST] - settled)
+    if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
+        spread = spread * CONCENTRATION
+    return WANDER_GAIN * spread * (before + share * (drawn_place(st, k + 1) - before))
 
 
 @compiled
 def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer for the path with the driver's sway and no faster than the hands turn."""
-    wanted = pursuit_angle(n, p, st, i, STEER_ACCELERATION) + steering_sway(st)
+    """Steer for the path with the driver's wandering and no faster than the hands turn."""
+    st.aside[0] = wandering(p, st)
+    wanted = pursuit_angle(n, p, st, i, STEER_ACCELERATION)
+    st.aside[0] = 0.0
     limit = p.const[p.entity_const[i] + slot.E_MAX_STEER]
     before = st.command_steer[i] * limit
     swing = HAND_RATE * awareness(st) * p.const[slot.K_STEP] * p.control_every[0]
@@ -112,9 +149,9 @@ def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
-def passing_distance(st: State, i: int, size: float) -> float:
+def passing_distance(p: Program, st: State, i: int, size: float) -> float:
     """Return how far the ego, `size` long, goes until it is past what blocks the path and back in its corridor."""
-    return st.blocked_far[0] + size + 0.5 * shift_distance(st.v[i], 3.0, EVADE_ACCELERATION)
+    return st.blocked_far[0] + size + 0.5 * shift_distance(st.v[i], 3.0, p.const[slot.K_DRIVER_LATERAL])
 
 
 @compiled
@@ -125,16 +162,21 @@ def passing_time(st: State, i: int, distance: float) -> float:
 
 
 @compiled
-def meets_oncoming(p: Program, st: State, i: int, centre: float) -> int:
-    """Return 1 where a vehicle comes towards the corridor about `centre` and would be met before the ego is past."""
+def meets_oncoming(p: Program, st: State, i: int, centre: float, known: int) -> int:
+    """Return 1 where a vehicle comes towards the corridor about `centre` and would be met before the ego is past.
+
+    With `known` 1 only those count that the driver has had the time to react to.
+    """
     base = p.entity_const[i]
     size = p.const[base + slot.E_LENGTH]
     front = p.const[base + slot.E_CENTER] + 0.5 * size
     half = 0.5 * p.const[base + slot.E_WIDTH] + CLEARANCE
-    distance = passing_distance(st, i, size)
+    distance = passing_distance(p, st, i, size)
     time = passing_time(st, i, distance) + MEETING_TIME
     for j in range(p.entity_count[0]):
         if j == i or st.seen[j] == 0 or st.on_way[j] == 0 or st.along[j] > ONCOMING or st.far[j] < front:
+            continue
+        if known == 1 and reacts_to(p, st, j) == 0:
             continue
         beside = st.low[j] >= centre + half or st.high[j] <= centre - half
         if not beside and max(st.near[j] - front, 0.0) < distance - st.along[j] * time:
@@ -164,7 +206,7 @@ def corridor_safe(n: RoadTables, p: Program, st: State, i: int, centre: float, s
 
     Oncoming vehicles are looked at everywhere; a lane of the same direction beside must have a free gap.
     """
-    if meets_oncoming(p, st, i, centre) == 1:
+    if meets_oncoming(p, st, i, centre, 0) == 1:
         return 0
     if side == 0 or same_direction(n, st.path_road[0], st.path_lane[0], st.path_s[0], side) == 0:
         return 1
@@ -202,7 +244,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
         found, centre, _ = gap_between(p, st, blocker, front, size, right, left, need, 0.0)
         if found == 0:
             continue
-        if shift_distance(st.v[i], centre - st.path_off[0], EVADE_ACCELERATION) > distance - 1.0:
+        if shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL]) > distance - 1.0:
             continue
         if corridor_safe(n, p, st, i, centre, side) == 1:
             return 1, centre
@@ -214,7 +256,7 @@ def evade(p: Program, st: State, i: int, centre: float) -> None:
     """Plan the move to a corridor, and how far it is kept."""
     base = p.entity_const[i]
     room = st.blocked_distance[0] - 1.0
-    plan_shift(st, i, centre, min(room, shift_distance(st.v[i], centre - st.path_off[0], 1.5)))
+    plan_shift(st, i, centre, min(room, shift_distance(st.v[i], centre - st.path_off[0], RETURN_ACCELERATION)))
     st.evade_until[0] = st.odometer[i] + st.blocked_far[0] + p.const[base + slot.E_LENGTH] + 2.0
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
     st.manoeuvre[0] = op.MANOEUVRE_EVADE
@@ -222,29 +264,164 @@ def evade(p: Program, st: State, i: int, centre: float) -> None:
 
 
 @compiled
+def come_back(st: State, i: int, manoeuvre: int) -> None:
+    """Plan the move back to the lane's centre."""
+    plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], RETURN_ACCELERATION))
+    st.evaded[0] = op.NONE
+    st.manoeuvre[0] = manoeuvre
+
+
+@compiled
+def is_past(p: Program, st: State, i: int, j: int) -> int:
+    """Return 1 where the ego may come back: well before a moving vehicle, behind it, or where that has gone."""
+    if st.on_way[j] == 0:
+        return 1
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    before = front - p.const[base + slot.E_LENGTH] - st.far[j]
+    behind = st.near[j] - front
+    is_before = before >= PAST + BEHIND_TIME * max(st.along[j] - st.v[i], 0.0)
+    is_behind = behind >= max(PAST, BEHIND_TIME * st.v[i]) and st.along[j] >= st.v[i]
+    if not is_before and not is_behind:
+        return 0
+    over = shift_time(p, st, 0.0)
+    return 1 if meets(p, st, i, 0.0, over, 0.0, BRAKE_JERK) >= op.FAR else 0
+
+
+@compiled
+def shift_time(p: Program, st: State, target: float) -> float:
+    """Return the time of a move to an offset at the driver's greatest lateral acceleration, s."""
+    return safe_sqrt(SHIFT_PEAK * abs(target - st.path_off[0]) / max(p.const[slot.K_DRIVER_LATERAL], 0.5))
+
+
+@compiled
+def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
+    """Come back when what was evaded is past, or early where an oncoming vehicle would be met."""
+    if st.evaded[0] >= 0:
+        if is_past(p, st, i, st.evaded[0]) == 1:
+            come_back(st, i, op.MANOEUVRE_KEEP)
+        return
+    if st.odometer[i] >= st.evade_until[0]:
+        come_back(st, i, op.MANOEUVRE_KEEP)
+        return
+    early = st.odometer[i] < st.evade_commit[0] and blocker >= 0
+    if early and meets_oncoming(p, st, i, st.shift_to[0], 1) == 1:
+        come_back(st, i, op.MANOEUVRE_BRAKE)
+
+
+@compiled
+def moving_threat(p: Program, st: State, i: int) -> int:
+    """Return the nearest moving entity that calls for braking and that the driver acts on, NONE without one."""
+    found = op.NONE
+    for j in range(p.entity_count[0]):
+        if st.along[j] < SLOW or reacts_to(p, st, j) == 0 or called_for(p, st, i, j, 0.0, SLOW) >= -CALL:
+            continue
+        if found < 0 or st.near[j] < st.near[found]:
+            found = j
+    return found
+
+
+@compiled
+def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
+    """Return 1 where nobody in a lane beside closes up from behind too soon; the way ahead is then measured anew."""
+    road = st.path_road[0]
+    walk(n, st, road, lane, st.path_s[0], -1, GAP_HORIZON, preferred_road(p, st, road))
+    for j in range(p.entity_count[0]):
+        st.on_way[j] = 0
+        if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < GAP_HORIZON:
+            measure_on_way(n, p, st, j)
+    free = gap_behind_free(p, st, i)
+    look_ahead(n, p, st, i, SIGHT, VIEW)
+    return free
+
+
+@compiled
+def clear_offset(p: Program, st: State, i: int, whole: float) -> tuple[int, float, int]:
+    """Return (found, offset, braking) of a move towards a lane beside, `whole` away, in which the ego meets nothing.
+
+    Half the way there is tried before the whole, and steering alone before braking at the same time.
+    """
+    braking = BOTH_SHARE * p.const[slot.K_DRIVER_DECELERATION]
+    for choice in range(4):
+        target = whole if choice % 2 == 1 else 0.5 * whole
+        both = 1 if choice >= 2 else 0
+        if both == 0 and st.style[0] == op.STYLE_BOTH:
+            continue
+        if meets(p, st, i, target, shift_time(p, st, target), both * braking, BRAKE_JERK) >= op.FAR:
+            return 1, target, both
+    return 0, 0.0, 0
+
+
+@compiled
+def way_out(n: RoadTables, p: Program, st: State, i: int) -> tuple[int, float, int]:
+    """Return (found, offset, braking) of a way around what braking in the own lane would meet."""
+    if meets(p, st, i, 0.0, 1.0, p.const[slot.K_DRIVER_DECELERATION], BRAKE_JERK) >= op.FAR:
+        return 0, 0.0, 0
+    road = st.path_road[0]
+    lane = st.path_lane[0]
+    s = st.path_s[0]
+    direction = st.path_sense[0]
+    for side in range(1, -2, -2):
+        wide = beside_width(n, road, lane, s, side)
+        if wide <= 0.0:
+            continue
+        whole = 0.5 * side * (lane_width(n, road, lane, s) + wide)
+        found, target, braking = clear_offset(p, st, i, whole)
+        if found == 0:
+            continue
+        beside = neighbour_lane(n, road, lane, s, side, direction)
+        if lane_direction(n, road, beside) == direction and free_behind(n, p, st, i, beside) == 0:
+            continue
+        return 1, target, braking
+    return 0, 0.0, 0
+
+
+@compiled
+def evade_moving(p: Program, st: State, i: int, j: int, target: float) -> None:
+    """Plan the move to the lane beside, around a moving entity."""
+    plan_shift(st, i, target, shift_distance(st.v[i], target - st.path_off[0], p.const[slot.K_DRIVER_LATERAL]))
+    st.evaded[0] = j
+    st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
+    st.manoeuvre[0] = op.MANOEUVRE_EVADE
+    log_event(st, op.EVENT_EVADE, target)
+
+
+@compiled
+def begin_braking(st: State, distance: float) -> None:
+    """Brake from now on; log it where that is new."""
+    if st.manoeuvre[0] != op.MANOEUVRE_BRAKE:
+        log_event(st, op.EVENT_BRAKE, distance)
+    st.manoeuvre[0] = op.MANOEUVRE_BRAKE
+
+
+@compiled
 def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
     """Decide between going on, braking, evading and coming back."""
-    before = st.manoeuvre[0]
-    if before == op.MANOEUVRE_EVADE:
-        if st.odometer[i] >= st.evade_until[0]:
-            plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], 1.5))
-            st.manoeuvre[0] = op.MANOEUVRE_KEEP
-            return
-        early = st.odometer[i] < st.evade_commit[0] and blocker >= 0
-        if early and meets_oncoming(p, st, i, st.shift_to[0]) == 1:
-            plan_shift(st, i, 0.0, shift_distance(st.v[i], st.path_off[0], 1.5))
-            st.manoeuvre[0] = op.MANOEUVRE_BRAKE
+    if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
+        go_on_evading(p, st, i, blocker)
         return
-    if blocker < 0:
-        st.manoeuvre[0] = op.MANOEUVRE_MERGE if st.merging[0] == 1 else op.MANOEUVRE_KEEP
+    if blocker >= 0 and reacts_to(p, st, blocker) == 1:
+        if st.style[0] != op.STYLE_BRAKES:
+            found, centre = find_corridor(n, p, st, i, blocker)
+            if found == 1:
+                evade(p, st, i, centre)
+                return
+        begin_braking(st, st.blocked_distance[0])
         return
-    found, centre = find_corridor(n, p, st, i, blocker)
-    if found == 1:
-        evade(p, st, i, centre)
+    threat = moving_threat(p, st, i)
+    if threat >= 0:
+        if st.style[0] != op.STYLE_BRAKES and st.merging[0] == 0:
+            found, target, braking = way_out(n, p, st, i)
+            if found == 1:
+                if braking == 1:
+                    st.style[0] = op.STYLE_BOTH
+                evade_moving(p, st, i, threat, target)
+                return
+        base = p.entity_const[i]
+        front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+        begin_braking(st, st.near[threat] - front)
         return
-    st.manoeuvre[0] = op.MANOEUVRE_BRAKE
-    if before != op.MANOEUVRE_BRAKE:
-        log_event(st, op.EVENT_BRAKE, st.blocked_distance[0])
+    st.manoeuvre[0] = op.MANOEUVRE_MERGE if st.merging[0] == 1 else op.MANOEUVRE_KEEP
 
 
 @compiled
@@ -259,18 +436,40 @@ def stop_within(p: Program, st: State, i: int, distance: float, standoff: float)
 
 
 @compiled
+def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -> float:
+    """Return the acceleration that all that is ahead in a corridor allows; what is new is not braked for yet."""
+    wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], op.FAR, 0.0)
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    for j in range(p.entity_count[0]):
+        called = called_for(p, st, i, j, corridor, slowest)
+        if called >= op.FAR:
+            continue
+        closing = max(st.v[i] - st.along[j], 0.0)
+        needed = 0.5 * closing * closing / max(st.near[j] - front - 1.0, 0.1)
+        if needed >= LATE_BRAKE:
+            called = min(called, -needed)
+        if called < -CALL and reacts_to(p, st, j) == 0:
+            called = -LIFT_OFF
+        wanted = min(wanted, called)
+    return wanted
+
+
+@compiled
 def press_pedals(p: Program, st: State, i: int) -> None:
     """Follow the leader in the corridor, stop before a block or the lane's end, with limited jerk.
 
     While evading, oncoming vehicles are not followed: the driver has judged that there is time, and drives on.
     """
+    hardest = p.const[slot.K_DRIVER_DECELERATION]
     corridor = 0.0
     slowest = -op.FAR
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         corridor = st.shift_to[0]
         slowest = ONCOMING
-    gap, lead = leader_gap(p, st, i, corridor, 1, slowest)
-    wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], gap, lead)
+    wanted = follow_all(p, st, i, corridor, slowest)
+    if st.manoeuvre[0] == op.MANOEUVRE_EVADE and st.style[0] == op.STYLE_BOTH and st.odometer[i] < st.shift_end[0]:
+        wanted = min(wanted, -BOTH_SHARE * hardest)
     if st.manoeuvre[0] == op.MANOEUVRE_BRAKE and st.blocked_distance[0] < op.FAR:
         wanted = min(wanted, stop_within(p, st, i, st.blocked_distance[0], STANDOFF))
     if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
@@ -280,7 +479,7 @@ def press_pedals(p: Program, st: State, i: int) -> None:
         front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
         wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))
     step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
-    wanted = clip(wanted, max(-HARDEST_BRAKE, st.pedal[0] - step), st.pedal[0] + step)
+    wanted = clip(wanted, max(-hardest, st.pedal[0] - step), st.pedal[0] + step)
     command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
 
 

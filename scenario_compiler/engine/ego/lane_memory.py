@@ -119,7 +119,7 @@ def remembered_angle(n: RoadTables, p: Program, st: State, i: int, most: float) 
         return 0.0
     x, y, h = believed_pose(n, st)
     preview = preview_distance(st, i)
-    to_x, to_y = path_point(n, p, st, i, max(preview + st.recall_along[0], 0.0), preview)
+    to_x, to_y = path_point(n, p, st, i, max(preview + st.recall_along[0], 0.0), preview, 0.0)
     c = cos(h)
     w = sin(h)
     dx = to_x - x

@@ -13,7 +13,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0
-"""Distance that is to remain to the limit after the stop, m."""
+"""Distance that is to remain to the limit after the stop, m; chosen."""
 
 
 @compiled

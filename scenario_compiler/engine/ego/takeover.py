@@ -180,6 +180,7 @@ def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
     cause = asking_cause(n, p, st, i)
     if st.takeover_state[0] == op.TAKEOVER_HAND_BACK:
         st.takeover_state[0] = op.TAKEOVER_AUTOMATED
+        st.looking[0] = 0
         log_event(st, op.EVENT_ACTIVATION, 0.0)
         return
     if st.ordered_hand_back[0] == 1 and st.crashed[0] == 0:

@@ -11,13 +11,18 @@ from scenario_compiler.marker import compiled
 
 @compiled
 def add_inputs(p: Program, m: Totals) -> None:
-    """Add the last row: the wheel counts from its angle in the first row from the response on."""
+    """Add the last row: the wheel counts from its angle in the first row from the response on.
+
+    What the automation commands, before the driver or after control is handed back, is no input of the driver's.
+    """
     if m.row_present[0] == 0 or since(m, m.time_response[0]) == 0:
         return
     if m.response_seen[0] == 0:
         m.response_seen[0] = 1
         m.response_steer[0] = m.row_steer[0]
     turned = abs(m.row_steer[0] - m.response_steer[0]) * p.const[slot.K_STEERING_RATIO]
+    if m.driving[0] != 1:
+        return
     if m.time_steered[0] < 0.0 and turned > p.const[slot.K_INPUT_STEERING]:
         m.time_steered[0] = m.row_time[0]
     if m.time_braked[0] < 0.0 and m.row_brake[0] > p.const[slot.K_INPUT_BRAKE]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.takeover import SAME_TIME, since
 from scenario_compiler.marker import compiled
@@ -31,6 +32,26 @@ def step_to_last_row(m: Totals) -> int:
 
 
 @compiled
+def add_offset(m: Totals, left: float) -> None:
+    """Add how far the row that waits lies from the centre of the lane at the request.
+
+    A change of lane moves the centre that the offset is counted from; the vehicle itself goes on as in the row before.
+    """
+    changed = left - m.added_left[0]
+    if m.added_count[0] > 0 and abs(changed) > JUMP:
+        if m.before_after[0] == 1 and m.added_after[0] == 1:
+            m.aside[0] = m.aside[0] + (m.added_step[0] - changed)
+    elif m.added_count[0] > 0:
+        m.added_step[0] = changed
+    if m.before_after[0] == 1 and m.before_present[0] == 1 and m.before_lane[0] != 0:
+        m.greatest_offset_after[0] = max(m.greatest_offset_after[0], abs(left + m.aside[0]))
+    if m.before_answered[0] == 1 and m.before_present[0] == 1 and m.offset_at_response[0] >= op.FAR:
+        m.offset_at_response[0] = left + m.aside[0]
+    m.added_count[0] += 1
+    m.added_after[0] = m.before_after[0]
+
+
+@compiled
 def add_keeping(m: Totals, step: int) -> None:
     """Add the row that waits, now that the step along the road after it is known.
 
@@ -42,6 +63,7 @@ def add_keeping(m: Totals, step: int) -> None:
         m.sense_kept[0] = sense
     m.sense[0] = step
     left = -m.before_off[0] if m.sense_kept[0] < 0 else m.before_off[0]
+    add_offset(m, left)
     if m.before_inside[0] == 1:
         if m.before_present[0] == 0 or (m.added_inside[0] == 1 and abs(left - m.added_left[0]) > JUMP):
             m.keeping_broken[0] = 1
@@ -59,6 +81,9 @@ def add_to_keeping(m: Totals) -> None:
     m.before_s[0] = m.row_s[0]
     m.before_off[0] = m.row_off[0]
     m.before_present[0] = m.row_present[0]
+    m.before_lane[0] = m.row_lane[0]
+    m.before_after[0] = since(m, m.time_request[0])
+    m.before_answered[0] = since(m, m.time_response[0])
     m.before_inside[0] = 0
     if since(m, m.time_response[0]) == 1 and m.row_time[0] <= m.time_response[0] + SETTLING + SAME_TIME:
         m.before_inside[0] = 1

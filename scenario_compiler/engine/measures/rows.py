@@ -57,6 +57,7 @@ def take_row(p: Program, st: State, m: Totals) -> None:
         m.row_lane[0] = 0
         m.row_brake[0] = 0.0
     m.row_time[0] = st.clock[0]
+    m.row_state[0] = st.takeover_state[0]
     m.row_cause[0] = st.cause[0]
     m.row_confidence[0] = max(st.conf_left[0], st.conf_right[0])
     m.row_blocked[0] = st.blocked_distance[0]

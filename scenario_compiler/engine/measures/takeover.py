@@ -32,8 +32,6 @@ def add_request(m: Totals) -> None:
 @compiled
 def add_driving(m: Totals) -> None:
     """Add how the ego is driven in a row from the request on."""
-    if m.row_lane[0] != 0:
-        m.greatest_offset_after[0] = max(m.greatest_offset_after[0], abs(m.row_off[0]))
     if m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME:
         return
     m.greatest_longitudinal[0] = max(m.greatest_longitudinal[0], abs(m.row_a[0]))
@@ -43,11 +41,24 @@ def add_driving(m: Totals) -> None:
 
 
 @compiled
+def follow_driving(m: Totals) -> None:
+    """Note whether the last row is one of the driver who took over first.
+
+    The row of the response is not: its motion was still commanded by the automation.
+    """
+    if m.driving[0] == 2 or m.time_response[0] < 0.0 or m.row_time[0] <= m.time_response[0] + SAME_TIME:
+        return
+    drives = m.row_state[0] in (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK)
+    m.driving[0] = 1 if drives else 2
+
+
+@compiled
 def add_takeover(m: Totals) -> None:
     """Add the last row to what is measured from the request and from the response on."""
+    follow_driving(m)
     if since(m, m.time_request[0]) == 1:
         add_request(m)
         if m.row_present[0] == 1:
             add_driving(m)
-    if m.time_first_brake[0] < 0.0 and since(m, m.time_response[0]) == 1 and m.row_brake[0] > BRAKING:
+    if m.time_first_brake[0] < 0.0 and m.driving[0] == 1 and m.row_brake[0] > BRAKING:
         m.time_first_brake[0] = m.row_time[0]

@@ -1,9 +1,9 @@
 """Distances that conditions measure: from an entity to another or to a point.
 
-Each is straight, along or across; along and across are meant in the entity's own axes, in the world's, or along the
-road (a lane's and a trajectory's system are measured along the road too). With `freespace` it lies between the boxes
-and is 0 where they overlap in that direction. Along is positive ahead, across positive to the left; a straight one is
-negative for what is not ahead. FAR where there is none: no road leads there.
+Each is straight, along or across; along and across are meant in the entity's own axes, in the world's, along the road
+(so in a lane's system too), or along the trajectory that the entity follows; along the road where it follows none. With
+`freespace` it lies between the boxes and is 0 where they overlap in that direction. Along is positive ahead, across
+positive to the left; a straight one is negative for what is not ahead. FAR where there is none: no road leads there.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from scenario_compiler.engine.motion.ahead import point_on_way, walk
 from scenario_compiler.engine.motion.collision import overlap
 from scenario_compiler.engine.motion.on_tracks import place_anywhere
 from scenario_compiler.engine.motion.positions import PLACE_NONE
+from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed, track_pose
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import road_heading
 from scenario_compiler.roads.lanes import lane_centre, lane_direction, lane_row_in
@@ -234,12 +235,46 @@ def road_distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, 
 
 
 @compiled
+def track_distance(p: Program, st: State, i: int, k: int, x: float, y: float, measure: int) -> tuple[float, float]:
+    """Return the distance of a point from entity i, which action k leads along a trajectory, and the direction there.
+
+    Along is to the point of the trajectory that is nearest, across from there to the left.
+    """
+    track = p.action_other[k]
+    s = nearest_on_track(p, st, track, x, y)
+    at_x, at_y, _, along = track_pose(p, st, track, s, 0)
+    if measure == op.MEASURE_ALONG:
+        return s - st.action_a[k], along
+    return along_axis(along, x - at_x, y - at_y, measure), along
+
+
+@compiled
+def reach_across(p: Program, st: State, i: int, along: float, measure: int) -> float:
+    """Return how far i's box reaches from its centre along a direction, or across it."""
+    return half_extent(p, i, st.h[i] - along - (0.0 if measure == op.MEASURE_ALONG else 0.5 * pi))
+
+
+@compiled
+def track_distance_between(p: Program, st: State, i: int, j: int, k: int, measure: int, freespace: int) -> float:
+    """Return the distance of entity j from i along or across the trajectory that action k leads i along."""
+    if freespace == 0:
+        gap, _ = track_distance(p, st, i, k, st.x[j], st.y[j], measure)
+        return gap
+    gap, along = track_distance(p, st, i, k, st.middle_x[j], st.middle_y[j], measure)
+    gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)
+    return gap_beyond(gap, reach_across(p, st, i, along, measure) + reach_across(p, st, j, along, measure))
+
+
+@compiled
 def distance_between(n: RoadTables, p: Program, st: State, i: int, j: int, mode: int, freespace: int) -> float:
     """Return the distance of entity j from i; `mode` is FRAME_... and MEASURE_..., see `measure_mode`."""
     frame = mode // 4
     measure = mode % 4
     if measure == op.MEASURE_STRAIGHT or frame in (op.FRAME_ENTITY, op.FRAME_WORLD):
         return plane_distance_between(p, st, i, j, frame, measure, freespace)
+    k = track_followed(p, st, i)
+    if frame == op.FRAME_TRAJECTORY and k >= 0:
+        return track_distance_between(p, st, i, j, k, measure, freespace)
     return road_distance_between(n, p, st, i, j, measure, freespace)
 
 
@@ -276,6 +311,13 @@ def distance_to(n: RoadTables, p: Program, st: State, i: int, k: int, mode: int,
     measure = mode % 4
     if measure == op.MEASURE_STRAIGHT or frame in (op.FRAME_ENTITY, op.FRAME_WORLD):
         return plane_distance_to(p, st, i, x, y, frame, measure, freespace)
+    follows = track_followed(p, st, i)
+    if frame == op.FRAME_TRAJECTORY and follows >= 0:
+        gap, along = track_distance(p, st, i, follows, x, y, measure)
+        if freespace == 0:
+            return gap
+        gap = gap - along_axis(along, st.middle_x[i] - st.x[i], st.middle_y[i] - st.y[i], measure)
+        return gap_beyond(gap, reach_across(p, st, i, along, measure))
     ahead, left, _ = along_roads(n, st, i, road, s, t, x, y)
     if ahead >= op.FAR:
         return op.FAR

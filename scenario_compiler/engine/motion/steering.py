@@ -22,12 +22,12 @@ from scenario_compiler.roads.tables import RoadTables
 PREVIEW_TIME = 0.8
 PREVIEW_LEAST = 5.0
 PREVIEW_MOST = 25.0
-"""Distance to the point that is steered for: this time ahead, within these bounds, s and m."""
+"""Distance to the point that is steered for: this time ahead, within these bounds, s and m; chosen."""
 
 CREEP = 0.2
 HOLD = 0.1
 HOLD_BRAKE = 1.0
-"""Below this speed, m/s, a wish for less than HOLD, m/s2, is a wish to stand, and HOLD_BRAKE is applied."""
+"""Below this speed, m/s, a wish for less than HOLD, m/s2, is a wish to stand, and HOLD_BRAKE is applied; chosen."""
 
 SHIFT_PEAK = 4.934802200544679
 """pi^2 / 2: peak lateral acceleration of a cosine move of 1 m in 1 s, m/s2."""
@@ -68,11 +68,13 @@ def preview_distance(st: State, i: int) -> float:
 
 
 @compiled
-def path_point(n: RoadTables, p: Program, st: State, i: int, ahead: float, gone: float) -> tuple[float, float]:
-    """Return the point (x, y) of the path a distance ahead, with the offset planned for when `gone` has been driven."""
+def path_point(
+    n: RoadTables, p: Program, st: State, i: int, ahead: float, gone: float, aside: float
+) -> tuple[float, float]:
+    """Return the point (x, y) of the path a distance ahead, `aside` of the offset planned for when `gone` is driven."""
     road, lane, row, s, rest = path_ahead(n, p, st, ahead)
     direction = st.path_sense[0] if row == st.path_row[0] else lane_direction(n, road, lane)
-    off = direction * planned_offset(st, st.odometer[i] + gone)
+    off = direction * (planned_offset(st, st.odometer[i] + gone) + aside)
     x, y, _, h, _, _, _ = row_place(n, road, row, road_piece_at(n, road, s), s, off)
     if rest > 0.0:
         x = x + direction * rest * cos(h)
@@ -99,14 +101,14 @@ def aim(p: Program, st: State, i: int, ahead: float, aside: float, most: float) 
 
 @compiled
 def pursuit_angle(n: RoadTables, p: Program, st: State, i: int, most: float) -> float:
-    """Return the angle of the front wheels that leads along the path and its planned offset.
+    """Return the angle of the front wheels that leads along the path and its planned offset, and `aside` of that.
 
     `most` bounds the lateral acceleration, m/s2.
     """
     if st.path_road[0] < 0:
         return 0.0
     preview = preview_distance(st, i)
-    x, y = path_point(n, p, st, i, preview, preview)
+    x, y = path_point(n, p, st, i, preview, preview, st.aside[0])
     dx = x - st.x[i]
     dy = y - st.y[i]
     c = cos(st.h[i])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip
+from scenario_compiler.engine.columns.numbers import angle_between, bearing, clip, length_of, ratio
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.laying import spiral_step
@@ -149,6 +149,23 @@ def track_pose(p: Program, st: State, track: int, s: float, smooth: int) -> tupl
     if p.track_kind[track] == op.TRACK_NURBS or (smooth == 1 and p.vertex_heading[v] == 1):
         return x, y, st.track_h[v] + share * angle_between(st.track_h[v + 1], st.track_h[v]), along
     return x, y, corner_heading(p, st, track, v, s), along
+
+
+@compiled
+def nearest_on_track(p: Program, st: State, track: int, x: float, y: float) -> float:
+    """Return the distance along a trajectory of its point that is nearest to a point, straight between vertices."""
+    first = p.track_vertex[track]
+    best = st.track_s[first]
+    nearest = length_of(x - st.track_x[first], y - st.track_y[first])
+    for v in range(first, p.track_vertex[track + 1] - 1):
+        dx = st.track_x[v + 1] - st.track_x[v]
+        dy = st.track_y[v + 1] - st.track_y[v]
+        share = clip(ratio((x - st.track_x[v]) * dx + (y - st.track_y[v]) * dy, dx * dx + dy * dy, 0.0), 0.0, 1.0)
+        away = length_of(x - st.track_x[v] - share * dx, y - st.track_y[v] - share * dy)
+        if away < nearest:
+            nearest = away
+            best = st.track_s[v] + share * (st.track_s[v + 1] - st.track_s[v])
+    return best
 
 
 @compiled

@@ -19,6 +19,7 @@ from scenario_compiler.engine.columns.program import ENTITY, POSITION, Program
 from scenario_compiler.engine.columns.rows import ActionRow, ProgramDraft
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.distances import distance_to, place_now
+from scenario_compiler.engine.motion.tracks import nearest_on_track, track_followed
 from scenario_compiler.engine.moves.entry import HOLDS_SPEED, Entry
 from scenario_compiler.engine.moves.speeds import push_speed, related_speed, set_speed
 from scenario_compiler.forms.declaration import index
@@ -68,14 +69,17 @@ def on_own_path(p: Program, st: State, i: int) -> int:
 
 @compiled
 def way_to(n: RoadTables, p: Program, st: State, i: int, k: int) -> float:
-    """Return how far an entity is from a position: along the roads, or straight where it goes its own way."""
-    if on_own_path(p, st, i) == 0:
+    """Return how far an entity is from a position: along its trajectory or the roads, straight on a path of its own."""
+    on_track = track_followed(p, st, i)
+    if on_track < 0 and on_own_path(p, st, i) == 0:
         along = distance_to(n, p, st, i, k, ALONG_ROAD, 0)
         if abs(along) < op.FAR:
             return abs(along)
     found, x, y, _, _, _ = place_now(n, p, st, k, i)
     if found == 0:
         return op.FAR
+    if on_track >= 0:
+        return max(nearest_on_track(p, st, p.action_other[on_track], x, y) - st.action_a[on_track], 0.0)
     return length_of(x - st.x[i], y - st.y[i])
 
 

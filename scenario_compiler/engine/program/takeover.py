@@ -10,7 +10,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.moves.takeover import REQUEST_CAUSES
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
-from scenario_compiler.vocabulary.driver import Driver, DriverModel, EffectKind, Law, Task
+from scenario_compiler.vocabulary.driver import Driver, DriverModel, EffectKind, Law, ReferenceName, Task
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Modality
 
 BEHAVIOURS = {
@@ -56,6 +56,14 @@ LAWS: dict[Law, int] = {
     "normal": op.DRIVER_NORMAL,
     "sumo": op.DRIVER_SUMO,
 }
+REFERENCES: dict[ReferenceName, int] = {
+    "careful_and_competent": op.REFERENCE_CAREFUL,
+    "careful_by_way": op.REFERENCE_CAREFUL_WAY,
+    "careful_by_overlap": op.REFERENCE_CAREFUL_OVERLAP,
+    "rss": op.REFERENCE_RSS,
+    "fuzzy_safety_model": op.REFERENCE_FUZZY,
+}
+"""Codes of the reference drivers."""
 TASK_EFFECTS: dict[Task, EffectKind] = {"visual": "visual_task", "handheld": "handheld_task"}
 SEEN_ONLY: frozenset[Modality] = frozenset({"text", "icon", "overlay"})
 """Channels of messages that are neither heard nor felt."""
@@ -109,6 +117,10 @@ def _add_driver(draft: ProgramBuilder) -> None:
     if driver.takeover_time is not None:
         draft.program.driver_kind[0] = op.DRIVER_FIXED
         k[slot.K_DRIVER_TIME] = driver.takeover_time
+    if driver.by_person is not None:  # who answers when they like, and is never drawn
+        draft.program.person[0] = 1
+        draft.program.driver_kind[0] = op.DRIVER_FIXED
+        k[slot.K_DRIVER_TIME] = op.FAR
     k[slot.K_DRIVER_MU] = driver.mu
     k[slot.K_DRIVER_SIGMA] = driver.sigma if driver.law != "sumo" else 1.0 / NormalDist().inv_cdf(1.0 - driver.missed)
     k[slot.K_DRIVER_LAPSE] = driver.lapse
@@ -118,6 +130,18 @@ def _add_driver(draft: ProgramBuilder) -> None:
     k[slot.K_EYES_ON] = driver.eyes_on
     k[slot.K_HANDS_ON] = driver.hands_on
     k[slot.K_STAGE_SPREAD] = driver.stage_spread
+    if driver.drives_as is not None:
+        draft.program.driver_reference[0] = REFERENCES[driver.drives_as]
+    how = driver.driving
+    k[slot.K_BRAKES] = how.brakes
+    k[slot.K_STEERS] = how.steers
+    k[slot.K_DRIVER_DECELERATION] = how.deceleration
+    k[slot.K_DRIVER_LATERAL] = how.lateral_acceleration
+    k[slot.K_PERCEPTION_TIME] = how.perception
+    k[slot.K_REACTION_TIME] = how.reaction
+    k[slot.K_SDLP] = how.sdlp
+    k[slot.K_SDLP_AT_FIRST] = how.sdlp_at_first
+    k[slot.K_SETTLED_AFTER] = how.settled_after
     _add_effects(draft, driver)
 
 

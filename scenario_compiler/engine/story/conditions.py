@@ -62,16 +62,20 @@ def delayed(p: Program, st: State, c: int, now: int) -> int:
 
 @compiled
 def holds_for_entities(n: RoadTables, p: Program, st: State, c: int) -> int:
-    """Return 1 where a condition holds for all its triggering entities, or for any; for none that is not there."""
+    """Return 1 where a condition holds for all its triggering entities that are there, or for any of them.
+
+    It does not hold where none is there (esmini 3.6).
+    """
     every = p.condition_all[c]
+    there = 0
     for k in range(p.condition_first[c], p.condition_first[c + 1]):
         i = p.condition_entity[k]
-        result = 0
         if st.present[i] == 1:
+            there = 1
             result = HOLDS[p.condition_op[c]](n, p, st, c, i)
-        if result != every:
-            return result
-    return every
+            if result != every:
+                return result
+    return every * there
 
 
 @compiled

@@ -15,9 +15,10 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.automation import control_ego
+from scenario_compiler.engine.ego.automation import control_ego, driven_by_hand
 from scenario_compiler.engine.ego.controllers import hold_inputs
 from scenario_compiler.engine.ego.failures import update_camera
+from scenario_compiler.engine.ego.person import drive_by_person
 from scenario_compiler.engine.ego.standing import standing_place
 from scenario_compiler.engine.ego.weather import update_weather
 from scenario_compiler.engine.motion.collision import check_collisions, update_boxes
@@ -104,6 +105,8 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
     if drives_ego(p) == 1:
         if (st.frame[0] - 1) % max(p.control_every[0], 1) == 0:
             control_ego(n, p, st, p.ego[0])
+        if p.person[0] == 1 and driven_by_hand(st) == 1 and st.crashed[0] == 0:
+            drive_by_person(st, p.ego[0])
         hold_inputs(p, st, p.ego[0])
     if st.flag[0] != op.FAULT_NONE:
         return 0
@@ -120,10 +123,11 @@ def note_stop_by_hand(n: RoadTables, p: Program, st: State) -> None:
 
 @compiled
 def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
-    """End a run whose ego has stood for a while after a stop that ends the conflict."""
+    """End a run whose ego has stood for a while after a stop that ends the conflict; a person who stops may go on."""
     ego = p.ego[0]
     state = st.takeover_state[0]
-    ended = st.crashed[0] == 1 or state in (op.TAKEOVER_STANDSTILL, op.TAKEOVER_MANUAL)
+    by_model = state == op.TAKEOVER_MANUAL and p.person[0] == 0
+    ended = st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL or by_model
     if st.v[ego] >= op.STANDING or not ended:
         st.still_since[0] = -1.0
         return
@@ -151,7 +155,8 @@ def at_destination(n: RoadTables, p: Program, st: State) -> int:
 def move_step(n: RoadTables, p: Program, st: State) -> None:
     """Move time and all entities on that the engine moves."""
     dt = p.const[slot.K_STEP]
-    st.clock[0] += dt
+    st.steps[0] += 1
+    st.clock[0] = st.steps[0] * dt
     move_entities(n, p, st, dt)
     if p.traffic_count[0] > 0:
         move_traffic(n, p, st, dt)

@@ -9,10 +9,11 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, Totals
+from scenario_compiler.engine.columns.totals import SUMMARY, SUMMARY_SIZE, TAKEOVERS_AT, Totals
 from scenario_compiler.engine.columns.trace import TRACE_FIELDS, TRACE_HEAD
 from scenario_compiler.engine.measures.judging import finish_totals, judge_row
 from scenario_compiler.engine.measures.rows import take_row
+from scenario_compiler.engine.measures.takeovers import write_takeovers
 from scenario_compiler.engine.story.step import begin_step, end_step, move_step, reset
 from scenario_compiler.forms.declaration import put_to_start, write_first
 from scenario_compiler.marker import compiled
@@ -102,3 +103,4 @@ def sweep(
             st.draw[q] = draws[k * op.DRAWS_PER_RUN + q]
         run_variant(n, p, st, m, limit, trace, k * stride, every)
         write_first(m, SUMMARY, out, k * SUMMARY_SIZE)
+        write_takeovers(m, out, k * SUMMARY_SIZE + TAKEOVERS_AT)

@@ -1,7 +1,6 @@
-"""Fits the lane detector's confidence on rendered roads, and measures what it is worth.
+"""Measures what the lane detector's confidence is worth, and fits it.
 
-`python -m scenario_compiler.perception.calibration` draws the roads, fits the logistic weights, measures the
-table of confidences and writes both to `perception/lane_confidence.json`, which is a part of the package. It
-takes some three minutes on one core and is run again when the renderer or the detector's features change; a
-test tells when the table no longer holds.
+In: road files. `maps` drives clips along their lanes and `bank` makes up situations, both with the truth beside each
+picture; `collect` lets a detector look at them, `gather` on several cores; `fit` fits the confidence, and `figures`
+says what it is worth, with maps left out of the fit in turn. `scenario-compiler calibrate` writes the page.
 """

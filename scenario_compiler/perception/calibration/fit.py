@@ -1,4 +1,4 @@
-"""The logistic fit and how well its probabilities come true."""
+"""Fits the confidence, and measures how well probabilities come true."""
 
 from __future__ import annotations
 
@@ -7,11 +7,68 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from scenario_compiler.perception.confidence import FARTHEST, Confidence
 
 Floats = NDArray[np.float64]
 
-BINS = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
+BINS = tuple(k / 10 for k in range(11))
 """Borders of the reliability table."""
+
+COUNTED = 100
+"""Looks from which a bin counts."""
+
+HIDDEN, OUTPUTS = 16, 3
+"""Hidden units and outputs."""
+
+PENALTY = 2e-4
+"""On the mean of the squared weights' sum: keeps them small."""
+
+STEPS = 400
+"""Most steps of the fit."""
+
+
+def fit_confidence(rows: Floats, labels: Floats, weight: Floats | None = None, seed: int = 1) -> Confidence:
+    """Return the confidence with the least cross-entropy over looks (L-BFGS from weights drawn with `seed`).
+
+    Args:
+        rows: (N, F) features.
+        labels: (N, 3) whether the geometry was right, paint was there, and both, 0 or 1.
+        weight: (N,) how much each look counts; alike when None.
+        seed: Of the first weights.
+    """
+    count, size = rows.shape
+    middle, scale = rows.mean(axis=0), np.maximum(rows.std(axis=0), 1e-3)
+    known = np.clip((rows - middle) / scale, -FARTHEST, FARTHEST).astype(np.float32)
+    labels = labels.astype(np.float32)
+    share = (np.full(count, 1.0 / count) if weight is None else weight / weight.sum()).astype(np.float32)
+    draw = np.random.default_rng(seed)
+    start = np.concatenate([
+        draw.normal(0.0, 0.3 / np.sqrt(size), HIDDEN * (size + 1)), np.zeros(OUTPUTS * (HIDDEN + size + 1))
+    ])  # fmt: skip
+    cut = HIDDEN * (size + 1)
+
+    def loss(parameters: Floats) -> tuple[float, Floats]:
+        single = parameters.astype(np.float32)
+        hidden, out = single[:cut].reshape(HIDDEN, size + 1), single[cut:].reshape(OUTPUTS, -1)
+        inner = np.tanh(known @ hidden[:, :-1].T + hidden[:, -1])
+        both = np.concatenate([inner, known], axis=1)
+        total = both @ out[:, :-1].T + out[:, -1]
+        p = 1.0 / (1.0 + np.exp(-np.clip(total, -30.0, 30.0)))
+        value = float((share[:, None] * (np.logaddexp(0.0, total) - labels * total)).sum())
+        wrong = share[:, None] * (p - labels)
+        back = (wrong @ out[:, :HIDDEN]) * (1.0 - inner * inner)
+        gradient = np.concatenate([
+            np.concatenate([back.T @ known, back.sum(axis=0)[:, None]], axis=1).ravel(),
+            np.concatenate([wrong.T @ both, wrong.sum(axis=0)[:, None]], axis=1).ravel(),
+        ])  # fmt: skip
+        value += PENALTY * float(parameters @ parameters)
+        return value, gradient.astype(np.float64) + 2.0 * PENALTY * parameters
+
+    found = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": STEPS})
+    best = np.asarray(found.x)
+    return Confidence(middle, scale, best[:cut].reshape(HIDDEN, size + 1), best[cut:].reshape(OUTPUTS, -1))
 
 
 @dataclass(frozen=True)
@@ -19,57 +76,27 @@ class Reliability:
     """How probabilities compare with what happened.
 
     Attributes:
-        count: Number of boundaries.
+        count: Number of looks.
         accuracy: Share in which p > 0.5 said the right thing.
-        area: Area under the receiver operating characteristic.
+        area: Area under the receiver operating characteristic; NaN where there was one outcome alone.
         brier: Mean squared difference of probability and outcome.
-        bins: (from, to, boundaries, mean probability, observed frequency).
-        largest_error: Largest difference of the last two over the bins with at least 30 boundaries.
+        expected_error: Mean over the looks of the difference of a bin's probability and frequency.
+        largest_error: Largest such difference over the bins with at least `COUNTED` looks.
+        bins: (from, to, looks, mean probability, observed frequency).
     """
 
     count: int
     accuracy: float
     area: float
     brier: float
-    bins: list[tuple[float, float, int, float, float]]
+    expected_error: float
     largest_error: float
-
-
-def fit_logistic(rows: Floats, outcomes: Floats, ridge: float = 0.3) -> Floats:
-    """Return the weights of a logistic regression by Newton's method, with a ridge penalty.
-
-    Args:
-        rows: (n, features).
-        outcomes: (n,) 0 or 1.
-        ridge: Penalty on the squared weights, halved.
-    """
-    weights = np.zeros(rows.shape[1])
-    for _ in range(100):
-        p = _logistic(rows @ weights)
-        gradient = rows.T @ (outcomes - p) - ridge * weights
-        curvature = (rows * (p * (1.0 - p))[:, None]).T @ rows + ridge * np.eye(rows.shape[1])
-        step = np.linalg.solve(curvature, gradient)
-        weights += step
-        if float(np.abs(step).max()) < 1e-8:
-            break
-    return weights
-
-
-def cross_validated(rows: Floats, outcomes: Floats, groups: NDArray[np.int64], folds: int = 5) -> Floats:
-    """Return probabilities (n,), each by weights fitted without its fold; a group (a frame) is never split."""
-    p = np.empty(len(rows))
-    for fold in range(folds):
-        held = groups % folds == fold
-        p[held] = _logistic(rows[held] @ fit_logistic(rows[~held], outcomes[~held]))
-    return p
+    bins: tuple[tuple[float, float, int, float, float], ...]
 
 
 def reliability(p: Floats, outcomes: Floats) -> Reliability:
-    """Return how the probabilities p (n,) compare with the outcomes (n,)."""
-    ranks = np.empty(len(p))
-    ranks[np.argsort(p, kind="stable")] = np.arange(1, len(p) + 1)
+    """Return how the probabilities p (N,) compare with the outcomes (N,)."""
     right = outcomes > 0.5
-    yes, no = int(right.sum()), int((~right).sum())
     bins = []
     for low, high in pairwise(BINS):
         inside = (p >= low) & ((p < high) | (high == BINS[-1]))
@@ -78,12 +105,19 @@ def reliability(p: Floats, outcomes: Floats) -> Reliability:
     return Reliability(
         count=len(p),
         accuracy=float(((p > 0.5) == right).mean()),
-        area=float((ranks[right].sum() - yes * (yes + 1) / 2) / max(yes * no, 1)),
+        area=area_under_curve(p, right),
         brier=float(((p - outcomes) ** 2).mean()),
-        bins=bins,
-        largest_error=max(abs(mean - seen) for _, _, count, mean, seen in bins if count >= 30),
+        expected_error=sum(count * abs(mean - seen) for _, _, count, mean, seen in bins) / len(p),
+        largest_error=max((abs(mean - seen) for _, _, count, mean, seen in bins if count >= COUNTED), default=0.0),
+        bins=tuple(bins),
     )
 
 
-def _logistic(total: Floats) -> Floats:
-    return np.asarray(1.0 / (1.0 + np.exp(-np.clip(total, -30.0, 30.0))))
+def area_under_curve(p: Floats, right: NDArray[np.bool_]) -> float:
+    """Return the share of pairs of a right and a wrong one that p tells apart; ties count half."""
+    from scipy.stats import rankdata
+
+    yes, no = int(right.sum()), int((~right).sum())
+    if not yes or not no:
+        return float("nan")
+    return float((rankdata(p)[right].sum() - yes * (yes + 1) / 2) / (yes * no))

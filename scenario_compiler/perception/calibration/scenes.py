@@ -71,8 +71,16 @@ class Reference:
     Between samples it is interpolated linearly, which at a radius of 50 m is 0.2 mm off.
     """
 
-    def __init__(self, pieces: Sequence[tuple[float, float, float]]) -> None:
-        """Chain the pieces from the origin, heading along x."""
+    def __init__(
+        self, pieces: Sequence[tuple[float, float, float]], bends_up: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    ) -> None:
+        """Chain the pieces from the origin, heading along x.
+
+        Args:
+            pieces: (length, curvature at the start, at the end).
+            bends_up: Where the road begins to rise, m, the curvature of the rise, 1/m (negative falls), and the grade
+                at which it ends, rad.
+        """
         ends = np.cumsum([0.0] + [length for length, _, _ in pieces])
         self.length = float(ends[-1])
         self.s = np.linspace(0.0, self.length, int(self.length / 0.25) + 2)
@@ -84,6 +92,9 @@ class Reference:
         steps = np.diff(self.s)
         self.x = np.concatenate([[0.0], np.cumsum(np.cos(middle) * steps)])
         self.y = np.concatenate([[0.0], np.cumsum(np.sin(middle) * steps)])
+        begin, rise, most = bends_up
+        self.grade = np.clip(rise * np.maximum(self.s - begin, 0.0), -math.tan(most), math.tan(most))
+        self.z = _integral(self.grade, self.s)
 
     def at(self, s: Floats | float, t: Floats | float = 0.0) -> Floats:
         """Return points (..., 2) at s and t."""
@@ -92,10 +103,15 @@ class Reference:
         y = np.interp(s, self.s, self.y) + np.asarray(t) * np.cos(heading)
         return np.stack([x, y], axis=-1)
 
+    def points(self, s: Floats, t: float = 0.0) -> Floats:
+        """Return points (n, 3) at s (n,) and t."""
+        return np.concatenate([self.at(s, t), np.interp(s, self.s, self.z)[:, None]], axis=1)
+
     def pose(self, s: float, t: float = 0.0, turn: float = 0.0) -> Pose:
         """Return the pose at s and t, turned left by `turn`, rad."""
         x, y = self.at(s, t).tolist()
-        return Pose(x, y, 0.0, float(np.interp(s, self.s, self.heading)) + turn, 0.0, 0.0)
+        z, grade = (float(np.interp(s, self.s, one)) for one in (self.z, self.grade))
+        return Pose(x, y, z, float(np.interp(s, self.s, self.heading)) + turn, -math.atan(grade), 0.0)
 
     def offset(self, x: float, y: float) -> tuple[float, float]:
         """Return (s, t) of the nearest sample's normal projection."""
@@ -105,10 +121,9 @@ class Reference:
         return float(self.s[k] + dx * cos + dy * sin), float(dy * cos - dx * sin)
 
     def quads(self, start: Floats, end: Floats, left: float, right: float) -> NDArray[np.float32]:
-        """Return level quads (N, 4, 3) between the stations `start` and `end`, each (N,)."""
-        corners = [self.at(start, left), self.at(end, left), self.at(end, right), self.at(start, right)]
-        flat = np.stack(corners, axis=1)
-        return np.concatenate([flat, np.zeros((*flat.shape[:2], 1))], axis=2).astype(np.float32)
+        """Return quads (N, 4, 3), level across, between the stations `start` and `end`, each (N,)."""
+        corners = [self.points(start, left), self.points(end, left), self.points(end, right), self.points(start, right)]
+        return np.stack(corners, axis=1).astype(np.float32)
 
 
 def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Line]) -> Scene:

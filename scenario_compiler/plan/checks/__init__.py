@@ -6,6 +6,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
 from scenario_compiler.plan.checks.controllers import check_controllers
+from scenario_compiler.plan.checks.endless import check_endless
 from scenario_compiler.plan.checks.failures import check_failures
 from scenario_compiler.plan.checks.moves import check_moves
 from scenario_compiler.plan.checks.nowhere import check_nowhere
@@ -37,6 +38,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_failures,
     check_moves,
     check_restarts,
+    check_endless,
     check_world,
     check_controllers,
 )

@@ -1,0 +1,113 @@
+"""`calibrate`: what lane detection's confidence is worth, on maps of one's own too."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from scenario_compiler.cli.options import AT_FAULT, FINE, Commands, WrongUse, is_filled
+from scenario_compiler.cli.terminal import complain, put
+from scenario_compiler.cli.validate import available_cores
+from scenario_compiler.perception.detectors import DETECTORS, create_detector
+from scenario_compiler.resources import maps_folder
+
+CLIPS, PICTURES = 480, 60
+"""Clips of each map and pictures of each situation; with the shipped maps some three minutes on two cores."""
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser("calibrate", help="measure lane detection's confidence, and fit it")
+    parser.add_argument(
+        "maps", nargs="*", type=Path, metavar="MAP", help="road file, or folder of such; the shipped maps when left out"
+    )
+    parser.add_argument("-o", dest="output", type=Path, required=True, metavar="DIR", help="folder for the page")
+    parser.add_argument(
+        "--detector", choices=list(DETECTORS), default="classical", help="which detector, the classical one if left out"
+    )
+    parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
+    parser.add_argument(
+        "--leave-out",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="judge this map by a fit to all others; the tables are of such maps alone",
+    )
+    parser.add_argument("--fit", action="store_true", help="fit the confidence, and write it beside the page")
+    parser.add_argument(
+        "--clips", type=_count, default=CLIPS, metavar="N", help=f"clips of each map, {CLIPS} if left out"
+    )
+    parser.add_argument(
+        "--pictures",
+        type=_count,
+        default=PICTURES,
+        metavar="N",
+        help=f"pictures of a situation, {PICTURES} if left out",
+    )
+    parser.add_argument(
+        "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
+    )
+    parser.set_defaults(command=calibrate_command)
+
+
+def calibrate_command(options: argparse.Namespace) -> int:
+    """Measure, and write the page."""
+    from scenario_compiler.perception.calibration.figures import figures_of, fitted
+    from scenario_compiler.perception.calibration.gather import gather
+    from scenario_compiler.perception.confidence import confidence_text
+    from scenario_compiler.report.perception_page import PAGES, Measured, write_perception_page
+
+    if not options.force and is_filled(options.output):
+        raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
+    maps = _road_files(options.maps)
+    began = time.monotonic()
+    progress = _shown if sys.stderr.isatty() else None
+    gathered = gather(options.detector, maps, options.clips, options.pictures, options.jobs, progress)
+    missing = sorted(set(options.leave_out) - set(gathered.maps))
+    if missing or not gathered.maps:
+        complain(f"no lane to drive on in {', '.join(missing) or 'any map'}")
+        return AT_FAULT
+    confidence = fitted(gathered) if options.fit else None
+    figures = figures_of(gathered, options.leave_out, confidence)
+    minutes = (time.monotonic() - began) / 60.0
+    given = [
+        *(["--fit"] if options.fit else []),
+        *([f"--detector {options.detector}"] if options.detector != "classical" else []),
+    ]
+    command = " ".join(["scenario-compiler calibrate", *given, "MAPS"])
+    names = tuple(sorted(gathered.maps))
+    measured = Measured(options.detector, command, minutes, options.jobs, names, options.clips, options.pictures)
+    write_perception_page(figures, measured, options.output)
+    if confidence is not None:
+        detector = create_detector(options.detector)
+        text = confidence_text(confidence, detector.features)
+        (options.output / detector.confidence_file).write_text(text, encoding="utf-8")
+    driving = figures.driving[-1].outputs[-1]
+    put(f"area {driving.area:.3f}, expected error {driving.expected_error:.3f}, largest {driving.largest_error:.3f}")
+    put(f"page: {options.output / PAGES[options.detector]}")
+    return FINE
+
+
+def _road_files(given: list[Path]) -> list[Path]:
+    found: list[Path] = []
+    for one in given or [maps_folder()]:
+        if not one.exists():
+            raise WrongUse(f"there is no file or folder '{one}'")
+        found += [one] if one.is_file() else sorted(one.rglob("*.xodr"))
+    if len({one.stem for one in found}) < len(found):
+        raise WrongUse("two of the maps have the same name")
+    return found
+
+
+def _shown(done: int, total: int) -> None:
+    if done % 50 == 0:
+        complain(f"{done} of {total} parts are done")
+
+
+def _count(text: str) -> int:
+    number = int(text)
+    if not 1 <= number <= 100_000:
+        raise argparse.ArgumentTypeError(f"{text} is not a number from 1 to 100000")
+    return number

@@ -1,0 +1,64 @@
+"""A person at the wheel, as the run loop knows one: somebody who is asked before each step what they do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol
+
+if TYPE_CHECKING:
+    from scenario_compiler.recording.recording import Recording
+
+Wish = Literal["", "take_over", "hand_back", "leave"]
+"""What a person wants of the automation; who leaves lets it stop the vehicle."""
+
+
+@dataclass(frozen=True, slots=True)
+class PersonInput:
+    """What a person does in a time step.
+
+    Attributes:
+        throttle: 0 to 1.
+        brake: 0 to 1.
+        steer: -1 to 1 of the vehicle's greatest steering angle, positive to the left.
+        wish: What they want of the automation.
+    """
+
+    throttle: float = 0.0
+    brake: float = 0.0
+    steer: float = 0.0
+    wish: Wish = ""
+
+
+class Person(Protocol):
+    """Somebody at the wheel."""
+
+    def act(self, t: float, state: str) -> PersonInput:
+        """Return what they do in the step that begins at a time, s, in a state of the takeover."""
+        ...
+
+
+class RecordedPerson:
+    """The person of a recording, who does again what was recorded."""
+
+    def __init__(self, recording: Recording) -> None:
+        """Take the inputs; a recording of another person or of none gives other inputs or none."""
+        from scenario_compiler.recording.names import WISHES
+
+        self._wishes = WISHES
+        self._recording = recording
+        self._row = 0
+
+    def act(self, t: float, state: str) -> PersonInput:
+        """Return the inputs that the next row was recorded with; nothing beyond the recording's end."""
+        del t, state
+        self._row += 1
+        recording, row = self._recording, self._row
+        if row >= len(recording.t):
+            return PersonInput()
+        wish: Wish = self._wishes[int(recording.person_wish[row])]
+        return PersonInput(
+            float(recording.person_throttle[row]),
+            float(recording.person_brake[row]),
+            float(recording.person_steer[row]),
+            wish,
+        )

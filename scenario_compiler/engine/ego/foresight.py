@@ -1,0 +1,155 @@
+"""What a driver foresees: where moving things will be, whether a way out meets them, and since when he has minded them.
+
+Something new is acted on after a time of perception and a time of reaction (0.4 s and 0.75 s after UN R157, the careful
+and competent driver). It is new from when it first calls for more than gentle braking, or blocks the path, while the
+driver's eyes are on the road.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip, ratio
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.sensor import SLOW
+from scenario_compiler.engine.motion.following import idm_acceleration
+from scenario_compiler.marker import compiled
+
+CALL = 1.0
+"""Deceleration that something calls for from which on the driver minds it, m/s2; chosen."""
+
+FORGET = 2.0
+"""Time after which what calls for nothing any more is new again, s; chosen."""
+
+LIFT_OFF = 0.4
+"""Deceleration without the accelerator, m/s2: the careful and competent driver's during his delay, after UN R157."""
+
+ONCOMING = -0.5
+"""Speed along the way below which a vehicle is oncoming, m/s; chosen."""
+
+HORIZON_STEP = 0.1
+HORIZON_STEPS = 50
+"""Step, s, and number of steps in which a driver foresees; chosen: 5 s."""
+
+DRIFT = 0.2
+"""Lateral speed from which on a vehicle is taken to change its lane, m/s; chosen."""
+
+DRIFT_LEAST = 1.0
+"""Lateral speed that a vehicle changing its lane is taken to have at least, m/s; chosen: a change of lane in about
+3.5 s.
+"""
+
+AHEAD_TIME = 1.5
+"""How far ahead a vehicle that comes into the corridor is minded, s; chosen."""
+
+SPACE_ALONG = 1.0
+SPACE_ACROSS = 0.3
+"""Distance that a way out keeps to all it passes, along and across the way, m; chosen."""
+
+
+@compiled
+def drift_of(st: State, j: int, time: float) -> float:
+    """Return by how much an entity on the way will have moved to the left in a time, m.
+
+    A vehicle that changes its lane goes on to the next lane's centre: into the way's lane as far as its middle, out of
+    it or beyond by the width of a lane.
+    """
+    if abs(st.across[j]) < DRIFT or st.along[j] < SLOW:
+        return st.across[j] * time
+    speed = max(abs(st.across[j]), DRIFT_LEAST)
+    middle = 0.5 * (st.low[j] + st.high[j])
+    width = st.border_left[j] - st.border_right[j]
+    rest = width - abs(middle) if middle * st.across[j] > 0.0 else abs(middle)
+    gone = min(speed * time, max(rest, 0.0))
+    return gone if st.across[j] > 0.0 else -gone
+
+
+@compiled
+def in_corridor(p: Program, st: State, i: int, j: int, centre: float) -> int:
+    """Return 1 where an entity is in the corridor of i about `centre`, or will soon be."""
+    half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH] + 0.1
+    if st.low[j] < centre + half and st.high[j] > centre - half:
+        return 1
+    shift = drift_of(st, j, AHEAD_TIME)
+    return 1 if st.low[j] + shift < centre + half and st.high[j] + shift > centre - half else 0
+
+
+@compiled
+def called_for(p: Program, st: State, i: int, j: int, centre: float, slowest: float) -> float:
+    """Return the acceleration that an entity ahead calls for, m/s2; FAR where it is in nobody's way.
+
+    By the following model, and from LATE_BRAKE of what it takes to match its speed on harder.
+    """
+    if j == i or st.on_way[j] == 0 or st.seen[j] == 0 or st.along[j] < slowest:
+        return op.FAR
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    if st.far[j] <= front or in_corridor(p, st, i, j, centre) == 0:
+        return op.FAR
+    gap = st.near[j] - front
+    return idm_acceleration(p, i, st.v[i], max(st.target_speed[0], 1.0), max(gap, 0.1), st.along[j])
+
+
+@compiled
+def notice(p: Program, st: State, i: int, blocker: int) -> None:
+    """Take down since when each entity has called for a reaction, while the eyes are on the road."""
+    now = st.clock[0]
+    if st.looking[0] == 0:
+        return
+    for j in range(p.entity_count[0]):
+        calls = 1 if j == blocker else 0
+        if st.seen[j] == 1 and st.on_way[j] == 1 and st.along[j] < ONCOMING:
+            calls = 1
+        if calls == 0 and called_for(p, st, i, j, 0.0, -op.FAR) < -CALL:
+            calls = 1
+        if calls == 1:
+            st.called_at[j] = now
+            if st.noticed_at[j] < 0.0:
+                st.noticed_at[j] = now
+        elif st.noticed_at[j] >= 0.0 and now - st.called_at[j] > FORGET:
+            st.noticed_at[j] = -1.0
+
+
+@compiled
+def reacts_to(p: Program, st: State, j: int) -> int:
+    """Return 1 where the driver acts on an entity: its time of perception and reaction is over."""
+    due = p.const[slot.K_PERCEPTION_TIME] + p.const[slot.K_REACTION_TIME]
+    return 1 if st.noticed_at[j] >= 0.0 and st.clock[0] - st.noticed_at[j] >= due - 1.0e-6 else 0
+
+
+@compiled
+def meets(p: Program, st: State, i: int, target: float, over: float, deceleration: float, jerk: float) -> float:
+    """Return when i first meets something on the way, s from now; FAR where it does not within the horizon.
+
+    It brakes with a deceleration that grows from now by a jerk, and moves from its offset to `target` by a cosine in a
+    time `over`. Others keep their speed and go on as `drift_of` says.
+    """
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    rear = front - p.const[base + slot.E_LENGTH]
+    half = 0.5 * p.const[base + slot.E_WIDTH] + SPACE_ACROSS
+    v = st.v[i]
+    a = min(max(-st.pedal[0], 0.0), deceleration)
+    gone = 0.0
+    time = 0.0
+    for _ in range(HORIZON_STEPS):
+        time += HORIZON_STEP
+        a = min(a + jerk * HORIZON_STEP, deceleration)
+        slower = max(v - a * HORIZON_STEP, 0.0)
+        gone += 0.5 * (v + slower) * HORIZON_STEP
+        v = slower
+        share = 0.5 * (1.0 - cos(pi * clip(ratio(time, over, 1.0), 0.0, 1.0)))
+        off = st.path_off[0] + (target - st.path_off[0]) * share
+        for j in range(p.entity_count[0]):
+            if j == i or st.on_way[j] == 0:
+                continue
+            moved = st.along[j] * time - gone
+            if st.near[j] + moved > front + SPACE_ALONG or st.far[j] + moved < rear - SPACE_ALONG:
+                continue
+            shift = drift_of(st, j, time)
+            if st.low[j] + shift < off + half and st.high[j] + shift > off - half:
+                return time
+    return op.FAR

@@ -1,0 +1,55 @@
+"""A person at the wheel: takes over and hands back when they want to, and drives by their own pedals and wheel.
+
+What the person does stands in the state's input columns, which Python writes between steps. Nothing of it is drawn, so
+a run is repeated exactly from the inputs that were recorded.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.numbers import clip
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.takeover import hand_back
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def nothing_asks(p: Program, st: State) -> int:
+    """Return 1 where no cause asked for a takeover at the last control step."""
+    for k in range(p.cause_count[0]):
+        if st.asking[p.cause_order[k]] == 1:
+            return 0
+    return 1
+
+
+@compiled
+def heed_person(p: Program, st: State) -> None:
+    """Do what the person wants: take over, asked or not; hand back where nothing asks; stop where they have left."""
+    wish = st.person_wish[0]
+    state = st.takeover_state[0]
+    if wish == op.WISH_TAKE_OVER:
+        if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
+            st.takeover_state[0] = op.TAKEOVER_MANUAL
+            st.cause[0] = op.CAUSE_NONE
+            st.manual_since[0] = st.clock[0]
+            log_event(st, op.EVENT_OVERRIDE, 0.0)
+        elif state in (op.TAKEOVER_REQUEST, op.TAKEOVER_ESCALATION, op.TAKEOVER_MINIMUM_RISK):
+            st.answer_at[0] = st.clock[0]
+    elif wish == op.WISH_HAND_BACK:
+        if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and nothing_asks(p, st) == 1:
+            hand_back(st)
+    elif wish == op.WISH_LEAVE and state == op.TAKEOVER_MANUAL:
+        st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
+        if st.time_minimum_risk[0] < 0.0:
+            st.time_minimum_risk[0] = st.clock[0]
+        log_event(st, op.EVENT_MINIMUM_RISK, 0.0)
+
+
+@compiled
+def drive_by_person(st: State, i: int) -> None:
+    """Give the ego the person's pedals and wheel."""
+    st.command_throttle[i] = clip(st.person_throttle[0], 0.0, 1.0)
+    st.command_brake[i] = clip(st.person_brake[0], 0.0, 1.0)
+    st.command_steer[i] = clip(st.person_steer[0], -1.0, 1.0)

@@ -1,0 +1,65 @@
+"""The takeovers of a run, one after the other: what each was about and when it was escalated, answered and over."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.totals import TAKEOVERS, Totals
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def note_state(m: Totals, k: int, state: int) -> None:
+    """Note that takeover k has come into a state, for the first time."""
+    now = m.row_time[0]
+    if state == op.TAKEOVER_ESCALATION and m.takeover_escalation[k] < 0.0:
+        m.takeover_escalation[k] = now
+    elif state == op.TAKEOVER_MANUAL and m.takeover_response[k] < 0.0:
+        m.takeover_response[k] = now
+    elif state == op.TAKEOVER_MINIMUM_RISK and m.takeover_minimum_risk[k] < 0.0:
+        m.takeover_minimum_risk[k] = now
+    elif state == op.TAKEOVER_STANDSTILL and m.takeover_standstill[k] < 0.0:
+        m.takeover_standstill[k] = now
+    elif state == op.TAKEOVER_HAND_BACK and m.takeover_hand_back[k] < 0.0:
+        m.takeover_hand_back[k] = now
+
+
+@compiled
+def add_takeovers(st: State, m: Totals) -> None:
+    """Add the last row: a new request, a new state, and in the first row with a cause what the request is about."""
+    if st.requests[0] > m.requests[0]:
+        m.requests[0] = st.requests[0]
+        m.undescribed[0] = 1
+        if m.requests[0] <= TAKEOVERS:
+            m.takeover_request[m.requests[0] - 1] = st.request_at[0]
+            m.takeover_cause[m.requests[0] - 1] = 1.0 * st.cause[0]
+    k = m.requests[0] - 1
+    changed = 1 if st.takeover_state[0] != m.state[0] else 0
+    m.state[0] = st.takeover_state[0]
+    if k < 0 or k >= TAKEOVERS:
+        return
+    if changed == 1:
+        note_state(m, k, m.state[0])
+    if m.undescribed[0] == 1 and m.row_cause[0] != op.CAUSE_NONE:
+        m.undescribed[0] = 0
+        m.takeover_blocked[k] = m.row_blocked[0]
+        m.takeover_lane_end[k] = m.row_lane_end[0]
+        m.takeover_speed[k] = m.row_v[0]
+
+
+@compiled
+def write_takeovers(m: Totals, out: list[float], base: int) -> None:
+    """Write the takeovers into `out` from `base` on, one after the other, each by `TAKEOVER_FIELDS`."""
+    at = base
+    for k in range(TAKEOVERS):
+        out[at] = m.takeover_request[k]
+        out[at + 1] = m.takeover_cause[k]
+        out[at + 2] = m.takeover_blocked[k]
+        out[at + 3] = m.takeover_lane_end[k]
+        out[at + 4] = m.takeover_speed[k]
+        out[at + 5] = m.takeover_escalation[k]
+        out[at + 6] = m.takeover_response[k]
+        out[at + 7] = m.takeover_minimum_risk[k]
+        out[at + 8] = m.takeover_standstill[k]
+        out[at + 9] = m.takeover_hand_back[k]
+        at = at + 10

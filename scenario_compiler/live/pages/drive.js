@@ -1,0 +1,237 @@
+// The page of a run under way: pictures as they come, what the driver is told, and what the person does, told back.
+
+import { allow, speak, tone, vibrate } from "live/sounds.js";
+import { Calibration, Wheel } from "live/wheel.js";
+import { MapView } from "pages/map.js";
+
+const TELL_EVERY = 20; // milliseconds
+const REPORT_EVERY = 1000;
+const one = (selector) => document.querySelector(selector);
+
+/** The rows that came so far, as the map wants them. */
+class LiveRun {
+  constructor(about) {
+    Object.assign(this, { entities: about.entities, roadmap: about.roadmap, origin: about.origin, roads: [] });
+    this.clear();
+  }
+
+  clear() {
+    this.t = [];
+    this.states = [];
+    this.blocked = { x: [], y: [], h: [], by: [] };
+    this.columns = Object.fromEntries(["x", "y", "h", "v"].map((name) => [name, { data: this.entities.map(() => []) }]));
+  }
+
+  add(about) {
+    this.t.push(about.t);
+    this.states = [[0, 0, about.words, about.colour]];
+    this.blocked.x.push(NaN);
+    this.blocked.by.push(-1);
+    about.entities.forEach((place, i) => {
+      const [x, y, h, v] = place ? [place[0] - this.origin[0], place[1] - this.origin[1], place[2], place[3]] : [NaN, NaN, NaN, NaN];
+      Object.entries({ x, y, h, v }).forEach(([name, value]) => this.columns[name].data[i].push(value));
+    });
+  }
+
+  row(t) {
+    let row = this.t.length - 1;
+    while (row > 0 && this.t[row] > t + 1e-6) row--;
+    return Math.max(0, row);
+  }
+
+  value(name, row, entity = 0) {
+    return this.columns[name]?.data[entity]?.[row] ?? NaN;
+  }
+
+  present(row, entity) {
+    return Number.isFinite(this.columns.x.data[entity][row]);
+  }
+
+  state() {
+    return this.states[0];
+  }
+}
+
+class Page {
+  constructor(about) {
+    this.about = about;
+    this.wheel = new Wheel();
+    this.run = new LiveRun(about);
+    this.sent = new Map();
+    this.seq = 0;
+    this.seen = 0;
+    this.samples = [];
+    this.shown = [];
+    this.offsets = [];
+    this.map = null;
+    one("#name").textContent = document.title = about.name;
+    one("#summary").textContent = about.watched ? "Nobody drives: the run is shown as it happens." : about.summary;
+    one("#keys").hidden = one("#go").hidden = one("#calibrate").hidden = about.watched;
+    one("#touch").hidden = about.watched || !matchMedia("(pointer: coarse)").matches;
+    this.wheel.listen(document.querySelectorAll("#touch button"));
+    const calibration = new Calibration(one("#profile"));
+    one("#calibrate").addEventListener("click", () => calibration.open());
+    one("#go").addEventListener("click", () => this.start());
+    this.connect();
+  }
+
+  connect() {
+    this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.addEventListener("message", ({ data }) => {
+      if (typeof data === "string") this.hear(JSON.parse(data));
+      else this.take(data);
+    });
+    this.socket.addEventListener("close", () => {
+      clearInterval(this.telling);
+      clearInterval(this.reporting);
+      one("#ended").textContent ||= "The server has gone.";
+      one("#start").hidden = false;
+      setTimeout(() => this.connect(), 1000);
+    });
+    this.socket.addEventListener("open", () => {
+      this.telling = setInterval(() => this.tell(), TELL_EVERY);
+      this.reporting = setInterval(() => this.report(), REPORT_EVERY);
+    });
+  }
+
+  say(message) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+
+  start() {
+    allow();
+    this.wheel.release();
+    this.run.clear();
+    this.samples = [];
+    this.sent.clear();
+    this.toldText = "";
+    one("#start").hidden = true;
+    one("#ended").textContent = "";
+    one("#report").hidden = true;
+    this.say({ kind: "start" });
+    one("#go").blur();
+  }
+
+  hear(message) {
+    if (message.role === "viewer" && !this.about.watched) {
+      one("#ended").textContent = "Another page is at the wheel: this one shows what happens.";
+      one("#go").hidden = true;
+    }
+    this.role = message.role ?? this.role;
+    one("#go").disabled = this.role !== "driver";
+    if (message.pong !== undefined) {
+      const now = performance.now();
+      this.offsets.push({ trip: now - message.pong, offset: message.at - (message.pong + now) / 2 });
+      this.offsets = this.offsets.slice(-20);
+    }
+  }
+
+  /** Tell what the person does; every message has a number, which comes back with the picture that shows it. */
+  tell() {
+    if (this.role !== "driver" || !this.running) return;
+    const told = this.wheel.read();
+    this.seq += 1;
+    this.sent.set(this.seq, performance.now());
+    this.sent.delete(this.seq - 500);
+    this.say({ kind: "input", seq: this.seq, ...told });
+  }
+
+  /** Take a picture, and show it when both of its files are decoded. */
+  async take(data) {
+    const view = new DataView(data);
+    const length = view.getUint32(0);
+    const about = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+    if (about.end !== undefined) return this.finish(about);
+    this.running = true;
+    one("#start").hidden = true;
+    const size = view.getUint32(4 + length);
+    const files = [new Uint8Array(data, 8 + length, size), new Uint8Array(data, 8 + length + size)];
+    const images = await Promise.all(files.map((file) => (file.length ? createImageBitmap(new Blob([file])) : null)));
+    requestAnimationFrame(() => this.show(about, images));
+  }
+
+  show(about, [ahead, mirror]) {
+    const canvas = one("#ahead");
+    if (canvas.width !== ahead.width) [canvas.width, canvas.height] = [ahead.width, ahead.height];
+    canvas.getContext("2d").drawImage(ahead, 0, 0);
+    if (mirror) one("#mirror").getContext("2d").drawImage(mirror, 0, 0);
+    const now = performance.now();
+    this.shown = [...this.shown.slice(-50), now];
+    if (about.seq > this.seen && this.sent.has(about.seq)) this.samples.push(now - this.sent.get(about.seq));
+    this.seen = about.seq;
+    this.wheel.speed = about.speed;
+    this.latest = about;
+    one("#speed b").textContent = Math.round(3.6 * about.speed);
+    const state = one("#state");
+    state.textContent = about.byHand ? "you drive" : about.words;
+    state.style.background = about.colour;
+    one("#conf-left").value = about.confidence[0];
+    one("#conf-right").value = about.confidence[1];
+    one("#behind").hidden = !about.late;
+    one("#behind").textContent = `This machine cannot keep up: ${Math.round(about.late)} ms behind.`;
+    this.tellDriver(about);
+    this.run.add(about);
+    this.map ??= new MapView(one("#map canvas"), this.run, one("#map .tip"));
+    this.map.turned = true;
+    this.map.scale = 2.2;
+    this.map.show(this.run.t.length - 1);
+  }
+
+  /** Show, sound and speak what the driver is told; it ends with its reason. */
+  tellDriver(about) {
+    const key = JSON.stringify(about.told);
+    one("#left").hidden = about.left === null;
+    if (about.left !== null) one("#left span").textContent = about.left.toFixed(1);
+    if (key === this.toldText) return;
+    this.toldText = key;
+    const urgent = about.state !== "warning";
+    const by = (modality) => about.told.filter(([one]) => one === modality).map(([, text]) => text);
+    const shown = by("text");
+    const box = one("#told");
+    box.hidden = !shown.length && !by("icon").length;
+    box.classList.toggle("urgent", urgent);
+    box.replaceChildren(...(by("icon").length ? [icon(urgent)] : []), shown.join(". "));
+    if (by("tone").length) tone(urgent);
+    for (const [modality, text, language] of about.told) if (modality === "speech") speak(text, language);
+    if (by("vibration").length) vibrate(urgent);
+  }
+
+  report() {
+    this.say({ kind: "ping", t: performance.now() });
+    if (!this.running || this.role !== "driver") return;
+    const best = this.offsets.reduce((a, b) => (b.trip < a.trip ? b : a), { trip: Infinity, offset: 0 });
+    const samples = this.samples.map((sample) => Number(sample.toFixed(2)));
+    this.samples = [];
+    this.say({ kind: "latency", samples: samples.slice(0, 200), offset: Number(best.offset.toFixed(2)) });
+    const sorted = [...samples].sort((a, b) => a - b);
+    const rate = this.shown.length > 1 ? (1000 * (this.shown.length - 1)) / (this.shown.at(-1) - this.shown[0]) : 0;
+    const latency = sorted.length ? `${Math.round(sorted[sorted.length >> 1])} ms from input to picture, ` : "";
+    one("#measured").textContent = `${latency}${rate.toFixed(0)} pictures a second`;
+  }
+
+  finish(about) {
+    this.running = false;
+    one("#told").hidden = one("#left").hidden = true;
+    one("#ended").textContent = about.end.charAt(0).toUpperCase() + about.end.slice(1);
+    one("#go").textContent = "Again";
+    const report = one("#report");
+    report.hidden = !this.about.writes;
+    report.href = `/runs/${about.run}`;
+    one("#start").hidden = false;
+  }
+}
+
+/** A triangle with an exclamation mark, or two hands' place on a wheel for a request. */
+function icon(urgent) {
+  const drawn = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  drawn.setAttribute("viewBox", "0 0 24 24");
+  drawn.setAttribute("aria-hidden", "true");
+  drawn.innerHTML = urgent
+    ? '<circle cx="12" cy="12" r="9" fill="none" stroke="#fff" stroke-width="2.5"/><path d="M3 12h6m6 0h6M12 15v6" stroke="#fff" stroke-width="2.5"/><circle cx="12" cy="12" r="3" fill="#fff"/>'
+    : '<path d="M12 2 23 21H1Z" fill="#ffd166"/><path d="M12 9v6m0 2v2" stroke="#10151b" stroke-width="2.4"/>';
+  return drawn;
+}
+
+const about = await (await fetch("/about")).json();
+globalThis.page = new Page(about);

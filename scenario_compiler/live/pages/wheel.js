@@ -1,0 +1,218 @@
+// What the person does: keys, gamepad or steering wheel, touch; one steering angle, throttle and brake of them all.
+
+const STEERS = 1.1; // share of the full lock a second, by keys at a standstill
+const RETURNS = 1.8;
+const PEDAL = { throttle: 1.6, brake: 2.4, up: 4 }; // shares a second
+const DEAD = 0.04; // of an axis about its rest
+const NAMES = ["steer", "throttle", "brake", "take over", "hand back"];
+
+const KEYS = {
+  ArrowLeft: "left", KeyA: "left",
+  ArrowRight: "right", KeyD: "right",
+  ArrowUp: "throttle", KeyW: "throttle",
+  ArrowDown: "brake", KeyS: "brake",
+  Enter: "take", KeyH: "back",
+};
+
+// The standard mapping of the Gamepad API: left stick, right and left trigger, A and B.
+const USUAL = {
+  steer: { axis: 0, rest: 0, full: -1 },
+  throttle: { button: 7, rest: 0, full: 1 },
+  brake: { button: 6, rest: 0, full: 1 },
+  "take over": { button: 0, rest: 0, full: 1 },
+  "hand back": { button: 1, rest: 0, full: 1 },
+};
+
+export class Wheel {
+  constructor() {
+    this.held = new Set();
+    this.steer = 0;
+    this.throttle = 0;
+    this.brake = 0;
+    this.pressed = { take: false, back: false };
+    this.speed = 0;
+    this.before = performance.now();
+    addEventListener("keydown", (event) => this.#key(event, true));
+    addEventListener("keyup", (event) => this.#key(event, false));
+    addEventListener("blur", () => this.held.clear());
+  }
+
+  /** Let buttons of the page work like keys: data-hold while they are held, data-press once. */
+  listen(buttons) {
+    for (const button of buttons) {
+      const { hold, press } = button.dataset;
+      button.addEventListener("pointerdown", (event) => {
+        event.preventDefault();
+        if (hold) this.held.add(hold);
+        else this.pressed[press] = true;
+      });
+      for (const kind of ["pointerup", "pointercancel", "pointerleave"]) {
+        button.addEventListener(kind, () => this.held.delete(hold));
+      }
+    }
+  }
+
+  /** Return what the person does now; a press counts once. */
+  read() {
+    const now = performance.now();
+    const time = Math.min(0.1, (now - this.before) / 1000);
+    this.before = now;
+    this.#turn(time);
+    const pad = this.#pad();
+    const told = {
+      throttle: Math.max(this.throttle, pad.throttle),
+      brake: Math.max(this.brake, pad.brake),
+      steer: Math.abs(pad.steer) > Math.abs(this.steer) ? pad.steer : this.steer,
+      take_over: this.pressed.take || pad.take,
+      hand_back: this.pressed.back || pad.back,
+    };
+    this.pressed = { take: false, back: false };
+    for (const name of ["throttle", "brake", "steer"]) told[name] = Number(told[name].toFixed(4));
+    return told;
+  }
+
+  /** Let go of everything, as when a run begins. */
+  release() {
+    this.held.clear();
+    this.steer = this.throttle = this.brake = 0;
+    this.pressed = { take: false, back: false };
+  }
+
+  #key(event, down) {
+    const name = KEYS[event.code];
+    const target = event.target;
+    if (!name || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (target instanceof HTMLButtonElement || target instanceof HTMLAnchorElement) return;
+    event.preventDefault();
+    if (name === "take" || name === "back") {
+      if (down && !event.repeat) this.pressed[name] = true;
+    } else if (down) {
+      this.held.add(name);
+    } else {
+      this.held.delete(name);
+    }
+  }
+
+  /** Move what keys move: the faster the vehicle, the less and the slower they steer. */
+  #turn(time) {
+    const most = Math.min(1, 9 / Math.max(this.speed, 1) ** 1.4);
+    const wanted = (this.held.has("left") ? 1 : 0) - (this.held.has("right") ? 1 : 0);
+    const rate = (wanted === 0 ? RETURNS : STEERS) * Math.max(most, 0.08);
+    this.steer = toward(this.steer, wanted * most, rate * time);
+    for (const name of ["throttle", "brake"]) {
+      const held = this.held.has(name);
+      this[name] = toward(this[name], held ? 1 : 0, (held ? PEDAL[name] : PEDAL.up) * time);
+    }
+  }
+
+  #pad() {
+    const pad = firstPad();
+    if (!pad) return { steer: 0, throttle: 0, brake: 0, take: false, back: false };
+    const profile = profileOf(pad);
+    const value = (name) => share(pad, profile[name]);
+    const [take, back] = [value("take over") > 0.5, value("hand back") > 0.5];
+    const once = { take: take && !this.padTake, back: back && !this.padBack };
+    [this.padTake, this.padBack] = [take, back];
+    return {
+      steer: dead(value("steer")),
+      throttle: Math.max(0, dead(value("throttle"))),
+      brake: Math.max(0, dead(value("brake"))),
+      ...once,
+    };
+  }
+}
+
+/** The page in which a gamepad's or a wheel's axes and buttons are assigned. */
+export class Calibration {
+  constructor(dialog) {
+    this.dialog = dialog;
+    this.body = dialog.querySelector("tbody");
+    this.chosen = NAMES[0];
+    dialog.querySelector("#forget").addEventListener("click", () => this.#keep({ ...USUAL }));
+  }
+
+  open() {
+    this.dialog.showModal();
+    this.extremes = null;
+    const tick = () => {
+      if (!this.dialog.open) return;
+      this.#show();
+      requestAnimationFrame(tick);
+    };
+    tick();
+  }
+
+  #show() {
+    const pad = firstPad();
+    this.dialog.querySelector("#device").textContent = pad ? pad.id : "Press a button of the device.";
+    if (!pad) return;
+    const profile = profileOf(pad);
+    if (!this.body.children.length) this.#build();
+    NAMES.forEach((name, k) => {
+      const row = this.body.children[k];
+      const { axis, button, rest, full } = profile[name];
+      const texts = [name, axis === undefined ? `button ${button}` : `axis ${axis}`, rest.toFixed(2), full.toFixed(2)];
+      [...texts, share(pad, profile[name]).toFixed(2)].forEach((text, n) => (row.children[n].textContent = text));
+      row.classList.toggle("chosen", name === this.chosen);
+    });
+    this.#watch(pad, profile);
+  }
+
+  #build() {
+    for (const name of NAMES) {
+      const row = this.body.insertRow();
+      for (let k = 0; k < 5; k++) row.insertCell();
+      row.tabIndex = 0;
+      const choose = () => {
+        this.chosen = name;
+        this.extremes = null;
+      };
+      row.addEventListener("click", choose);
+      row.addEventListener("focus", choose);
+    }
+  }
+
+  /** Find what moves most since the input was chosen, and take its rest and its farthest place. */
+  #watch(pad, profile) {
+    const now = [...pad.axes, ...pad.buttons.map((one) => one.value)];
+    this.extremes ??= now.map((value) => ({ rest: value, far: value }));
+    now.forEach((value, k) => {
+      const one = this.extremes[k];
+      if (one && Math.abs(value - one.rest) > Math.abs(one.far - one.rest)) one.far = value;
+    });
+    const moved = this.extremes.map((one) => Math.abs(one.far - one.rest));
+    const most = moved.indexOf(Math.max(...moved));
+    if (moved[most] < 0.5) return;
+    const { rest, far } = this.extremes[most];
+    const place = most < pad.axes.length ? { axis: most } : { button: most - pad.axes.length };
+    this.#keep({ ...profile, [this.chosen]: { ...place, rest, full: far } });
+  }
+
+  #keep(profile) {
+    const pad = firstPad();
+    if (pad) localStorage.setItem(`profile of ${pad.id}`, JSON.stringify(profile));
+  }
+}
+
+function firstPad() {
+  return [...(navigator.getGamepads?.() ?? [])].find((pad) => pad?.connected) ?? null;
+}
+
+function profileOf(pad) {
+  const kept = localStorage.getItem(`profile of ${pad.id}`);
+  return kept ? JSON.parse(kept) : USUAL;
+}
+
+/** Return how far an input is moved: 0 at rest, 1 fully, -1 fully the other way. */
+function share(pad, { axis, button, rest, full }) {
+  const value = axis === undefined ? (pad.buttons[button]?.value ?? rest) : (pad.axes[axis] ?? rest);
+  return full === rest ? 0 : Math.min(1, Math.max(-1, (value - rest) / (full - rest)));
+}
+
+function dead(value) {
+  return Math.abs(value) < DEAD ? 0 : (value - Math.sign(value) * DEAD) / (1 - DEAD);
+}
+
+function toward(value, wanted, step) {
+  return value < wanted ? Math.min(wanted, value + step) : Math.max(wanted, value - step);
+}

@@ -1,0 +1,253 @@
+"""A run in step with the clock: the loop in a thread of its own, and after every few steps a picture for the page."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median, quantiles
+from typing import Any, get_args
+
+from scenario_compiler.live.sight import Sight
+from scenario_compiler.live.wheel import DRIVEN_BY_HAND, Wheel
+from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
+from scenario_compiler.recording.outcome import judge
+from scenario_compiler.report.folder import write_run_folder
+from scenario_compiler.report.palette import STATE_COLOURS, WORDS
+from scenario_compiler.report.run import Run
+from scenario_compiler.report.wording import outcome_words
+from scenario_compiler.roads import Network
+from scenario_compiler.runtime import open_world
+from scenario_compiler.runtime.loop import Execution
+from scenario_compiler.runtime.messages import message_text
+from scenario_compiler.trust import Trust
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.takeover import Told
+from scenario_compiler.vocabulary.word import number_value
+from scenario_compiler.worlds import WorldError
+
+FRAME_TIME = 0.04
+"""Time from one picture to the next at least, s: 25 a second."""
+
+MIRROR_EVERY = 2
+"""Pictures of the view ahead for one of the mirror."""
+
+BEHIND = 0.1
+"""Delay from which the page says that the machine does not keep up, s."""
+
+GIVEN_UP = 0.5
+"""Delay that is not caught up any more: the clock of the run is set back by it, s."""
+
+ASKING = get_args(Told)
+"""States that are announced where the policy has no messages of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """What the page shows of one row.
+
+    Attributes:
+        about: The row, as JSON for the page.
+        ahead: The view ahead, a JPEG file.
+        mirror: The mirror, a JPEG file; empty when it has not been drawn again.
+    """
+
+    about: dict[str, Any]
+    ahead: bytes
+    mirror: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What is driven.
+
+    Attributes:
+        plan: The plan.
+        network: Its map.
+        world: Name of the world.
+        seed: Seed of all that is drawn.
+        trust: Code of the user's own that the plan may name.
+        folder: Folder that the runs are written into; None writes nothing.
+        size: Width and height of the view ahead, pixels.
+    """
+
+    plan: Plan
+    network: Network
+    world: str = "kinematic"
+    seed: int = 1
+    trust: Trust | None = None
+    folder: Path | None = None
+    size: tuple[int, int] = (1280, 720)
+
+
+class Session(threading.Thread):
+    """One run in step with the clock.
+
+    Attributes:
+        wheel: The person at the wheel; None for a run that is only watched.
+        folder: Folder of this run.
+        ended: How it ended, in words; empty while it goes on.
+        finished: The run, once it has ended.
+    """
+
+    def __init__(self, drive: Drive, number: int, show: Callable[[Picture], bool]) -> None:
+        """Prepare a run.
+
+        Args:
+            drive: What is driven.
+            number: Number of the run, from 1 on; later ones have other seeds.
+            show: Takes a picture, in this thread; False where the page was too slow to take it.
+        """
+        super().__init__(name=f"run {number}", daemon=True)
+        self.drive, self.number, self._show = drive, number, show
+        self.folder = None if drive.folder is None else drive.folder / f"drive-{number:03d}"
+        self.wheel: Wheel | None = None
+        if drive.plan.takeover.driver.by_person is not None:
+            if self.folder is not None:
+                make_folder(self.folder)
+            kept = None if self.folder is None else self.folder / "inputs.jsonl"
+            self.wheel = Wheel(drive.plan, kept)
+        self.ended = ""
+        self.finished: Run | None = None
+        self.latencies: list[float] = []
+        self.clock_offset = math.nan
+        self._lost, self._shown = 0, 0
+        self._late: list[float] = []
+        self._slipped = 0.0
+        self._stopping = threading.Event()
+        self._happened: list[str] = []
+        self._gone = False
+
+    def stop(self) -> None:
+        """End the run as soon as possible."""
+        self._stopping.set()
+
+    def leave(self) -> None:
+        """Note that the page of the person is gone."""
+        if self.wheel is not None:
+            self.wheel.leave()
+            self._happened.append("person_left")
+
+    def come_back(self) -> None:
+        """Note that the person has a page again."""
+        if self.wheel is not None:
+            self.wheel.come_back()
+            self._happened.append("person_back")
+
+    def run(self) -> None:
+        """Go through the run, write its folder, and say how it ended."""
+        drive = self.drive
+        try:
+            with open_world(drive.world, drive.plan, drive.network) as world:
+                seed = drive.seed + self.number - 1
+                execution = Execution(drive.plan, world, seed, trust=drive.trust, person=self.wheel)
+                self._go(execution)
+                recording = execution.finish("user" if self._stopping.is_set() else "")
+            finished = Run(drive.plan, drive.network, recording, judge(drive.plan, recording))
+            if self.wheel is not None:
+                self.wheel.close()
+            if self.folder is not None:
+                write_run_folder(finished, self.folder)
+                write_whole(self.folder / "live.json", json.dumps(self.figures(), indent=1) + "\n")
+            self.finished = finished
+            self.ended = outcome_words(finished.outcome, automated=drive.plan.controller is not None)
+        except (WorldError, OSError) as fault:
+            self.ended = f"the run broke off: {fault}"
+        finally:
+            self._show(Picture({"end": self.ended, "run": self.number}, b"", b""))
+
+    def figures(self) -> dict[str, Any]:
+        """Return what was measured of the page and the clock; times in milliseconds."""
+        latency = sorted(self.latencies)
+        late = [1e3 * one for one in self._late]
+        return {
+            "latency_count": len(latency),
+            "latency_median_ms": round(median(latency), 2) if latency else None,
+            "latency_p95_ms": round(quantiles(latency, n=20)[-1], 2) if len(latency) > 1 else None,
+            "clock_offset_ms": None if math.isnan(self.clock_offset) else round(self.clock_offset, 2),
+            "pictures_shown": self._shown,
+            "pictures_lost": self._lost,
+            "late_median_ms": round(median(late), 2) if late else None,
+            "late_most_ms": round(max(late), 2) if late else None,
+            "given_up_ms": round(1e3 * self._slipped, 2),
+        }
+
+    def _go(self, execution: Execution) -> None:
+        sight = Sight(execution, self.drive.size)
+        every = max(1, round(FRAME_TIME / self.drive.plan.step))
+        begin = time.perf_counter()
+        steps = 0
+        self._publish(execution, sight, 0.0)
+        while execution.going and not self._stopping.is_set():
+            for kind in self._news():
+                execution.note(kind)
+            execution.advance()
+            steps += 1
+            late = time.perf_counter() - begin - execution.state.clock[0]
+            if late > GIVEN_UP:
+                begin += late
+                self._slipped += late
+            elif late < 0.0:
+                self._stopping.wait(-late)
+            if steps % every == 0:
+                self._late.append(max(late, 0.0))
+                self._publish(execution, sight, late)
+
+    def _news(self) -> list[str]:
+        news, self._happened = self._happened, []
+        return news
+
+    def _publish(self, execution: Execution, sight: Sight, late: float) -> None:
+        snapshot = execution.snapshot()
+        mirror = sight.mirror(snapshot) if self._shown % MIRROR_EVERY == 0 else b""
+        marked = any(one.modality == "overlay" for one in execution.messenger.shown)
+        picture = Picture(self._about(execution, late), sight.view(snapshot, marked=marked), mirror)
+        self._shown += 1
+        if not self._show(picture):
+            self._lost += 1
+
+    def _about(self, execution: Execution, late: float) -> dict[str, Any]:
+        """Return what the page shows beside the pictures."""
+        st, plan = execution.state, self.drive.plan
+        state = TAKEOVER_STATES[st.takeover_state[0]]
+        entities = [
+            [round(st.x[i], 2), round(st.y[i], 2), round(st.h[i], 3), round(st.v[i], 2)] if st.present[i] == 1 else None
+            for i in range(len(plan.entities))
+        ]
+        told = self._told(execution, state, CAUSES[st.cause[0]])
+        return {
+            "run": self.number,
+            "k": self._shown,
+            "t": round(st.clock[0], 6),
+            "seq": 0 if self.wheel is None else self.wheel.applied,
+            "state": state,
+            "words": WORDS[state],
+            "colour": STATE_COLOURS[state],
+            "speed": round(st.v[0], 3),
+            "confidence": [round(st.conf_left[0], 3), round(st.conf_right[0], 3)],
+            "byHand": state in DRIVEN_BY_HAND,
+            "entities": entities,
+            "told": told,
+            "left": self._time_left(execution, state),
+            "late": round(1e3 * late, 1) if late > BEHIND else 0,
+        }
+
+    def _told(self, execution: Execution, state: str, cause: str) -> list[tuple[str, str, str]]:
+        """Return (modality, text, language) of the messages now; a text where the policy has none."""
+        if self.drive.plan.takeover.messages:
+            return [(one.modality, one.text, one.language) for one in execution.messenger.shown]
+        return [("text", message_text(state, cause, ("what", "why")), "en")] if state in ASKING else []
+
+    def _time_left(self, execution: Execution, state: str) -> float | None:
+        """Return the time until the minimum-risk manoeuvre begins at the latest, s; None where nobody was asked."""
+        if state not in ("request", "escalation"):
+            return None
+        st, plan = execution.state, self.drive.plan
+        after = number_value(plan.takeover.minimum_risk_after, parameter_values(plan.parameters))
+        return round(max(0.0, st.request_at[0] + after - st.clock[0]), 1)

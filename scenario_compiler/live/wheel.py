@@ -1,0 +1,121 @@
+"""The person at the wheel as the page tells of them: pedals, wheel, and when they take over."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import threading
+from dataclasses import asdict
+from pathlib import Path
+from typing import BinaryIO
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.controllers.person import PersonInput, Wish
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.word import number_value
+
+KEPT_EVERY = 0.5
+"""Time after which inputs are on the disk at the latest, s."""
+
+DRIVEN_BY_HAND = ("manual", "hand_back")
+
+
+class Told(BaseModel):
+    """What the page tells of the person: a message of at most a few hundred bytes."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    seq: int = Field(ge=0, description="Number of the message, counted by the page.")
+    throttle: float = Field(default=0.0, ge=0.0, le=1.0, description="Throttle.")
+    brake: float = Field(default=0.0, ge=0.0, le=1.0, description="Brake.")
+    steer: float = Field(default=0.0, ge=-1.0, le=1.0, description="Steering, positive to the left.")
+    take_over: bool = Field(default=False, description="The button to take over is pressed.")
+    hand_back: bool = Field(default=False, description="The button to hand back is pressed.")
+
+
+class Wheel:
+    """Joins the page, which tells when it likes, and the run, which asks once a step.
+
+    What the run was given is written to a file as it happens, one JSON object a step.
+    """
+
+    def __init__(self, plan: Plan, kept: Path | None = None) -> None:
+        """Wait for a person.
+
+        Args:
+            plan: The plan, which says what of a pedal or the wheel counts as an input, and so takes over.
+            kept: File that the inputs are written to; None keeps them in the recording alone.
+        """
+        self.applied = 0
+        values, inputs = parameter_values(plan.parameters), plan.takeover.inputs
+        angle = number_value(inputs.steering, values) / number_value(inputs.steering_ratio, values)
+        self._steer_from = angle / max(math.radians(plan.entities[0].vehicle.max_steer), 0.01)
+        self._brake_from = number_value(inputs.brake, values)
+        self._lock = threading.Lock()
+        self._told = Told(seq=0)
+        self._asked: Wish = ""
+        self._away = False
+        self._file: BinaryIO | None = None if kept is None else kept.open("wb")
+        self._written_until = 0.0
+
+    def tell(self, told: Told) -> None:
+        """Take what the page says; buttons count until the run has heeded them."""
+        with self._lock:
+            self._told = told
+            if told.take_over:
+                self._asked = "take_over"
+            elif told.hand_back:
+                self._asked = "hand_back"
+
+    def leave(self) -> None:
+        """Note that the page is gone."""
+        with self._lock:
+            self._away, self._told, self._asked = True, Told(seq=self._told.seq), ""
+
+    def come_back(self) -> None:
+        """Note that a page is there again; its numbers begin anew."""
+        with self._lock:
+            self._away, self._told = False, Told(seq=0)
+
+    def act(self, t: float, state: str) -> PersonInput:
+        """Return what the person does in the step that begins at t, s."""
+        with self._lock:
+            told, away = self._told, self._away
+            by_hand = state in DRIVEN_BY_HAND
+            if self._asked == ("take_over" if by_hand else "hand_back"):
+                self._asked = ""
+            wish: Wish = self._asked
+        if away:
+            wish = "leave" if by_hand else ""
+        elif not by_hand and self._is_input(told):
+            wish = "take_over"
+        done = PersonInput(told.throttle, told.brake, told.steer, wish)
+        self.applied = told.seq
+        self._keep(t, done)
+        return done
+
+    def close(self) -> None:
+        """Put what is left of the inputs on the disk."""
+        if self._file is not None:
+            self._sync()
+            self._file.close()
+            self._file = None
+
+    def _is_input(self, told: Told) -> bool:
+        return told.brake >= self._brake_from or abs(told.steer) >= self._steer_from
+
+    def _keep(self, t: float, done: PersonInput) -> None:
+        if self._file is None:
+            return
+        self._file.write(json.dumps({"t": round(t, 9), **asdict(done)}).encode() + b"\n")
+        if t - self._written_until >= KEPT_EVERY:
+            self._written_until = t
+            self._sync()
+
+    def _sync(self) -> None:
+        if self._file is not None:
+            self._file.flush()
+            os.fsync(self._file.fileno())

@@ -1,0 +1,167 @@
+"""What the confidence is worth: figures of looks, with maps left out of the fit in turn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.perception.calibration.bank import BANK
+from scenario_compiler.perception.calibration.collect import RIGHT, Looks
+from scenario_compiler.perception.calibration.fit import Reliability, fit_confidence, reliability
+from scenario_compiler.perception.calibration.gather import Gathered
+from scenario_compiler.perception.confidence import Confidence
+
+Mask = NDArray[np.bool_]
+
+OUTPUTS = ("geometry", "paint", "both")
+
+SURE, CONFIDENT, FAR_OFF = 0.8, 0.6, 1.0
+"""Confidences from which a side counts as sure and as confident, and the error of one that is far off, m."""
+
+REMEMBERING = 3
+"""Number of the image of a clip from which on memory has settled."""
+
+FITTED = (0, 2, 4, 5)
+"""Images of a clip that are fitted to: neighbours say the same."""
+
+
+@dataclass(frozen=True)
+class Worth:
+    """What the outputs are worth over some looks.
+
+    Attributes:
+        name: What was looked at.
+        outputs: Of each of `OUTPUTS`.
+        sure: Share of the looks with a confidence over `SURE`.
+        wrong: Share of those that are off by more than 0.25 m.
+        far_off: Share of those that are off by more than 1 m.
+    """
+
+    name: str
+    outputs: tuple[Reliability, ...]
+    sure: float
+    wrong: float
+    far_off: float
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How a situation of the bank went.
+
+    Attributes:
+        name: The situation's.
+        right: Share of the boundaries that are right.
+        confidence: Mean confidence.
+        misled: Share of the boundaries that are confident and wrong.
+    """
+
+    name: str
+    right: float
+    confidence: float
+    misled: float
+
+
+@dataclass(frozen=True)
+class Figures:
+    """All figures.
+
+    Attributes:
+        single: Single images of each map.
+        driving: Images of it that were seen with memory.
+        conditions: Images of all maps with memory, by condition.
+        bank: The bank.
+        left_out: Maps that took no part in the fit that judged them.
+    """
+
+    single: tuple[Worth, ...]
+    driving: tuple[Worth, ...]
+    conditions: tuple[Worth, ...]
+    bank: tuple[Asked, ...]
+    left_out: tuple[str, ...]
+
+
+def fitted(gathered: Gathered, without: str = "") -> Confidence:
+    """Return the confidence fitted to all looks but those at one map."""
+    parts = [looks for name, looks in gathered.maps.items() if name != without]
+    of_maps = Looks.joined(parts)
+    chosen = of_maps.only(np.isin(of_maps.condition("number"), FITTED))
+    looks = Looks.joined([chosen, gathered.drawn])
+    return fit_confidence(looks.rows, looks.labels)
+
+
+def judged(looks: Looks, confidence: Confidence) -> Looks:
+    """Return the looks with what another confidence would have said of them; memory stays as it was."""
+    return replace(looks, p=confidence.all(looks.rows))
+
+
+def figures_of(gathered: Gathered, left_out: Sequence[str], confidence: Confidence | None) -> Figures:
+    """Return the figures.
+
+    Args:
+        gathered: The looks.
+        left_out: Maps that are judged by a fit to all others, and of which the tables then are; all when empty.
+        confidence: What judges all else; None for what the detector said.
+    """
+    chosen = {name: looks for name, looks in gathered.maps.items() if not left_out or name in left_out}
+    if left_out:
+        chosen = {name: judged(looks, fitted(gathered, name)) for name, looks in chosen.items()}
+    elif confidence is not None:
+        chosen = {name: judged(looks, confidence) for name, looks in chosen.items()}
+    together = Looks.joined(list(chosen.values()))
+    chosen["all"] = together
+    numbers = {name: looks.condition("number") for name, looks in chosen.items()}
+    with_memory = together.only(numbers["all"] >= REMEMBERING)
+    bank = gathered.bank if confidence is None else tuple(judged(looks, confidence) for looks in gathered.bank)
+    return Figures(
+        single=tuple(worth(name, looks.only(numbers[name] == 0)) for name, looks in chosen.items()),
+        driving=tuple(worth(name, looks.only(numbers[name] >= REMEMBERING)) for name, looks in chosen.items()),
+        conditions=tuple(
+            worth(name, with_memory.only(mask)) for name, mask in conditions_of(with_memory) if mask.any()
+        ),
+        bank=tuple(_asked(one.name, looks) for one, looks in zip(BANK, bank, strict=True)),
+        left_out=tuple(left_out),
+    )
+
+
+def worth(name: str, looks: Looks) -> Worth:
+    """Return what the outputs are worth over looks."""
+    labels, sure = looks.labels, looks.p[:, 2] > SURE
+    count = max(int(sure.sum()), 1)
+    return Worth(
+        name,
+        tuple(reliability(looks.p[:, k], labels[:, k]) for k in range(len(OUTPUTS))),
+        float(sure.mean()),
+        float((looks.error[sure] >= RIGHT).sum()) / count,
+        float((looks.error[sure] >= FAR_OFF).sum()) / count,
+    )
+
+
+def conditions_of(looks: Looks) -> list[tuple[str, Mask]]:
+    """Return conditions by name, with the looks that they hold for."""
+    curvature, leader = looks.condition("curvature"), looks.condition("leader")
+    contrast, sigma, pitch = looks.condition("contrast"), looks.condition("sigma"), np.abs(looks.condition("pitch"))
+    junction = looks.condition("junction") > 0.0
+    return [
+        ("outside junctions", ~junction),
+        ("junction within 25 m", junction),
+        ("radius over 200 m", ~junction & (curvature < 1 / 200)),
+        ("radius 60 to 200 m", ~junction & (curvature >= 1 / 200) & (curvature < 1 / 60)),
+        ("radius 15 to 60 m", ~junction & (curvature >= 1 / 60)),
+        ("dry", contrast > 0.95),
+        ("wet or rain", (contrast > 0.3) & (contrast <= 0.95)),
+        ("hard rain towards a low sun", contrast <= 0.3),
+        ("noise over 20 grey levels", sigma > 20.0),
+        ("body pitched by over 0.5 degrees", pitch > np.radians(0.5)),
+        ("leader at 6 to 12 m", leader < 12.0),
+        ("leader at 12 to 25 m", (leader >= 12.0) & (leader < 26.0)),
+        ("truck beside", looks.condition("beside") > 0.0),
+    ]
+
+
+def _asked(name: str, looks: Looks) -> Asked:
+    wrong = looks.error >= RIGHT
+    misled = wrong & (looks.p[:, 2] > CONFIDENT)
+    return Asked(name, float(1.0 - wrong.mean()), float(looks.p[:, 2].mean()), float(misled.mean()))

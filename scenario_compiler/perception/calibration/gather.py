@@ -1,0 +1,107 @@
+"""Gathers looks on several cores: at clips of maps, at the bank, and at situations that are drawn."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import cv2
+
+from scenario_compiler.perception.calibration.bank import BANK
+from scenario_compiler.perception.calibration.collect import Looks, look_at_bank, look_at_drawn, look_at_map
+from scenario_compiler.perception.calibration.maps import MapRoads
+from scenario_compiler.perception.detectors import DetectorName, create_detector
+from scenario_compiler.perception.lane_detector import CalibratedDetector
+from scenario_compiler.roads import load_network
+
+PART = 24
+"""Clips of a job, which share the wear of the paint."""
+
+SEED, BANK_SEED, DRAWN_SEED = 11, 5, 23
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """Looks by where they were taken.
+
+    Attributes:
+        maps: Name of a map to the looks at its clips.
+        bank: Looks at each situation of the bank, in its order.
+        drawn: Looks at situations that were drawn.
+    """
+
+    maps: dict[str, Looks]
+    bank: tuple[Looks, ...]
+    drawn: Looks
+
+
+class _Job(NamedTuple):
+    detector: DetectorName
+    kind: Literal["map", "bank", "drawn"]
+    which: str
+    first: int
+    last: int
+
+
+def gather(
+    detector: DetectorName,
+    maps: Sequence[Path],
+    clips: int,
+    pictures: int,
+    processes: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> Gathered:
+    """Let a detector look.
+
+    Args:
+        detector: Its name.
+        maps: Road files; one that has no lane to drive on gives nothing.
+        clips: Clips of each map.
+        pictures: Pictures of each situation of the bank; fifteen times as many situations are drawn.
+        processes: Worker processes.
+        progress: Called with the jobs that are done and all of them.
+    """
+    jobs = [_Job(detector, "bank", str(number), 0, pictures) for number in range(len(BANK))]
+    jobs += [_Job(detector, "drawn", "", k, min(k + PART, 15 * pictures)) for k in range(0, 15 * pictures, PART)]
+    jobs += [_Job(detector, "map", str(path), k, min(k + PART, clips)) for path in maps for k in range(0, clips, PART)]
+    done: list[Looks] = []
+    with multiprocessing.get_context("spawn").Pool(processes, _begin) as pool:
+        for number, looks in enumerate(pool.imap(_do, jobs), 1):
+            done.append(looks)
+            if progress is not None:
+                progress(number, len(jobs))
+    by_map: dict[str, list[Looks]] = {}
+    for job, looks in zip(jobs, done, strict=True):
+        if job.kind == "map" and len(looks.error):
+            by_map.setdefault(Path(job.which).stem, []).append(looks)
+    return Gathered(
+        {name: Looks.joined(parts) for name, parts in by_map.items()},
+        tuple(looks for job, looks in zip(jobs, done, strict=True) if job.kind == "bank"),
+        Looks.joined([looks for job, looks in zip(jobs, done, strict=True) if job.kind == "drawn"]),
+    )
+
+
+def _begin() -> None:
+    cv2.setNumThreads(1)
+
+
+@lru_cache(maxsize=1)
+def _detector(name: DetectorName) -> CalibratedDetector:
+    return create_detector(name)
+
+
+@lru_cache(maxsize=1)
+def _roads(path: str) -> MapRoads:
+    return MapRoads(load_network(path))
+
+
+def _do(job: _Job) -> Looks:
+    if job.kind == "bank":
+        return look_at_bank(_detector(job.detector), int(job.which), BANK_SEED, job.last)
+    if job.kind == "drawn":
+        return look_at_drawn(_detector(job.detector), DRAWN_SEED, range(job.first, job.last))
+    return look_at_map(_roads(job.which), _detector(job.detector), SEED, range(job.first, job.last))

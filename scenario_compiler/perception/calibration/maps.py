@@ -1,0 +1,358 @@
+"""Pictures of a map's own lanes, driven along, with the truth about the lane in each.
+
+A clip is a car that drives a few images along a lane, with the traffic, the weather, the wear, the noise and the pitch
+that are drawn for it. A clip depends on the map, the seed and its number alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.perception.calibration.truth import SEEN, Truth
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.roadside import roadside_of
+from scenario_compiler.perception.scene import Scene, joined_marks
+from scenario_compiler.perception.solids import Box
+from scenario_compiler.perception.weather_look import look_of
+from scenario_compiler.roads import LanePosition, Network, Pose
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_borders, lane_direction
+from scenario_compiler.roads.mesh import Marks, road_marks, road_surface
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
+
+Floats = NDArray[np.float64]
+
+IMAGES = 6
+"""Images of a clip: the first is seen without memory."""
+
+PERIOD = 1.0 / 15.0
+"""Time between two images, s."""
+
+LATERAL = 2.5
+"""Lateral acceleration at which bends are driven, m/s2."""
+
+REACH = 40
+"""Length of the way ahead of the car that is known, m."""
+
+BEHIND = 6
+"""Length of the way behind it, m."""
+
+GAP = 13.0
+"""Longest gap between two pieces of paint that belong to one line, m."""
+
+CLEAR_DAY = weather_preset("ClearNoon") or Weather()
+
+
+@dataclass(frozen=True)
+class View:
+    """One image of a clip.
+
+    Attributes:
+        image: (height, width, 3) uint8, BGR.
+        truth: The lane's boundaries and paint.
+        way: Slope below the camera and curvature, 1/m, of the way, where a junction is in sight; else None.
+        number: Place in the clip.
+    """
+
+    image: NDArray[np.uint8]
+    truth: Truth
+    way: tuple[float, float] | None
+    number: int
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What a clip was drawn with.
+
+    Attributes:
+        weather: The weather.
+        sigma: Noise, grey levels.
+        pitch: Pitch of the body, rad, positive with the nose down.
+        leader: Distance to the vehicle ahead in the lane, m; infinite without one.
+        beside: Whether a truck drives beside.
+        curvature: Greatest curvature of the way within 20 m, 1/m.
+        junction: Whether a junction is within 25 m.
+    """
+
+    weather: Weather
+    sigma: float
+    pitch: float
+    leader: float
+    beside: bool
+    curvature: float
+    junction: bool
+
+
+class MapRoads:
+    """A map prepared for clips."""
+
+    def __init__(self, network: Network, camera: Camera | None = None) -> None:
+        """Prepare surfaces and marks once."""
+        self.network, self.camera = network, camera if camera is not None else Camera()
+        self._surface, self._marks, self._beside = road_surface(network), road_marks(network), roadside_of(network)
+        self._lines = _Lines(self._marks)
+        n = network.tables
+        rows = [row for row, lane in enumerate(n.lane_id) if lane != 0 and is_drivable(n.lane_type[row])]
+        sections = [n.lane_section[row] for row in rows]
+        self._lanes = [
+            (n.section_road[section], n.lane_id[row], n.section_s[section], n.section_end[section])
+            for row, section in zip(rows, sections, strict=True)
+        ]
+        lengths = np.array([end - start for _, _, start, end in self._lanes])
+        self._share = np.cumsum(lengths) / max(float(lengths.sum()), 1e-9)
+
+    def clips(self, seed: int, numbers: range, per_scene: int = 24) -> Iterator[tuple[int, Conditions, Iterator[View]]]:
+        """Yield number, conditions and views of the clips of some numbers; `per_scene` share the wear of the paint.
+
+        A number whose place has too short a way ahead is left out; there is none on a map without a lane to drive on.
+        """
+        if not self._lanes:
+            return
+        for first in range(numbers.start, numbers.stop, per_scene):
+            wear = self._wear(seed, first)
+            scene = Scene(self._surface, joined_marks(wear.marks, self._beside.marks), self._beside.uprights)
+            camera = RoadCamera(scene, self.camera, seed=first)
+            for number in range(first, min(first + per_scene, numbers.stop)):
+                found = self._clip(np.random.default_rng([seed, number]), camera, wear)
+                if found is not None:
+                    yield number, *found
+
+    def _wear(self, seed: int, first: int) -> _Lines:
+        draw = np.random.default_rng([seed, first, 1])
+        marks = self._marks
+        key, index = np.unique(np.stack([marks.road, marks.lane]), axis=1, return_inverse=True)
+        kind, level = draw.random(key.shape[1]), draw.random(key.shape[1])
+        left = np.where(kind < 0.6, 1.0, np.where(kind < 0.7, 0.0, level))
+        quality = marks.quality * left[index.ravel()]
+        return _Lines(replace(marks, quality=quality.astype(np.float32)))
+
+    def _place(self, draw: np.random.Generator) -> LanePosition:
+        road, lane, start, end = self._lanes[int(np.searchsorted(self._share, draw.random()))]
+        s = float(draw.uniform(start, end))
+        return LanePosition(self.network.road_ids[road], lane, s)
+
+    def _clip(
+        self, draw: np.random.Generator, camera: RoadCamera, lines: _Lines
+    ) -> tuple[Conditions, Iterator[View]] | None:
+        way = self._way(self._place(draw))
+        if way is None:
+            return None
+        curvature = way.curvature
+        speed = min(float(draw.uniform(5.0, 25.0)), math.sqrt(LATERAL / max(curvature, 1e-4)))
+        boxes, leader, beside = _traffic(draw, way, curvature)
+        weather = CLEAR_DAY
+        if draw.random() < 0.5:
+            weather = weather_preset(str(int(draw.integers(len(WEATHER_PRESETS))))) or CLEAR_DAY
+        conditions = Conditions(
+            weather,
+            sigma=0.0 if draw.random() < 0.6 else float(draw.uniform(0.0, 60.0)),
+            pitch=0.0 if draw.random() < 0.5 else float(np.clip(draw.normal(0.0, 0.012), -0.03, 0.03)),
+            leader=leader,
+            beside=beside,
+            curvature=curvature,
+            junction=way.junction < 25.0 + BEHIND,
+        )
+        offset = float(np.clip(draw.normal(0, 0.22), -0.7, 0.7))
+        drift = float(np.clip(draw.normal(0, 0.012), -0.04, 0.04))
+        return conditions, self._views(camera, lines, way, conditions, boxes, (offset, drift, speed * PERIOD))
+
+    def _views(
+        self,
+        camera: RoadCamera,
+        lines: _Lines,
+        way: _Way,
+        conditions: Conditions,
+        boxes: list[Box],
+        motion: tuple[float, float, float],
+    ) -> Iterator[View]:
+        offset, drift, step = motion
+        contrast = look_of(conditions.weather).contrast
+        for number in range(IMAGES):
+            at = BEHIND + number * step
+            pose = way.pose(at, offset + drift * number * step, drift)
+            pose = pose._replace(pitch=pose.pitch + conditions.pitch)
+            dx, dy = way.moved(number * step)
+            moved = [box._replace(x=box.x + dx, y=box.y + dy) for box in boxes]
+            image = camera.frame(pose, moved, conditions.weather, conditions.sigma, number)
+            view = camera.view(pose)
+            distance = way.distance - at - camera.box_offset - self.camera.x
+            near = (distance >= 6.0) & (distance <= 18.0)
+            painted = [
+                float(np.mean(quality[near] * contrast > SEEN)) if near.any() else 0.0
+                for quality in (way.left_paint(lines), way.right_paint(lines))
+            ]
+            middle = view.world_to_ground(0.5 * (way.left + way.right))
+            meant = None
+            if way.junction - at < 18.0 + camera.box_offset + self.camera.x:
+                ahead = (middle[:, 0] > 4.0) & (middle[:, 0] < 20.0) & (distance < 25.0)
+                if ahead.sum() >= 5:
+                    half, slope, _ = np.polyfit(middle[ahead, 0], middle[ahead, 1], 2)
+                    meant = (float(slope), 2.0 * float(half))
+            truth = Truth.of(view, way.left, way.right, (painted[0], painted[1]))
+            yield View(image, truth, meant, number)
+
+    def _way(self, here: LanePosition) -> _Way | None:
+        """Return the way from behind a place on, None where it is too short."""
+        network = self.network
+        back = network.previous(here, BEHIND)
+        if back is None:
+            return None
+        places = [back]
+        for _ in range(REACH + BEHIND + round(IMAGES * 25.0 * PERIOD)):
+            onward = network.next(places[-1], 1.0)
+            if onward is None:
+                break
+            places.append(onward)
+        if len(places) < REACH + BEHIND:
+            return None
+        return _Way.along(network, places)
+
+
+class _Lines:
+    """Marks, and where along its road each line has how much paint."""
+
+    def __init__(self, marks: Marks) -> None:
+        self.marks = marks
+        order = np.lexsort((marks.s[:, 0], marks.lane, marks.road))
+        self._road, self._lane, self._s = marks.road[order], marks.lane[order], marks.s[order]
+        self._quality = marks.quality[order]
+        key = np.stack([self._road, self._lane])
+        changes = np.flatnonzero((np.diff(key, axis=1) != 0).any(axis=0)) + 1
+        bounds = np.concatenate([[0], changes, [len(order)]])
+        self._rows = {(int(self._road[a]), int(self._lane[a])): (a, b) for a, b in pairwise(bounds.tolist()) if b > a}
+
+    def paint(self, road: int, lane: int, s: float) -> float:
+        """Return the quality of the line on the outer border of a lane at s; 0 where there is none."""
+        found = self._rows.get((road, lane))
+        if found is None:
+            return 0.0
+        a, b = found
+        before = a + int(np.searchsorted(self._s[a:b, 0], s, side="right")) - 1
+        if before >= a and s <= self._s[before, 1] + 0.01:
+            return float(self._quality[before])
+        if before >= a and before + 1 < b and self._s[before + 1, 0] - self._s[before, 1] < GAP:
+            return float(self._quality[before])
+        return 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """A lane followed from junction to junction, a metre a place.
+
+    Attributes:
+        distance: (n,) along it, m.
+        left: (n, 3) left border, world, m.
+        right: (n, 3) right border.
+        heading: (n,) rad.
+        pitch: (n,) rad, positive downhill.
+        roll: (n,) rad.
+        left_line: Road and lane whose outer border the left border is, for each place, and s.
+        right_line: The same of the right border.
+        junction: Distance along it to the first junction, m; infinite without one.
+    """
+
+    distance: Floats
+    left: Floats
+    right: Floats
+    heading: Floats
+    pitch: Floats
+    roll: Floats
+    left_line: list[tuple[int, int, float]]
+    right_line: list[tuple[int, int, float]]
+    junction: float
+
+    @staticmethod
+    def along(network: Network, places: list[LanePosition]) -> _Way:
+        """Return the way over some places."""
+        n = network.tables
+        left, right, angles = [], [], []
+        left_line, right_line = [], []
+        junction = math.inf
+        for number, place in enumerate(places):
+            road = network.road_index(place.road)
+            sense = lane_direction(n, road, place.lane)
+            borders = lane_borders(n, road, place.lane, place.s)
+            points = [network.road_pose(place.road, place.s, t) for t in borders]
+            outer = (road, place.lane, place.s)
+            inner = (road, place.lane - 1 if place.lane > 0 else place.lane + 1, place.s)
+            lines = [outer, inner] if place.lane > 0 else [inner, outer]
+            if sense < 0:
+                points.reverse()
+                lines.reverse()
+            left.append(points[0][:3])
+            right.append(points[1][:3])
+            left_line.append(lines[0])
+            right_line.append(lines[1])
+            pose = points[0]
+            turned = 0.0 if sense > 0 else math.pi
+            angles.append((pose.heading + turned, sense * pose.pitch, sense * pose.roll))
+            if math.isinf(junction) and n.road_junction[road] >= 0:
+                junction = float(number)
+        heading, pitch, roll = (np.array(one) for one in zip(*angles, strict=True))
+        middle = 0.5 * (np.array(left) + np.array(right))
+        gone = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(middle[:, :2], axis=0).T))])
+        return _Way(
+            gone, np.array(left), np.array(right), np.unwrap(heading), pitch, roll, left_line, right_line, junction
+        )
+
+    @property
+    def curvature(self) -> float:
+        """Greatest curvature over 5 m, 1/m, of the part that the camera sees."""
+        turn = np.abs(self.heading[BEHIND + 5 : BEHIND + 28] - self.heading[BEHIND : BEHIND + 23])
+        return float(turn.max() / 5.0)
+
+    def pose(self, at: float, offset: float, turn: float) -> Pose:
+        """Return the pose at a distance along the way, an offset to the left of its middle, and turned left."""
+        middle = 0.5 * (self.left + self.right)
+        x, y, z = (float(np.interp(at, self.distance, middle[:, k])) for k in range(3))
+        heading, pitch, roll = (
+            float(np.interp(at, self.distance, one)) for one in (self.heading, self.pitch, self.roll)
+        )
+        x, y = x - offset * math.sin(heading), y + offset * math.cos(heading)
+        return Pose(x, y, z, heading + turn, pitch, roll)
+
+    def moved(self, distance: float) -> tuple[float, float]:
+        """Return how far somebody who drives as we do has come, m."""
+        begin, end = self.pose(BEHIND, 0.0, 0.0), self.pose(BEHIND + distance, 0.0, 0.0)
+        return end.x - begin.x, end.y - begin.y
+
+    def left_paint(self, lines: _Lines) -> Floats:
+        """Return the quality of the paint on the left border, (n,)."""
+        return np.array([lines.paint(*one) for one in self.left_line])
+
+    def right_paint(self, lines: _Lines) -> Floats:
+        """Return the quality of the paint on the right border, (n,)."""
+        return np.array([lines.paint(*one) for one in self.right_line])
+
+
+def _traffic(draw: np.random.Generator, way: _Way, curvature: float) -> tuple[list[Box], float, bool]:
+    """Return others near the car, the distance to the leader and whether a truck is beside."""
+    boxes: list[Box] = []
+    leader, beside = math.inf, False
+    width = float(np.hypot(*(way.left - way.right)[BEHIND, :2]))
+    if draw.random() < 0.25:
+        leader = float(draw.uniform(6.0, 25.0))
+        boxes.append(_box(draw, way, leader + 3.5, 0.0))
+    if curvature < 0.01 and draw.random() < 0.1:
+        beside = True
+        pose = way.pose(BEHIND + float(draw.uniform(2.0, 16.0)), float(draw.choice([-1.0, 1.0])) * width, 0.0)
+        boxes.append(Box(pose.x, pose.y, pose.z, pose.heading, 8.5, 2.5, 3.5, (90, 90, 110), "truck", pose.pitch))
+    for _ in range(int(draw.integers(0, 3)) if draw.random() < 0.4 else 0):
+        side = float(draw.choice([-1.0, 1.0])) * width
+        boxes.append(_box(draw, way, float(draw.uniform(8.0, REACH - BEHIND)), side))
+    return boxes, leader, beside
+
+
+def _box(draw: np.random.Generator, way: _Way, ahead: float, offset: float) -> Box:
+    pose = way.pose(BEHIND + ahead, offset, 0.0)
+    colour = (int(draw.integers(30, 240)), int(draw.integers(30, 240)), int(draw.integers(30, 240)))
+    kind = "van" if draw.random() < 0.2 else "car"
+    height = 2.4 if kind == "van" else 1.45
+    return Box(pose.x, pose.y, pose.z, pose.heading, 4.5, 1.9, height, colour, kind, pose.pitch)  # type: ignore[arg-type]

@@ -1,0 +1,26 @@
+"""The table of lane detectors by name; a module is imported when its detector is made."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from scenario_compiler.perception.camera import Camera
+    from scenario_compiler.perception.lane_detector import CalibratedDetector
+
+DetectorName = Literal["classical", "learned"]
+"""Names of the detectors."""
+
+DETECTORS: dict[DetectorName, str] = {
+    "classical": "scenario_compiler.perception.lane_detector:ClassicalLaneDetector",
+    "learned": "scenario_compiler.perception.learned_detector:LearnedLaneDetector",
+}
+"""Name of a detector to its class."""
+
+
+def create_detector(name: DetectorName, camera: Camera | None = None) -> CalibratedDetector:
+    """Return a detector for a camera, the default camera when None."""
+    module, _, attribute = DETECTORS[name].partition(":")
+    detector: CalibratedDetector = getattr(importlib.import_module(module), attribute)(camera)
+    return detector

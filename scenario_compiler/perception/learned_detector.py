@@ -1,0 +1,213 @@
+"""A lane detector that was learned: a small network tells for each row of the image where either boundary is.
+
+The network (`lane_network.onnx`, run by cv2.dnn) sees the picture at 256 x 128. For each side and each second row it
+tells in which of 128 columns the boundary lies, or that it is not there: a distribution, whose width is the row's
+uncertainty. It also tells whether either side is painted, the tilt of the camera and the width of the lane. Rows are
+laid on the ground under that tilt, and a parabola is fitted to them by their certainty. The confidence is calibrated
+like that of the classical detector, on what the rows say.
+
+It was trained for the default camera by `tools/train_lane_network.py`; the picture of another one is turned to how that
+camera would see it. What the tables say of it stands in docs/perception.md.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from importlib import resources
+from typing import ClassVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.engine.ego.camera_health import noise_health
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.confidence import Confidence, load_confidence, noise_of
+from scenario_compiler.perception.lane_detector import Boundary, LaneResult, LaneState
+from scenario_compiler.perception.road_plane import Tilt
+
+Image = NDArray[np.uint8]
+Floats = NDArray[np.float64]
+
+WIDTH, HEIGHT = 256, 128
+"""Size of the picture that the network sees."""
+
+ROWS, COLUMNS = 64, 128
+"""Rows and columns of what it tells; each is two pixels of its picture."""
+
+NETWORK_FILE = "lane_network.onnx"
+
+TILT_DEVIATION = math.radians(0.3)
+"""Standard deviation of the tilt that the network tells of one image, rad."""
+
+LOOKED_AT = (5.0, 22.0)
+"""Stretch ahead of the camera of which the rows are used, m."""
+
+LEAST_ROWS = 5
+"""Rows without which there is no boundary."""
+
+LEARNED_FEATURES = (
+    *("painted", "present", "certain", "spread", "residual", "reach", "curvature", "offset", "tilt", "width_off"),
+    *(
+        "other_painted",
+        "other_present",
+        "other_certain",
+        "apart_slope",
+        "apart_curvature",
+        "noise",
+        "remembered",
+        "moved",
+    ),
+)
+"""Names of what its confidence is made from."""
+
+TRAINED_FOR = Camera()
+
+
+class LearnedLaneDetector:
+    """The learned detector."""
+
+    features: ClassVar[tuple[str, ...]] = LEARNED_FEATURES
+    confidence_file: ClassVar[str] = "learned_confidence.json"
+
+    def __init__(
+        self, camera: Camera | None = None, network: bytes | None = None, confidence: Confidence | None = None
+    ) -> None:
+        """Prepare for one camera; the shipped network and confidence where none are given."""
+        self.camera = camera if camera is not None else Camera()
+        data = network if network is not None else _shipped_network()
+        self._net = cv2.dnn.readNetFromONNX(np.frombuffer(data, np.uint8))
+        self.confidence = confidence or load_confidence(self.confidence_file, self.features)
+        self._turn = None if _alike(self.camera, TRAINED_FOR) else _homography(self.camera)
+        self._scale = self.camera.z / TRAINED_FOR.z
+        self._v = (np.arange(ROWS) + 0.5) * TRAINED_FOR.height / ROWS - 0.5
+
+    def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
+        """Return the lane that the camera is in (see `lane_detector.LaneDetector`)."""
+        return self.look(image, prior, pitch)[0]
+
+    def look(
+        self, image: Image, prior: LaneState | None = None, pitch: float | None = None
+    ) -> tuple[LaneResult, tuple[Floats, Floats]]:
+        """Return what `detect` does, and what the left and the right side's confidence is made from."""
+        state = prior if prior is not None else LaneState()
+        rows, painted, seen_pitch, width = self.tell(image)
+        tilt = Tilt(pitch, 0.0) if pitch is not None else state.tilt.with_seen(Tilt(seen_pitch, TILT_DEVIATION))
+        sides = [_Side(rows[side], painted[side], self._v, tilt.pitch, self._scale) for side in (0, 1)]
+        sigma_hat = noise_of(image)
+        health = noise_health(sigma_hat)
+        found, features = [], []
+        for side, other, before in ((sides[0], sides[1], state.left), (sides[1], sides[0], state.right)):
+            row = _features(side, other, tilt.pitch, width, sigma_hat, before)
+            curvature, slope, y0 = side.curve
+            features.append(row)
+            found.append(Boundary(y0, slope, 2.0 * curvature, *self.confidence(row), side.reach))
+        left, right = found
+        lane_width = float(left.y(10.0) - right.y(10.0))
+        result = LaneResult(left, right, health, sigma_hat, left.p * health, right.p * health, lane_width, tilt)
+        return result, (features[0], features[1])
+
+    def tell(self, image: Image) -> tuple[Floats, Floats, float, float]:
+        """Return what the network says of an image.
+
+        Returns:
+            (2, ROWS, COLUMNS + 1) probabilities that a boundary lies in a column, the last that it is not there; (2,)
+            probabilities that the sides are painted; the tilt, rad; the lane's width, m.
+        """
+        if self._turn is not None:
+            size = (TRAINED_FOR.width, TRAINED_FOR.height)
+            image = np.asarray(cv2.warpPerspective(image, self._turn, size), np.uint8)
+        small = cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
+        blob = small.transpose(2, 0, 1)[None].astype(np.float32) / np.float32(255.0) - np.float32(0.5)
+        self._net.setInput(np.ascontiguousarray(blob))
+        maps, rest = (np.asarray(one, np.float64) for one in self._net.forward(["rows", "rest"]))
+        logits = np.concatenate([maps[0], np.zeros((2, ROWS, 1))], axis=2)
+        exponents = np.exp(logits - logits.max(axis=2, keepdims=True))
+        rows = exponents / exponents.sum(axis=2, keepdims=True)
+        numbers = rest.ravel()
+        painted = 1.0 / (1.0 + np.exp(-numbers[:2]))
+        return rows, painted, 0.03 * float(numbers[2]), (3.5 + float(numbers[3])) * self._scale
+
+
+class _Side:
+    """One side's boundary as its rows tell it."""
+
+    def __init__(self, rows: Floats, painted: float, v: Floats, pitch: float, scale: float) -> None:
+        self.painted = painted
+        column = np.arange(COLUMNS)
+        there = 1.0 - rows[:, -1]
+        share = rows[:, :-1] / np.maximum(there, 1e-6)[:, None]
+        middle = share @ column
+        spread = np.sqrt(np.maximum(share @ (column * column) - middle * middle, 0.0))
+        u = (middle + 0.5) * TRAINED_FOR.width / COLUMNS - 0.5
+        x, y = (one * scale for one in ground_of(u, v, pitch))
+        per_column = x * TRAINED_FOR.width / COLUMNS / TRAINED_FOR.focal
+        deviation = np.hypot((spread + 0.3) * per_column, 0.02)
+        kept = (there > 0.5) & (x > LOOKED_AT[0]) & (x < LOOKED_AT[1])
+        near = (x > 6.0) & (x < 18.0)
+        self.present = float(there[near].mean()) if near.any() else 0.0
+        self.certain = float(np.log(deviation[near]).mean()) if near.any() else 0.0
+        self.spread = float(np.log(spread[near] + 0.1).mean()) if near.any() else 0.0
+        self.reach = (float(x[kept].min()), float(x[kept].max())) if kept.any() else (LOOKED_AT[1], LOOKED_AT[1])
+        self.curve, self.residual = (0.0, 0.0, 0.0), 1.0
+        if kept.sum() >= LEAST_ROWS:
+            weight = there[kept] / deviation[kept]
+            shape = np.vander(x[kept], 3) * weight[:, None]
+            held = np.diag([20.0, 2.0, 0.1])
+            system = np.concatenate([shape, held])
+            values = np.concatenate([y[kept] * weight, np.zeros(3)])
+            curve = np.linalg.lstsq(system, values, rcond=None)[0]
+            off = (np.vander(x[kept], 3) @ curve - y[kept]) * weight
+            self.residual = float(np.sqrt((off * off).mean()))
+            self.curve = (float(curve[0]), float(curve[1]), float(curve[2]))
+
+
+def ground_of(u: Floats, v: Floats, pitch: float) -> tuple[Floats, Floats]:
+    """Return where pixels of the camera that the network is for see the ground, m; x is infinite over the horizon."""
+    camera = TRAINED_FOR
+    tilted = camera.pitch + pitch
+    down = (v - camera.height / 2.0) / camera.focal
+    right = (u - camera.width / 2.0) / camera.focal
+    ahead, fall = math.cos(tilted) + down * math.sin(tilted), down * math.cos(tilted) - math.sin(tilted)
+    far = np.where(fall > 1e-3, camera.z / np.maximum(fall, 1e-3), np.inf)
+    return ahead * far, -right * np.where(np.isfinite(far), far, 0.0)
+
+
+def _features(side: _Side, other: _Side, tilt: float, width: float, sigma: float, before: Boundary | None) -> Floats:
+    x = np.array([12.0])
+    off = abs(abs(side.curve[2] - other.curve[2]) - width)
+    moved = 0.0
+    if before is not None:
+        moved = abs(float((np.vander(x, 3) @ np.array(side.curve))[0] - before.y(x)[0]))
+    return np.array([
+        _logit(side.painted), side.present, side.certain, side.spread, min(side.residual, 3.0), side.reach[1] / 10.0,
+        80.0 * abs(side.curve[0]), min(abs(abs(side.curve[2]) - 1.75), 1.5), 20.0 * abs(tilt), min(off, 1.0),
+        _logit(other.painted), other.present, other.certain, min(20.0 * abs(side.curve[1] - other.curve[1]), 2.0),
+        min(100.0 * abs(side.curve[0] - other.curve[0]), 2.0), math.log(sigma + 1.0), float(before is not None),
+        min(4.0 * moved, 2.0),
+    ])  # fmt: skip
+
+
+def _logit(p: float) -> float:
+    kept = min(max(p, 1e-4), 1.0 - 1e-4)
+    return 0.3 * math.log(kept / (1.0 - kept))
+
+
+def _alike(camera: Camera, other: Camera) -> bool:
+    names = ("width", "height", "fov", "yaw", "pitch", "roll")
+    return all(getattr(camera, name) == getattr(other, name) for name in names)
+
+
+def _homography(camera: Camera) -> Floats:
+    """Return what takes pixels of a camera to those of the camera that the network is for."""
+    inner = [
+        np.array([[one.focal, 0.0, one.width / 2.0], [0.0, one.focal, one.height / 2.0], [0.0, 0.0, 1.0]])
+        for one in (TRAINED_FOR, camera)
+    ]
+    return np.asarray(inner[0] @ TRAINED_FOR.rotation @ camera.rotation.T @ np.linalg.inv(inner[1]))
+
+
+@lru_cache(maxsize=1)
+def _shipped_network() -> bytes:
+    return resources.files("scenario_compiler.perception").joinpath(NETWORK_FILE).read_bytes()

@@ -1,0 +1,36 @@
+"""Durations of a run: whole numbers of steps times the step, so that equal durations are equal numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+
+from scenario_compiler.recording.names import EventKind
+from scenario_compiler.recording.recording import Floats
+
+
+class Timed(Protocol):
+    """Traces or totals: both know when events happened first."""
+
+    @property
+    def step(self) -> float:
+        """Length of a time step, s."""
+        ...
+
+    @property
+    def times(self) -> Mapping[EventKind, Floats]:
+        """First time of each kind of `TIMED_EVENTS`, (...), s, NaN when it never happened."""
+        ...
+
+
+def whole_steps(runs: Timed, durations: Floats) -> Floats:
+    """Return durations as whole numbers of steps times the step, s, so that equal ones are equal numbers."""
+    return np.asarray(np.round(durations / runs.step) * runs.step)
+
+
+def after_request(runs: Timed, time: Floats) -> Floats:
+    """Return how long after the first request a time is, s, (...); NaN before it."""
+    waited = whole_steps(runs, time - runs.times["request"])
+    return np.where(waited >= 0, waited, np.nan)

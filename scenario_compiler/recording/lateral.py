@@ -1,0 +1,98 @@
+"""Where the ego vehicle lies across its lane: offsets to the left in its direction of travel, and how they spread."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scenario_compiler.engine.measures.lane_keeping import JUMP, SETTLING
+from scenario_compiler.recording.recording import Booleans, Floats
+from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.recording.traces import Traces
+
+
+def left_of_centre(traces: Traces) -> Floats:
+    """Return the offset from the centre of the present lane to the left in the direction of travel, m, (..., n)."""
+    same_road = np.diff(traces.road[..., 0], axis=-1) == 0
+    step = np.sign(np.where(same_road, np.diff(traces.s[..., 0], axis=-1), 0.0))
+    none = np.zeros_like(traces.t[..., :1])
+    ahead, behind = np.concatenate([step, none], axis=-1), np.concatenate([none, step], axis=-1)
+    direction = np.where(ahead != 0, ahead, behind)
+    return traces.off[..., 0] * np.where(_held(direction, direction != 0) < 0, -1.0, 1.0)
+
+
+def left_of_lane_at_request(traces: Traces) -> Floats:
+    """Return the offset from the centre of the lane at the request to the left, m, (..., n); 0 where the ego is absent.
+
+    An offset that changes by more than `JUMP` from one row to the next is one from the centre of another lane. The
+    distance of the two centres is what is left of that change after the vehicle's own motion, taken to be that of the
+    row before. Before the request the offset is that from the present lane.
+    """
+    left = np.nan_to_num(_held(left_of_centre(traces), traces.present[..., 0]))
+    change = np.diff(left, axis=-1, prepend=left[..., :1])
+    jumps = np.abs(change) > JUMP
+    after = traces.between(traces.times["request"])
+    counts = jumps & after & np.concatenate([np.zeros_like(after[..., :1]), after[..., :-1]], axis=-1)
+    moved = _held(change, ~jumps)
+    return left + np.add.accumulate(np.where(counts, moved - change, 0.0), axis=-1)
+
+
+def _held(values: Floats, known: Booleans) -> Floats:
+    """Return values (..., n) with the last that is known in the place of the others; the first where none was yet."""
+    places = np.where(known, np.arange(values.shape[-1]), 0)
+    return np.take_along_axis(values, np.maximum.accumulate(places, axis=-1), axis=-1)
+
+
+def maximum_lateral_offset(traces: Traces) -> Floats:
+    """Return the greatest distance from the centre of the lane at the request, m, (...); rows off the lanes are out."""
+    counts = traces.between(traces.times["request"]) & (traces.lane[..., 0] != 0) & traces.present[..., 0]
+    offsets = np.where(counts, np.abs(left_of_lane_at_request(traces)), np.nan)
+    return np.asarray(np.fmax.reduce(offsets, axis=-1, initial=np.nan))
+
+
+def lateral_offset_at_response(traces: Traces) -> Floats:
+    """Return the offset from the centre of the lane at the request to the left in the row of the response, m, (...)."""
+    there = traces.between(traces.times["response"]) & traces.present[..., 0]
+    row = np.argmax(there, axis=-1)[..., None]
+    left = np.take_along_axis(left_of_lane_at_request(traces), row, axis=-1)[..., 0]
+    return np.where(there.any(axis=-1), left, np.nan)
+
+
+def time_off_lanes(traces: Traces) -> Floats:
+    """Return how long the reference point was off every lane, s, (...); NaN where it never was."""
+    off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
+    count = (off & traces.present[..., 0]).sum(axis=-1)
+    return np.where(count > 0, count * traces.step, np.nan)
+
+
+def time_off_lanes_total(totals: RunTotals) -> Floats:
+    """Return the same as `time_off_lanes`, (runs,)."""
+    return totals.column("rows_off_lanes") * totals.step
+
+
+def lane_position_deviation(traces: Traces) -> Floats:
+    """Return the standard deviation of the lateral position in the first seconds after the response, m, (...)."""
+    response = traces.times["response"]
+    window = traces.between(response, response + SETTLING)
+    left = left_of_centre(traces)
+    jumps = np.abs(np.diff(left, axis=-1)) > JUMP
+    changes = (jumps & window[..., 1:] & window[..., :-1]).any(axis=-1)
+    lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= response + SETTLING - 1e-6
+    count = window.sum(axis=-1)
+    mean = _total(np.where(window, left, 0.0)) / np.maximum(count, 1)
+    square = _total(np.where(window, (left - mean[..., None]) ** 2, 0.0))
+    deviation = np.sqrt(square / np.maximum(count - 1, 1))
+    return np.where(lasts & ~changes & (count > 1), deviation, np.nan)
+
+
+def _total(values: Floats) -> Floats:
+    """Return the sum over the rows, one after the other: zeros behind a run's end do not change it."""
+    return np.asarray(np.add.accumulate(values, axis=-1)[..., -1])
+
+
+def lane_position_deviation_total(totals: RunTotals) -> Floats:
+    """Return the same as `lane_position_deviation`, (runs,)."""
+    lasts = totals.last_time >= totals.times["response"] + SETTLING - 1e-6
+    count = totals.column("keeping_count")
+    broken = ~np.isnan(totals.column("keeping_broken"))
+    squares = np.nan_to_num(totals.column("keeping_squares"))
+    return np.where(lasts & ~broken & (count > 1), np.sqrt(squares / np.maximum(count - 1, 1)), np.nan)

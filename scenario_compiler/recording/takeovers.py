@@ -1,0 +1,147 @@
+"""The takeovers of a run: one for each request, with how it ended and how much time there was.
+
+Like measures they are found in two ways with the same result: in a recording, and in what the engine added up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.recording.measures import distance_to_limit, time_to_limit
+from scenario_compiler.recording.names import BY_HAND, CAUSES, EventKind
+from scenario_compiler.recording.recording import Floats, Recording
+from scenario_compiler.recording.resolution import Resolution, resolutions
+from scenario_compiler.recording.totals import RunTotals
+
+ENDS: tuple[EventKind, ...] = ("escalation", "response", "minimum_risk", "standstill", "hand_back")
+"""What may happen to a request, each by its first time before the next request."""
+
+
+def _seconds(description: str) -> float | None:
+    found: float | None = Field(default=None, description=description, json_schema_extra={"unit": "s"})
+    return found
+
+
+class Takeover(BaseModel):
+    """A request and what came of it. Times and durations are null where there is none."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    number: int = Field(description="Number of the request in its run, from 1 on.")
+    cause: str = Field(description="Cause of the request.")
+    resolution: Resolution = Field(description="How it ended, as `resolution` of the run says of the first request.")
+    request_time: float = Field(description="Time of the request.", json_schema_extra={"unit": "s"})
+    escalation_time: float | None = _seconds("Time of the escalation.")
+    response_time: float | None = _seconds("Time of the driver's response.")
+    minimum_risk_time: float | None = _seconds("Time at which the minimum-risk manoeuvre began.")
+    standstill_time: float | None = _seconds("Time at which the minimum-risk manoeuvre came to a standstill.")
+    hand_back_time: float | None = _seconds("Time at which control was handed back.")
+    takeover_time: float | None = _seconds("Time from the request to the driver's response.")
+    speed: float | None = Field(
+        default=None, description="Speed in the first row with the cause.", json_schema_extra={"unit": "m/s"}
+    )
+    limit_distance: float | None = Field(
+        default=None,
+        description="Distance from the front bumper to where the path is blocked or the lane ends, in the same row.",
+        json_schema_extra={"unit": "m"},
+    )
+    time_budget: float | None = _seconds("The limit's distance over the speed, to the nearest whole step.")
+    takeover_buffer: float | None = _seconds("Time budget less takeover time.")
+
+
+def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
+    """Return all takeovers of a recorded run."""
+    asked = [k for k, event in enumerate(recording.events) if event.kind == "request"]
+    if not asked:
+        return ()
+    crash = next((event.t for event in recording.events if event.kind == "collision"), math.nan)
+    times: dict[EventKind, list[float]] = {kind: [] for kind in ENDS}
+    rows = []
+    for begin, end in zip(asked, [*asked[1:], len(recording.events)], strict=True):
+        inside = [one for one in recording.events[begin:end] if one.cause != BY_HAND]
+        for kind, found in times.items():
+            found.append(next((one.t for one in inside if one.kind == kind), math.nan))
+        until = recording.events[end].t if end < len(recording.events) else math.inf
+        rows.append(_described(recording, recording.events[begin].t, until))
+    causes = [recording.events[k].cause for k in asked]
+    request = np.array([recording.events[k].t for k in asked])
+    known = np.array([row >= 0 for row in rows])
+    at = {
+        name: np.where(known, getattr(recording, name)[rows], np.nan)
+        for name in ("blocked_distance", "lane_end_distance")
+    }
+    speed = np.where(known, recording.v[rows, 0], np.nan)
+    codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
+    distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
+    ends = {kind: np.array(found) for kind, found in times.items()}
+    return tuple(_assembled(causes, request, ends, np.full(len(asked), crash), speed, distance, recording.header.step))
+
+
+def _described(recording: Recording, begin: float, end: float) -> int:
+    """Return the first row from a request on, and before the next, that has a cause; -1 where there is none."""
+    there = (recording.t >= begin - SAME_TIME) & (recording.t < end - SAME_TIME) & (recording.cause != op.CAUSE_NONE)
+    return int(np.argmax(there)) if there.any() else -1
+
+
+def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
+    """Return the takeovers of each run, at most so many as the engine keeps."""
+    request = totals.of_takeovers("takeover_request")
+    runs, places = np.nonzero(~np.isnan(request))
+    picked = {
+        name: totals.of_takeovers(f"takeover_{name}")[runs, places]
+        for name in ("cause", "blocked", "lane_end", "speed", *ENDS)
+    }
+    causes = [str(CAUSES[int(code)]) for code in picked["cause"]]
+    distance = distance_to_limit(picked["cause"], picked["blocked"], picked["lane_end"])
+    ends: dict[EventKind, Floats] = {kind: picked[kind] for kind in ENDS}
+    crash = totals.times["collision"][runs]
+    found: list[list[Takeover]] = [[] for _ in range(len(request))]
+    made = _assembled(causes, request[runs, places], ends, crash, picked["speed"], distance, totals.step, places)
+    for run, one in zip(runs.tolist(), made, strict=True):
+        found[run].append(one)
+    return [tuple(some) for some in found]
+
+
+def _assembled(
+    causes: list[str],
+    request: Floats,
+    ends: Mapping[EventKind, Floats],
+    crash: Floats,
+    speed: Floats,
+    distance: Floats,
+    step: float,
+    places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
+) -> list[Takeover]:
+    """Return takeovers of which each array has one number, (k,)."""
+    answered = np.round((ends["response"] - request) / step) * step
+    budget = np.round(time_to_limit(distance, speed) / step) * step
+    numbers = {
+        "request_time": request,
+        **{f"{kind}_time": times for kind, times in ends.items()},
+        "takeover_time": answered,
+        "speed": speed,
+        "limit_distance": distance,
+        "time_budget": budget,
+        "takeover_buffer": np.round((budget - answered) / step) * step,
+    }
+    none = np.full(len(request), np.nan)
+    how = resolutions({"request": request, **ends, "collision": crash, "no_progress": none})
+    order = np.arange(len(request)) if places is None else places
+    columns = {
+        name: [value if math.isfinite(value) else None for value in values.tolist()] for name, values in numbers.items()
+    }
+    return [
+        Takeover.model_construct(
+            number=int(order[k]) + 1,
+            cause=causes[k],
+            resolution=how[k],
+            **{name: values[k] for name, values in columns.items()},
+        )
+        for k in range(len(request))
+    ]

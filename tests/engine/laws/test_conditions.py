@@ -1,0 +1,397 @@
+"""Conditions: when the row comes in which what they trigger shows."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import pytest
+
+from tests.engine.laws.told import (
+    Actor,
+    Event,
+    after,
+    by,
+    condition,
+    lane_change,
+    lane_offset,
+    lane_position,
+    of_entity,
+    play,
+    speed,
+)
+
+DONE = 3.0
+"""Speed that the witness W takes when a condition holds, m/s; no other is it."""
+
+W = Actor(lane=2, s=1500.0, speed=1.0)
+
+
+def seen(folder: Path, inner: str, *events: Event, **actors: Actor) -> float | None:
+    """Return the first row in which W acts on a condition of A, None where it never does."""
+    told = {"A": Actor(), **actors, "W": W}
+    run = play(folder, told, [*events, Event("W", speed(DONE), of_entity("A", inner))], 8.0)
+    return run.acts("W", DONE)
+
+
+def gap(word: str, more: str, value: float, rule: str = "lessThan", where: str = "") -> str:
+    """Return a condition that measures a gap to B, or to a position."""
+    to = "" if where or word == "TimeToCollisionCondition" else ' entityRef="B"'
+    name = "freespace=" if "freespace" not in more else ""
+    free = f' {name}"false"' if name else ""
+    return f'<{word}{to} value="{value}" rule="{rule}" {more}{free}>{where}</{word}>'
+
+
+SYSTEMS = ("entity", "lane", "road", "world")
+B_AHEAD: dict[str, Actor] = {"B": Actor(s=100.0, speed=0.0)}
+"""B stands 50 m ahead of where A begins: 30 m are left after 2 s, so less than that in the row of 2.05 s."""
+
+
+@pytest.mark.law("TimeHeadwayCondition", "system lane")
+@pytest.mark.law("TimeHeadwayCondition", "system world")
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_a_headway_is_the_distance_over_the_speed(tmp_path: Path, system: str) -> None:
+    more = f'coordinateSystem="{system}" relativeDistanceType="longitudinal"'
+    assert seen(tmp_path, gap("TimeHeadwayCondition", more, 3.0), **B_AHEAD) == pytest.approx(2.1)
+
+
+@pytest.mark.law("TimeHeadwayCondition", "euclidianDistance")
+@pytest.mark.law("TimeHeadwayCondition", "cartesianDistance")
+@pytest.mark.parametrize("kind", ["euclidianDistance", "cartesianDistance"])
+def test_a_straight_headway(tmp_path: Path, kind: str) -> None:
+    """Beside each other 14 m apart, and 48 m ahead: the straight distance is 50 m, 5 s."""
+    actors = {"B": Actor(lane=2, s=1.0 + 98.0, speed=0.0), "A": Actor(lane=-2, s=50.0)}
+    more = f'coordinateSystem="entity" relativeDistanceType="{kind}"'
+    found = seen(tmp_path, gap("TimeHeadwayCondition", more, 3.0), **actors)
+    across = 3.5 + 7.0
+    ahead = (900.0 - across**2) ** 0.5
+    assert found == pytest.approx(0.05 * int((49.0 - ahead) / 10.0 / 0.05 + 1.0) + 0.05)
+
+
+@pytest.mark.law("TimeHeadwayCondition", "lateral")
+def test_a_headway_across(tmp_path: Path) -> None:
+    """B is 3.5 m to the left of A, 0.35 s at 10 m/s; to the right it would be behind, so undefined."""
+    more = 'coordinateSystem="road" relativeDistanceType="lateral"'
+    left, right = {"B": Actor(lane=-1, speed=0.0)}, {"B": Actor(lane=-3, speed=0.0)}
+    assert seen(tmp_path, gap("TimeHeadwayCondition", more, 0.4), A=Actor(lane=-2), **left) == pytest.approx(0.0)
+    assert seen(tmp_path, gap("TimeHeadwayCondition", more, 0.4), A=Actor(lane=-2), **right) is None
+
+
+def test_a_headway_to_what_is_behind_is_undefined(tmp_path: Path) -> None:
+    more = 'coordinateSystem="road" relativeDistanceType="longitudinal"'
+    for rule in ("lessThan", "greaterThan"):
+        told = gap("TimeHeadwayCondition", more, 3.0, rule)
+        assert seen(tmp_path, told, B=Actor(s=20.0, speed=0.0)) is None
+
+
+@pytest.mark.law("TimeToCollisionCondition", "system lane")
+@pytest.mark.law("TimeToCollisionCondition", "system world")
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_a_time_to_collision_is_the_distance_over_the_closing_speed(tmp_path: Path, system: str) -> None:
+    """B drives at 4 m/s, so 50 m close at 6 m/s: 30 m, 5 s, are left after 20/6 s."""
+    target = '<TimeToCollisionConditionTarget><EntityRef entityRef="B"/></TimeToCollisionConditionTarget>'
+    more = f'coordinateSystem="{system}" relativeDistanceType="longitudinal"'
+    told = gap("TimeToCollisionCondition", more, 5.0, where=target)
+    assert seen(tmp_path, told, B=Actor(s=100.0, speed=4.0)) == pytest.approx(3.4)
+
+
+@pytest.mark.law("TimeToCollisionCondition", "euclidianDistance")
+@pytest.mark.law("TimeToCollisionCondition", "cartesianDistance")
+@pytest.mark.parametrize("kind", ["euclidianDistance", "cartesianDistance"])
+def test_a_time_to_collision_with_a_position(tmp_path: Path, kind: str) -> None:
+    target = f"<TimeToCollisionConditionTarget>{lane_position(-1, 100.0)}</TimeToCollisionConditionTarget>"
+    more = f'coordinateSystem="entity" relativeDistanceType="{kind}"'
+    assert seen(tmp_path, gap("TimeToCollisionCondition", more, 3.0, where=target)) == pytest.approx(2.1)
+
+
+@pytest.mark.law("DistanceCondition", "system entity")
+@pytest.mark.law("DistanceCondition", "system lane")
+@pytest.mark.law("DistanceCondition", "system road")
+@pytest.mark.law("DistanceCondition", "system world")
+@pytest.mark.law("DistanceCondition", "longitudinal")
+@pytest.mark.law("DistanceCondition", "euclidianDistance")
+@pytest.mark.law("DistanceCondition", "cartesianDistance")
+@pytest.mark.law("DistanceCondition", "between reference points")
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("kind", ["longitudinal", "euclidianDistance", "cartesianDistance"])
+def test_a_distance_to_a_position(tmp_path: Path, system: str, kind: str) -> None:
+    more = f'coordinateSystem="{system}" relativeDistanceType="{kind}"'
+    told = gap("DistanceCondition", more, 30.0, where=lane_position(-1, 100.0))
+    assert seen(tmp_path, told) == pytest.approx(2.1)
+
+
+@pytest.mark.law("DistanceCondition", "lateral")
+def test_a_distance_to_a_position_across(tmp_path: Path) -> None:
+    """A moves from lane -2 by 1 m/s to the left; 3.5 m are less than 2 m after 1.5 s."""
+    more = 'coordinateSystem="road" relativeDistanceType="lateral"'
+    told = gap("DistanceCondition", more, 2.0, where=lane_position(-1, 100.0))
+    left = lane_change('<AbsoluteTargetLane value="-1"/>', by("linear", "rate", 1.0))
+    assert seen(tmp_path, told, Event("A", left), A=Actor(lane=-2)) == pytest.approx(2.6)
+
+
+@pytest.mark.law("DistanceCondition", "between boxes")
+def test_a_distance_between_a_box_and_a_position(tmp_path: Path) -> None:
+    """A's front is 4 m ahead of its reference point: 30 m are left after 1.6 s."""
+    more = 'coordinateSystem="road" relativeDistanceType="longitudinal" freespace="true"'
+    told = gap("DistanceCondition", more, 30.0, where=lane_position(-1, 100.0))
+    assert seen(tmp_path, told) == pytest.approx(1.7)
+
+
+@pytest.mark.law("RelativeDistanceCondition", "system lane")
+@pytest.mark.law("RelativeDistanceCondition", "system world")
+@pytest.mark.law("RelativeDistanceCondition", "euclidianDistance")
+@pytest.mark.law("RelativeDistanceCondition", "cartesianDistance")
+@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("kind", ["longitudinal", "euclidianDistance", "cartesianDistance"])
+def test_a_distance_to_an_entity(tmp_path: Path, system: str, kind: str) -> None:
+    more = f'coordinateSystem="{system}" relativeDistanceType="{kind}"'
+    assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), **B_AHEAD) == pytest.approx(2.1)
+
+
+def test_a_distance_between_boxes(tmp_path: Path) -> None:
+    """A's front is 4 m ahead of its reference point, B's rear 1 m behind its own: 30 m are left after 1.5 s."""
+    more = 'coordinateSystem="road" relativeDistanceType="longitudinal" freespace="true"'
+    assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), **B_AHEAD) == pytest.approx(1.6)
+
+
+@pytest.mark.law("SpeedCondition", "vertical")
+def test_a_speed_upwards(tmp_path: Path) -> None:
+    """The road climbs by 0.1 from x = 1000 on, where A is at 1 s: the row of 1.05 s is 0.05 m higher, 1 m/s."""
+    told = '<SpeedCondition value="0.9" rule="greaterThan" direction="vertical"/>'
+    assert seen(tmp_path, told, A=Actor(s=990.0)) == pytest.approx(1.1)
+
+
+@pytest.mark.law("AccelerationCondition", "longitudinal")
+@pytest.mark.law("AccelerationCondition", "as a whole")
+@pytest.mark.parametrize("direction", ['direction="longitudinal" ', ""])
+def test_an_acceleration(tmp_path: Path, direction: str) -> None:
+    told = f'<AccelerationCondition value="1.9" rule="greaterThan" {direction}/>'
+    assert seen(tmp_path, told, Event("A", speed(20.0, by("linear", "rate", 2.0)))) == pytest.approx(1.1)
+
+
+@pytest.mark.law("AccelerationCondition", "longitudinal")
+def test_a_deceleration_is_negative(tmp_path: Path) -> None:
+    told = '<AccelerationCondition value="-1.9" rule="lessThan" direction="longitudinal"/>'
+    assert seen(tmp_path, told, Event("A", speed(2.0, by("linear", "rate", 2.0)))) == pytest.approx(1.1)
+
+
+@pytest.mark.law("StandStillCondition", "used")
+def test_standing_counts_from_the_first_row_at_rest_and_must_last_longer(tmp_path: Path) -> None:
+    """A stands in the row of 1.05 s. At 2.05 s it has stood for 1 s, at 2.1 s for longer."""
+    assert seen(tmp_path, '<StandStillCondition duration="1"/>', Event("A", speed(0.0))) == pytest.approx(2.15)
+
+
+@pytest.mark.law("CollisionCondition", "with a kind")
+def test_a_collision_with_any_vehicle(tmp_path: Path) -> None:
+    """A's front, 4 m ahead of 50.2 m, comes to B's rear at 99 m after 4.48 s."""
+    told = '<CollisionCondition><ByType type="vehicle"/></CollisionCondition>'
+    assert seen(tmp_path, told, A=Actor(s=50.2), **B_AHEAD) == pytest.approx(4.55)
+    told = '<CollisionCondition><ByType type="pedestrian"/></CollisionCondition>'
+    assert seen(tmp_path, told, A=Actor(s=50.2), **B_AHEAD) is None
+
+
+def angle(kind: str, value: float, system: str, tolerance: float = 0.01) -> str:
+    """Return a condition on an angle."""
+    return (
+        f'<AngleCondition angleType="{kind}" angle="{value}" angleTolerance="{tolerance}" coordinateSystem="{system}"/>'
+    )
+
+
+CLIMB = -0.09966865249116204
+"""Pitch of a road that climbs by 0.1: up is negative."""
+
+
+@pytest.mark.law("AngleCondition", "pitch, system road")
+@pytest.mark.law("AngleCondition", "pitch, system lane")
+@pytest.mark.law("AngleCondition", "pitch, system world")
+def test_a_pitch_is_against_the_world_or_the_road(tmp_path: Path) -> None:
+    """A is on the climb from the row of 1.05 s on."""
+    told = angle("pitch", CLIMB, "world")
+    assert seen(tmp_path, told, A=Actor(s=989.8)) == pytest.approx(1.1)
+    for system in ("road", "lane"):
+        assert seen(tmp_path, angle("pitch", CLIMB, system), A=Actor(s=989.8)) is None
+        assert seen(tmp_path, angle("pitch", 0.0, system), A=Actor(s=1100.0)) == pytest.approx(0.0)
+
+
+@pytest.mark.law("AngleCondition", "pitch, system trajectory")
+@pytest.mark.law("AngleCondition", "roll, system trajectory")
+@pytest.mark.law("AngleCondition", "heading, system trajectory")
+@pytest.mark.parametrize("kind", ["heading", "pitch", "roll"])
+def test_an_angle_against_a_trajectory_is_undefined_but_while_one_is_followed(tmp_path: Path, kind: str) -> None:
+    """The trajectory of 20 m is begun at 1 s, where W stands later in the file, and ends at 3 s."""
+    line = (
+        '<RoutingAction><FollowTrajectoryAction><TrajectoryRef><Trajectory name="t" closed="false"><Shape><Polyline>'
+        '<Vertex><Position><WorldPosition x="60" y="-1.75"/></Position></Vertex>'
+        '<Vertex><Position><WorldPosition x="80" y="-1.75"/></Position></Vertex></Polyline></Shape></Trajectory>'
+        '</TrajectoryRef><TimeReference><None/></TimeReference><TrajectoryFollowingMode followingMode="position"/>'
+        "</FollowTrajectoryAction></RoutingAction>"
+    )
+    told = angle(kind, 0.0, "trajectory")
+    assert seen(tmp_path, told, Event("A", line)) == pytest.approx(1.05)
+    assert seen(tmp_path, told) is None
+    late = [Event("A", line), Event("W", speed(DONE), of_entity("A", told, edge="falling"))]
+    run = play(tmp_path, {"A": Actor(), "W": W}, late)
+    assert run.acts("W", DONE) == pytest.approx(3.05)
+
+
+@pytest.mark.law("AngleCondition", "roll, system world")
+@pytest.mark.law("AngleCondition", "roll, system road")
+@pytest.mark.law("AngleCondition", "roll, system lane")
+@pytest.mark.parametrize("system", ["world", "road", "lane"])
+def test_nothing_rolls_on_a_road_without_superelevation(tmp_path: Path, system: str) -> None:
+    assert seen(tmp_path, angle("roll", 0.0, system)) == pytest.approx(0.0)
+    assert seen(tmp_path, angle("roll", 0.1, system)) is None
+
+
+@pytest.mark.law("RelativeAngleCondition", "heading")
+@pytest.mark.law("RelativeAngleCondition", "pitch")
+@pytest.mark.law("RelativeAngleCondition", "roll")
+@pytest.mark.parametrize(("kind", "value"), [("heading", pi), ("pitch", CLIMB), ("roll", 0.0)])
+def test_an_angle_to_another_entity(tmp_path: Path, kind: str, value: float) -> None:
+    """B comes towards A; for the pitch it is on the climb in A's direction."""
+    actors = {"B": Actor(lane=1, s=300.0, speed=0.0)}
+    if kind == "pitch":
+        actors = {"B": Actor(s=1100.0, speed=0.0)}
+    told = f'<RelativeAngleCondition entityRef="B" angleType="{kind}" angle="{value}" angleTolerance="0.01"/>'
+    assert seen(tmp_path, told, **actors) == pytest.approx(0.0)
+    wrong = told.replace(f'angle="{value}"', f'angle="{value + 0.1}"')
+    assert seen(tmp_path, wrong, **actors) is None
+
+
+@pytest.mark.law("ReachPositionCondition", "turned")
+def test_a_position_is_reached_whichever_way_one_faces(tmp_path: Path) -> None:
+    """A comes within 5 m of x = 100 after 4.5 s; strictly nearer is the row of 4.55 s."""
+    for turn in ("", '<Orientation h="1.5" type="relative"/>'):
+        place = lane_position(-1, 100.0).replace("/></Position>", f">{turn}</LanePosition></Position>")
+        told = f'<ReachPositionCondition tolerance="5">{place}</ReachPositionCondition>'
+        assert seen(tmp_path, told) == pytest.approx(4.6)
+
+
+@pytest.mark.law("Storyboard", "any triggering entity")
+@pytest.mark.parametrize(("rule", "wanted"), [("any", 2.05), ("all", 4.05)])
+def test_any_or_all_triggering_entities(tmp_path: Path, rule: str, wanted: float) -> None:
+    """A is faster than 11 m/s from 2 s on, B from 4 s on."""
+    faster = '<SpeedCondition value="11" rule="greaterOrEqual"/>'
+    events = [
+        Event("A", speed(20.0, by("linear", "rate", 1.0))),
+        Event("B", speed(20.0, by("linear", "rate", 1.0)), 3.0),
+        Event("W", speed(DONE), of_entity("A B", faster, rule)),
+    ]
+    run = play(tmp_path, {"A": Actor(), "B": Actor(lane=-2), "W": W}, events)
+    assert run.acts("W", DONE) == pytest.approx(wanted)
+
+
+def test_an_offset_that_is_drifted_to_does_not_change_distances_along_the_road(tmp_path: Path) -> None:
+    more = 'coordinateSystem="road" relativeDistanceType="longitudinal"'
+    drift = Event("A", lane_offset('<AbsoluteTargetLaneOffset value="3.2"/>', "step"), 0.5)
+    assert seen(tmp_path, gap("RelativeDistanceCondition", more, 30.0), drift, **B_AHEAD) == pytest.approx(2.1)
+
+
+def test_a_time_that_has_come(tmp_path: Path) -> None:
+    for rule, wanted in (("greaterOrEqual", 1.05), ("greaterThan", 1.1), ("equalTo", 1.05), ("notEqualTo", 0.0)):
+        told = condition(f'<SimulationTimeCondition value="1" rule="{rule}"/>')
+        run = play(tmp_path, {"W": W}, [Event("W", speed(DONE), told)], seconds=3.0)
+        assert run.acts("W", DONE) == pytest.approx(wanted)
+
+
+def test_all_triggering_entities_are_those_that_are_there(tmp_path: Path) -> None:
+    """B, which is never fast, is deleted at 3 s; A is faster than 11 m/s from 2 s on."""
+    gone = '<GlobalAction><EntityAction entityRef="B"><DeleteEntityAction/></EntityAction></GlobalAction>'
+    faster = '<SpeedCondition value="11" rule="greaterOrEqual"/>'
+    events = [
+        Event("A", speed(20.0, by("linear", "rate", 1.0))),
+        Event("A", gone, 3.0),
+        Event("W", speed(DONE), of_entity("A B", faster, "all")),
+    ]
+    run = play(tmp_path, {"A": Actor(), "B": Actor(lane=-2), "W": W}, events)
+    assert run.acts("W", DONE) == pytest.approx(3.05)
+    slow = of_entity("B", '<SpeedCondition value="50" rule="lessThan"/>', "all")
+    none = [Event("A", gone, 0.5), Event("W", speed(DONE), slow + after(1.0))]
+    assert play(tmp_path, {"A": Actor(), "B": Actor(lane=-2), "W": W}, none).acts("W", DONE) is None
+
+
+CORNER = (
+    '<RoutingAction><FollowTrajectoryAction><TrajectoryRef><Trajectory name="t" closed="false"><Shape><Polyline>'
+    '<Vertex><Position><WorldPosition x="60" y="-1.75"/></Position></Vertex>'
+    '<Vertex><Position><WorldPosition x="90" y="-1.75"/></Position></Vertex>'
+    '<Vertex><Position><WorldPosition x="90" y="48.25"/></Position></Vertex></Polyline></Shape></Trajectory>'
+    '</TrajectoryRef><TimeReference><None/></TimeReference><TrajectoryFollowingMode followingMode="position"/>'
+    "</FollowTrajectoryAction></RoutingAction>"
+)
+"""A trajectory of 30 m ahead, then 50 m to the left, begun at 1 s."""
+
+BESIDE = '<Position><WorldPosition x="88" y="28.25"/></Position>'
+"""A place 2 m to the left of it, 60 m from its begin."""
+
+
+@pytest.mark.law("DistanceCondition", "system trajectory")
+@pytest.mark.law("RelativeDistanceCondition", "system trajectory")
+@pytest.mark.law("TimeHeadwayCondition", "system trajectory")
+@pytest.mark.law("TimeToCollisionCondition", "system trajectory")
+def test_a_distance_along_the_trajectory_that_is_followed(tmp_path: Path) -> None:
+    """60 m at the begin are less than 35 m in the row of 3.55 s; before 1 s A follows none, and the road counts."""
+    more = 'coordinateSystem="trajectory" relativeDistanceType="longitudinal"'
+    begin = Event("A", CORNER)
+    there = {"B": Actor(position=BESIDE, speed=0.0)}
+    words = {
+        "DistanceCondition": gap("DistanceCondition", more, 35.0, where=BESIDE),
+        "RelativeDistanceCondition": gap("RelativeDistanceCondition", more, 35.0),
+        "TimeHeadwayCondition": gap("TimeHeadwayCondition", more, 3.5),
+        "TimeToCollisionCondition": gap(
+            "TimeToCollisionCondition",
+            more,
+            3.5,
+            where=f"<TimeToCollisionConditionTarget>{BESIDE}</TimeToCollisionConditionTarget>",
+        ),
+    }
+    for told in words.values():
+        events = [begin, Event("W", speed(DONE), of_entity("A", told) + after(1.2))]
+        assert play(tmp_path, {"A": Actor(), **there, "W": W}, events).acts("W", DONE) == pytest.approx(3.6)
+
+
+@pytest.mark.law("DistanceCondition", "lateral")
+def test_a_distance_across_the_trajectory_that_is_followed(tmp_path: Path) -> None:
+    more = 'coordinateSystem="trajectory" relativeDistanceType="lateral"'
+    for value, wanted in ((2.1, 1.25), (1.9, None)):
+        told = of_entity("A", gap("DistanceCondition", more, value, where=BESIDE)) + after(1.2)
+        events = [Event("A", CORNER), Event("W", speed(DONE), told)]
+        found = play(tmp_path, {"A": Actor(), "W": W}, events, seconds=4.0).acts("W", DONE)
+        assert found == (None if wanted is None else pytest.approx(wanted))
+
+
+@pytest.mark.law("SpeedCondition", "lateral")
+def test_a_speed_to_the_side(tmp_path: Path) -> None:
+    """A step of 1 m to the side in 0.05 s is 20 m/s in the row of 1.05 s."""
+    told = '<SpeedCondition value="19.9" rule="greaterThan" direction="lateral"/>'
+    step = lane_offset('<AbsoluteTargetLaneOffset value="1"/>', "step")
+    assert seen(tmp_path, told, Event("A", step)) == pytest.approx(1.1)
+
+
+@pytest.mark.law("AccelerationCondition", "vertical")
+def test_an_acceleration_upwards(tmp_path: Path) -> None:
+    """Where the climb begins the speed upwards goes from 0 to 1 m/s in 0.05 s."""
+    told = '<AccelerationCondition value="19.9" rule="greaterThan" direction="vertical"/>'
+    assert seen(tmp_path, told, A=Actor(s=990.0)) == pytest.approx(1.1)
+
+
+@pytest.mark.law("TimeOfDayCondition", "used")
+def test_the_time_of_day_runs(tmp_path: Path) -> None:
+    noon = (
+        '<GlobalAction><EnvironmentAction><Environment name="noon"><TimeOfDay animation="true" '
+        'dateTime="2026-01-01T12:00:00"/></Environment></EnvironmentAction></GlobalAction>'
+    )
+    told = condition('<TimeOfDayCondition dateTime="2026-01-01T12:00:02" rule="greaterOrEqual"/>')
+    run = play(tmp_path, {"W": W}, [Event("W", noon, 0.0), Event("W", speed(DONE), told)], seconds=4.0)
+    assert run.acts("W", DONE) == pytest.approx(2.05)
+
+
+@pytest.mark.law("TrafficSignalStateAction", "used")
+@pytest.mark.law("TrafficSignalCondition", "used")
+def test_the_state_of_a_signal_is_seen_from_when_it_is_set_on(tmp_path: Path) -> None:
+    state = (
+        '<GlobalAction><InfrastructureAction><TrafficSignalAction><TrafficSignalStateAction name="s1" state="green"/>'
+        "</TrafficSignalAction></InfrastructureAction></GlobalAction>"
+    )
+    told = condition('<TrafficSignalCondition name="s1" state="green"/>')
+    run = play(tmp_path, {"W": W}, [Event("W", state, 1.0), Event("W", speed(DONE), told)], seconds=3.0)
+    assert run.acts("W", DONE) == pytest.approx(1.05)

@@ -1,0 +1,265 @@
+"""Lanes: changes of lane, offsets in them, the lane that an entity belongs to, trajectories."""
+
+from __future__ import annotations
+
+from math import atan2, cos, pi, sin, sqrt
+from pathlib import Path
+
+import pytest
+
+from tests.engine.laws.told import (
+    STEPWISE,
+    Actor,
+    Event,
+    by,
+    lane_change,
+    lane_offset,
+    lane_position,
+    play,
+    speed,
+)
+
+A = {"A": Actor()}
+"""A begins at x = 50 with 10 m/s in lane -1, whose centre is at y = -1.75; at 1 s it is at x = 60."""
+
+RIGHT = '<AbsoluteTargetLane value="-2"/>'
+
+
+def offset(value: float) -> str:
+    """Return an absolute target of an offset."""
+    return f'<AbsoluteTargetLaneOffset value="{value}"/>'
+
+
+@pytest.mark.law("LaneChangeAction", "linear by rate")
+def test_the_speed_of_a_change_by_rate_is_that_along_its_path(tmp_path: Path) -> None:
+    run = play(tmp_path, A, [Event("A", lane_change(RIGHT, by("linear", "rate", 1.0)))])
+    assert run.at("A", 3.0).y == pytest.approx(-1.75 - 2.0)
+    assert run.at("A", 3.0).x == pytest.approx(60.0 + 2.0 * sqrt(100.0 - 1.0))
+    assert run.at("A", 4.5).y == pytest.approx(-5.25)
+
+
+@pytest.mark.law("LaneChangeAction", "cubic by rate")
+def test_a_rate_is_the_peak_of_a_cubic_change(tmp_path: Path) -> None:
+    """The peak of 1.05 m/s makes 3.5 m take 1.5 * 3.5 / 1.05 = 5 s."""
+    run = play(tmp_path, A, [Event("A", lane_change(RIGHT, by("cubic", "rate", 1.05)))])
+    assert run.at("A", 3.5).y == pytest.approx(-3.5)
+    assert run.at("A", 5.9).y > -5.25 + 1e-4
+    assert run.at("A", 6.0).y == pytest.approx(-5.25)
+
+
+@pytest.mark.law("LaneChangeAction", "linear by distance")
+def test_a_change_by_distance_goes_over_way_ahead(tmp_path: Path) -> None:
+    run = play(tmp_path, A, [Event("A", lane_change(RIGHT, by("linear", "distance", 40.0)))])
+    ahead = 20.0 / sqrt(1.0 + (3.5 / 40.0) ** 2)
+    assert run.at("A", 3.0).x == pytest.approx(60.0 + ahead)
+    assert run.at("A", 3.0).y == pytest.approx(-1.75 - 3.5 * ahead / 40.0)
+
+
+@pytest.mark.law("LaneChangeAction", "step")
+def test_a_step_is_made_at_once(tmp_path: Path) -> None:
+    run = play(tmp_path, A, [Event("A", lane_change(RIGHT, STEPWISE))])
+    assert (run.at("A", 1.0).y, run.at("A", 1.05).y) == pytest.approx((-1.75, -5.25))
+    assert run.at("A", 1.05).x == pytest.approx(60.5)
+
+
+@pytest.mark.law("LaneChangeAction", "to an offset in the lane")
+def test_a_change_ends_at_an_offset_of_the_new_lane(tmp_path: Path) -> None:
+    run = play(tmp_path, A, [Event("A", lane_change(RIGHT, by("linear", "time", 2.0), offset=0.5))])
+    assert run.at("A", 2.0).y == pytest.approx(-1.75 - 0.5 * 3.0)
+    assert run.at("A", 5.0).y == pytest.approx(-4.75)
+
+
+def test_lanes_are_counted_to_the_left_of_an_oncoming_reference(tmp_path: Path) -> None:
+    actors = {"B": Actor(lane=1, s=500), "A": Actor(lane=-2)}
+    target = '<RelativeTargetLane entityRef="B" value="1"/>'
+    run = play(tmp_path, actors, [Event("A", lane_change(target, by("linear", "time", 2.0)))])
+    assert run.at("A", 5.0).y == pytest.approx(-1.75)
+
+
+def test_an_oncoming_entity_changes_to_its_own_left(tmp_path: Path) -> None:
+    actors = {"B": Actor(lane=2, s=500)}
+    target = '<RelativeTargetLane entityRef="B" value="1"/>'
+    run = play(tmp_path, actors, [Event("B", lane_change(target, by("linear", "time", 2.0)))])
+    assert run.at("B", 1.5).h == pytest.approx(pi + atan2(1.75, sqrt(100.0 - 1.75**2)))
+    assert run.at("B", 5.0).y == pytest.approx(1.75)
+
+
+@pytest.mark.law("LaneOffsetAction", "beyond the lane's border")
+@pytest.mark.parametrize(
+    ("lane", "far", "there", "back"),
+    [(-1, 3.2, 1.45, -1.25), (-2, -3.2, -8.45, -4.75), (1, 3.2, 4.95, 2.25), (2, -3.2, 2.05, 5.75)],
+)
+def test_a_second_offset_counts_from_the_lane_that_one_belongs_to(
+    tmp_path: Path, lane: int, far: float, there: float, back: float
+) -> None:
+    actors = {"A": Actor(lane=lane, s=500.0)}
+    run = play(tmp_path, actors, [Event("A", lane_offset(offset(far))), Event("A", lane_offset(offset(0.5)), 6.0)])
+    assert run.at("A", 5.5).y == pytest.approx(there)
+    assert run.at("A", 10.0).y == pytest.approx(back)
+
+
+def test_a_relative_change_counts_from_the_lane_that_one_belongs_to(tmp_path: Path) -> None:
+    right = lane_change('<RelativeTargetLane entityRef="A" value="-1"/>', by("linear", "time", 2.0))
+    run = play(tmp_path, A, [Event("A", lane_offset(offset(3.2))), Event("A", right, 6.0)])
+    assert run.at("A", 9.0).y == pytest.approx(-5.25)
+
+
+def test_another_entitys_change_counts_from_the_lane_that_it_belongs_to(tmp_path: Path) -> None:
+    actors = {"A": Actor(), "B": Actor(s=20.0)}
+    beside = lane_change('<RelativeTargetLane entityRef="A" value="-1"/>', by("linear", "time", 2.0))
+    run = play(tmp_path, actors, [Event("A", lane_offset(offset(3.2))), Event("B", beside, 6.0)])
+    assert run.at("B", 9.0).y == pytest.approx(-5.25)
+
+
+def test_a_lane_change_gives_a_new_lane(tmp_path: Path) -> None:
+    change = lane_change(RIGHT, by("linear", "time", 2.0))
+    run = play(tmp_path, A, [Event("A", change), Event("A", lane_offset(offset(0.5)), 5.0)])
+    assert run.at("A", 10.0).y == pytest.approx(-4.75)
+
+
+@pytest.mark.parametrize(("interrupted", "wanted"), [(2.0, -1.75), (4.0, -5.25)])
+def test_an_interrupted_lane_change_leaves_the_lane_of_the_point(
+    tmp_path: Path, interrupted: float, wanted: float
+) -> None:
+    """The change of 3.5 m in 4 s is over the border at 3 s."""
+    change = lane_change(RIGHT, by("linear", "time", 4.0))
+    run = play(tmp_path, A, [Event("A", change), Event("A", lane_offset(offset(0.0)), interrupted)])
+    assert run.at("A", 10.0).y == pytest.approx(wanted)
+
+
+def test_a_teleport_gives_a_new_lane(tmp_path: Path) -> None:
+    leap = f"<TeleportAction>{lane_position(-2, 300.0)}</TeleportAction>"
+    events = [Event("A", lane_offset(offset(3.2))), Event("A", leap, 5.0), Event("A", lane_offset(offset(0.5)), 6.0)]
+    run = play(tmp_path, A, events)
+    assert run.at("A", 5.05).y == pytest.approx(-5.25)
+    assert run.at("A", 10.0).y == pytest.approx(-4.75)
+
+
+@pytest.mark.law("LaneOffsetAction", "relative to an entity")
+@pytest.mark.parametrize(
+    ("lane", "aside", "value", "wanted"), [(1, 0.4, 0.9, 1.25), (-2, 0.4, 0.9, -3.95), (2, 0.0, -1.0, 6.25)]
+)
+def test_a_relative_offset_counts_to_the_references_own_left(
+    tmp_path: Path, lane: int, aside: float, value: float, wanted: float
+) -> None:
+    actors = {"B": Actor(lane=lane, s=700.0, offset=aside, speed=0.0), "A": Actor()}
+    action = lane_offset(f'<RelativeTargetLaneOffset entityRef="B" value="{value}"/>', "cubic")
+    assert play(tmp_path, actors, [Event("A", action)]).at("A", 9.0).y == pytest.approx(wanted)
+
+
+@pytest.mark.law("LaneOffsetAction", "continuous")
+def test_a_continuous_offset_is_kept_beside_a_reference_that_moves_aside(tmp_path: Path) -> None:
+    actors = {"B": Actor(s=100.0), "A": Actor()}
+    kept = lane_offset('<RelativeTargetLaneOffset entityRef="B" value="0.5"/>', "step", continuous="true")
+    run = play(tmp_path, actors, [Event("A", kept), Event("B", lane_offset(offset(1.0)), 3.0)])
+    assert run.at("A", 2.0).y == pytest.approx(-1.25)
+    assert run.at("A", 8.0).y == pytest.approx(-0.25)
+
+
+@pytest.mark.law("Road network", "a lane that narrows to nothing")
+@pytest.mark.parametrize("aside", [0.0, 0.5])
+def test_one_goes_on_in_the_middle_of_the_next_lane_where_ones_own_narrows_to_nothing(
+    tmp_path: Path, aside: float
+) -> None:
+    run = play(tmp_path, {"A": Actor(lane=-3, s=690.0, offset=aside)}, [])
+    assert run.at("A", 3.5).y == pytest.approx(-7.0 - 0.5 * (3.5 - 0.07 * 25.0) + aside)
+    assert (run.at("A", 7.0).y, run.at("A", 7.0).lane) == pytest.approx((-5.25, -2))
+
+
+@pytest.mark.law("LanePosition", "in lane 0")
+def test_lane_0_is_the_centre_lane(tmp_path: Path) -> None:
+    run = play(tmp_path, {"A": Actor(lane=0, s=100.0, offset=0.0)}, [], seconds=2.0)
+    assert (run.at("A", 1.0).x, run.at("A", 1.0).y, run.at("A", 1.0).h) == pytest.approx((110.0, 0.0, 0.0))
+
+
+def follow(trajectory: str, timing: str = "<None/>", following: str = "position", begin: float = 0.0) -> str:
+    """Return a trajectory that is followed."""
+    return (
+        f'<RoutingAction><FollowTrajectoryAction initialDistanceOffset="{begin}"><TrajectoryRef>{trajectory}'
+        f"</TrajectoryRef><TimeReference>{timing}</TimeReference>"
+        f'<TrajectoryFollowingMode followingMode="{following}"/></FollowTrajectoryAction></RoutingAction>'
+    )
+
+
+def polyline(*points: str, closed: str = "false") -> str:
+    """Return a polyline of points `x y` or `x y time`."""
+    vertices = ""
+    for one in points:
+        x, y, *time = one.split()
+        when = f' time="{time[0]}"' if time else ""
+        vertices += f'<Vertex{when}><Position><WorldPosition x="{x}" y="{y}"/></Position></Vertex>'
+    return f'<Trajectory name="t" closed="{closed}"><Shape><Polyline>{vertices}</Polyline></Shape></Trajectory>'
+
+
+@pytest.mark.law("FollowTrajectoryAction", "closed")
+def test_a_closed_trajectory_goes_on_at_its_begin(tmp_path: Path) -> None:
+    square = polyline("60 -1.75", "70 -1.75", "70 -6.75", "60 -6.75", closed="true")
+    run = play(tmp_path, A, [Event("A", follow(square))])
+    assert (run.at("A", 1.5).x, run.at("A", 1.5).y) == pytest.approx((65.0, -1.75))
+    assert (run.at("A", 4.5).x, run.at("A", 4.5).y) == pytest.approx((65.0, -1.75))
+
+
+@pytest.mark.law("FollowTrajectoryAction", "times scaled or shifted")
+@pytest.mark.parametrize(
+    ("scale", "shift", "times"), [(2.0, 0.0, (3.0, 5.0)), (0.5, 0.0, (1.5, 2.0)), (1.0, 2.0, (4.0, 5.0))]
+)
+def test_times_are_scaled_and_shifted(tmp_path: Path, scale: float, shift: float, times: tuple[float, float]) -> None:
+    """A relative time of 1 s is met `scale + shift` after the begin at 1 s, one of 2 s `2 scale + shift` after it."""
+    line = polyline("60 -1.75 0", "70 -1.75 1", "80 -1.75 2")
+    timing = f'<Timing domainAbsoluteRelative="relative" scale="{scale}" offset="{shift}"/>'
+    run = play(tmp_path, A, [Event("A", follow(line, timing))])
+    assert [run.at("A", time).x for time in times] == pytest.approx([70.0, 80.0])
+
+
+@pytest.mark.law("FollowTrajectoryAction", "with heights")
+def test_a_trajectory_with_heights_has_pitch(tmp_path: Path) -> None:
+    points = "".join(
+        f'<Vertex><Position><WorldPosition x="{x}" y="-1.75" z="{z}"/></Position></Vertex>'
+        for x, z in ((60, 0), (80, 4), (100, 4))
+    )
+    line = f'<Trajectory name="t" closed="false"><Shape><Polyline>{points}</Polyline></Shape></Trajectory>'
+    run = play(tmp_path, A, [Event("A", follow(line))])
+    assert run.at("A", 2.0).pitch == pytest.approx(-atan2(4.0, 20.0))
+    assert run.at("A", 3.0).pitch == pytest.approx(-0.5 * atan2(4.0, 20.0))
+    assert run.at("A", 4.0).pitch == pytest.approx(0.0)
+
+
+def test_a_speed_action_acts_on_an_entity_on_a_trajectory_without_times(tmp_path: Path) -> None:
+    events = [Event("A", follow(polyline("60 -1.75", "160 -1.75"))), Event("A", speed(5.0), 2.0)]
+    run = play(tmp_path, A, events)
+    assert run.at("A", 4.0).x == pytest.approx(60.0 + 10.0 + 10.0)
+
+
+@pytest.mark.law("FollowTrajectoryAction", "ClothoidSpline, without times")
+def test_a_clothoid_spline_is_followed_at_the_entitys_speed(tmp_path: Path) -> None:
+    """10 m straight on, then 10 m of a circle of 10 m to the left, from where A is at 1 s."""
+    spline = (
+        '<Trajectory name="t" closed="false"><Shape><ClothoidSpline>'
+        '<ClothoidSplineSegment curvatureStart="0" curvatureEnd="0" length="10"><PositionStart>'
+        '<WorldPosition x="60" y="-1.75" h="0"/></PositionStart></ClothoidSplineSegment>'
+        '<ClothoidSplineSegment curvatureStart="0.1" curvatureEnd="0.1" length="10"/>'
+        "</ClothoidSpline></Shape></Trajectory>"
+    )
+    run = play(tmp_path, A, [Event("A", follow(spline))], seconds=4.0)
+    assert (run.at("A", 1.5).x, run.at("A", 1.5).y) == pytest.approx((65.0, -1.75))
+    at = run.at("A", 2.5)
+    assert (at.x, at.y, at.h) == pytest.approx((70.0 + 10.0 * sin(0.5), -1.75 + 10.0 * (1.0 - cos(0.5)), 0.5), abs=1e-3)
+
+
+def distance(inner: str, limits: str = "") -> str:
+    """Return a distance to B that is to be kept."""
+    constraints = f"<DynamicConstraints {limits}/>" if limits else ""
+    action = f'<LongitudinalDistanceAction entityRef="B" {inner}>{constraints}</LongitudinalDistanceAction>'
+    return f"<LongitudinalAction>{action}</LongitudinalAction>"
+
+
+@pytest.mark.law("LongitudinalDistanceAction", "displacement trailing")
+@pytest.mark.law("LongitudinalDistanceAction", "displacement leading")
+@pytest.mark.law("LongitudinalDistanceAction", "without limits")
+@pytest.mark.parametrize(("side", "sign"), [("trailing", -1.0), ("leading", 1.0)])
+def test_without_limits_an_entity_is_put_at_its_distance(tmp_path: Path, side: str, sign: float) -> None:
+    actors = {"B": Actor(lane=-2, s=200.0, speed=8.0), "A": Actor()}
+    told = f'distance="20" freespace="false" continuous="true" displacement="{side}ReferencedEntity"'
+    run = play(tmp_path, actors, [Event("A", distance(told))], seconds=4.0)
+    assert run.at("A", 3.0).v == pytest.approx(8.0)
+    assert run.at("A", 3.0).x - run.at("B", 3.0).x == pytest.approx(sign * 20.0)

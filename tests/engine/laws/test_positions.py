@@ -1,0 +1,110 @@
+"""Positions: where an entity is put."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import pytest
+
+from tests.engine.laws.told import Actor, Event, Seen, play
+
+
+def put(folder: Path, position: str, **actors: Actor) -> Seen:
+    """Return where A is in the row of 1.05 s, into which a teleport at 1 s puts it.
+
+    B is then at x = 208 in lane -2 and C, which comes towards it, at x = 492 in lane 1.
+    """
+    told = {"B": Actor(lane=-2, s=200.0, speed=8.0), "C": Actor(lane=1, s=500.0, speed=8.0), "A": Actor(), **actors}
+    leap = f"<TeleportAction><Position>{position}</Position></TeleportAction>"
+    return play(folder, told, [Event("A", leap)], seconds=1.2).at("A", 1.05)
+
+
+def turned(kind: str, h: float = 0.3) -> str:
+    """Return an orientation."""
+    return f'<Orientation type="{kind}" h="{h}"/>'
+
+
+@pytest.mark.law("RelativeWorldPosition", "turned in the world")
+@pytest.mark.law("RelativeObjectPosition", "turned in the world")
+@pytest.mark.law("RelativeRoadPosition", "turned in the world")
+@pytest.mark.parametrize(
+    ("position", "x", "y"),
+    [
+        ('<RelativeWorldPosition entityRef="{}" dx="10" dy="1">{}</RelativeWorldPosition>', 10.0, 1.0),
+        ('<RelativeObjectPosition entityRef="{}" dx="10" dy="1">{}</RelativeObjectPosition>', 10.0, 1.0),
+        ('<RelativeRoadPosition entityRef="{}" ds="10" dt="1">{}</RelativeRoadPosition>', 10.0, 1.0),
+    ],
+)
+@pytest.mark.parametrize(("kind", "ahead", "oncoming"), [("absolute", 0.3, 0.3), ("relative", 0.3, pi + 0.3)])
+def test_a_relative_position_is_turned_in_the_world_or_against_what_it_is_relative_to(
+    tmp_path: Path, position: str, x: float, y: float, kind: str, ahead: float, oncoming: float
+) -> None:
+    one = put(tmp_path, position.format("B", turned(kind)))
+    assert (one.x, one.y, one.h) == pytest.approx((208.0 + x, -5.25 + y, ahead))
+    sign = -1.0 if "Object" in position else 1.0
+    other = put(tmp_path, position.format("C", turned(kind)))
+    h = 0.3 if "Road" in position else oncoming
+    assert (other.x, other.y, other.h) == pytest.approx((492.0 + sign * x, 1.75 + sign * y, h))
+
+
+@pytest.mark.law("RelativeLanePosition", "along the lane")
+@pytest.mark.parametrize(("to", "x", "y"), [("B", 218.0, -1.75), ("C", 482.0, -1.75)])
+def test_along_a_lane_ahead_and_left_are_those_of_its_travel(tmp_path: Path, to: str, x: float, y: float) -> None:
+    place = f'<RelativeLanePosition entityRef="{to}" dsLane="10" dLane="1"></RelativeLanePosition>'
+    assert (put(tmp_path, place).x, put(tmp_path, place).y) == pytest.approx((x, y))
+
+
+@pytest.mark.law("RelativeLanePosition", "without a distance")
+def test_without_distances_one_is_beside_the_entity(tmp_path: Path) -> None:
+    place = put(tmp_path, '<RelativeLanePosition entityRef="B" dLane="1"></RelativeLanePosition>')
+    assert (place.x, place.y) == pytest.approx((208.0, -1.75))
+    place = put(tmp_path, '<RelativeRoadPosition entityRef="B" dt="3.5"></RelativeRoadPosition>')
+    assert (place.x, place.y) == pytest.approx((208.0, -1.75))
+    place = put(tmp_path, '<RelativeRoadPosition entityRef="B" ds="5"></RelativeRoadPosition>')
+    assert (place.x, place.y) == pytest.approx((213.0, -5.25))
+
+
+@pytest.mark.law("LanePosition", "in lane 0")
+@pytest.mark.parametrize("offset", [0.0, 1.0])
+def test_a_position_in_lane_0_lies_on_the_line_between_left_and_right(tmp_path: Path, offset: float) -> None:
+    place = put(tmp_path, f'<LanePosition roadId="1" laneId="0" s="100" offset="{offset}"/>')
+    assert (place.x, place.y, place.h) == pytest.approx((100.0, offset, 0.0))
+
+
+@pytest.mark.law("LanePosition", "turned against the road")
+@pytest.mark.law("LanePosition", "turned in the world")
+@pytest.mark.parametrize(
+    ("kind", "lane", "h"), [("relative", -1, 0.3), ("relative", 1, pi + 0.3), ("absolute", 1, 0.3)]
+)
+def test_a_lane_position_is_turned_from_the_lanes_travel(tmp_path: Path, kind: str, lane: int, h: float) -> None:
+    place = f'<LanePosition roadId="1" laneId="{lane}" s="100">{turned(kind)}</LanePosition>'
+    assert put(tmp_path, place).h == pytest.approx(h)
+
+
+@pytest.mark.law("RoadPosition", "turned against the road")
+@pytest.mark.parametrize("t", [1.0, -3.0])
+def test_a_road_position_faces_along_s(tmp_path: Path, t: float) -> None:
+    place = put(tmp_path, f'<RoadPosition roadId="1" s="100" t="{t}">{turned("relative")}</RoadPosition>')
+    assert (place.x, place.y, place.h) == pytest.approx((100.0, t, 0.3))
+
+
+LINE = (
+    '<TrajectoryRef><Trajectory name="t" closed="false"><Shape><Polyline>'
+    '<Vertex><Position><WorldPosition x="100" y="-1.75"/></Position></Vertex>'
+    '<Vertex><Position><WorldPosition x="100" y="98.25"/></Position></Vertex></Polyline></Shape></Trajectory>'
+    "</TrajectoryRef>"
+)
+
+
+@pytest.mark.law("TrajectoryPosition", "used")
+@pytest.mark.law("TrajectoryPosition", "turned against the road")
+@pytest.mark.law("TrajectoryPosition", "turned in the world")
+@pytest.mark.parametrize(
+    ("more", "h"), [("", 0.5 * pi), (turned("relative"), 0.5 * pi + 0.3), (turned("absolute"), 0.3)]
+)
+def test_a_position_on_a_trajectory_is_beside_and_turned_from_where_that_goes(
+    tmp_path: Path, more: str, h: float
+) -> None:
+    place = put(tmp_path, f'<TrajectoryPosition s="4" t="1">{more}{LINE}</TrajectoryPosition>')
+    assert (place.x, place.y, place.h) == pytest.approx((99.0, 2.25, h))

@@ -1,0 +1,165 @@
+"""The storyboard: priorities, repetitions, edges, delays, and the states that conditions wait for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.engine.laws.told import (
+    Actor,
+    Event,
+    after,
+    by,
+    condition,
+    lane_change,
+    lane_offset,
+    of_entity,
+    play,
+    relative_speed,
+    speed,
+)
+
+A = {"A": Actor()}
+W = Actor(lane=2, s=1500.0, speed=1.0)
+RAMP = speed(20.0, by("linear", "time", 4.0))
+"""From 10 m/s to 20 m/s in 4 s: begun at 1 s it ends in the row of 5 s."""
+
+
+def state(element: str, name: str, wanted: str, edge: str = "none", delay: float = 0.0) -> str:
+    """Return the condition that an element of the storyboard has a state."""
+    inner = (
+        f'<StoryboardElementStateCondition storyboardElementType="{element}" storyboardElementRef="{name}" '
+        f'state="{wanted}"/>'
+    )
+    return condition(inner, edge, delay)
+
+
+@pytest.mark.law("Storyboard", "priority skip")
+def test_an_event_that_is_skipped_starts_a_step_after_its_sibling_ends(tmp_path: Path) -> None:
+    events = [
+        Event("A", RAMP, name="ramp", maneuver="one"),
+        Event("A", speed(3.0), 2.0, name="stop", maneuver="one", priority="skip"),
+    ]
+    run = play(tmp_path, A, events)
+    assert (run.at("A", 4.0).v, run.at("A", 5.0).v, run.at("A", 5.05).v) == pytest.approx((17.5, 20.0, 3.0))
+
+
+@pytest.mark.law("Storyboard", "priority overwrite")
+def test_an_event_that_overwrites_ends_its_siblings_whatever_they_act_on(tmp_path: Path) -> None:
+    change = lane_change('<AbsoluteTargetLane value="-2"/>', by("linear", "time", 2.0))
+    events = [
+        Event("A", RAMP, maneuver="one", name="ramp"),
+        Event("A", change, 2.0, maneuver="one", name="change", priority="overwrite"),
+    ]
+    run = play(tmp_path, A, events)
+    assert run.at("A", 6.0).v == pytest.approx(12.5)
+    apart = [Event("A", RAMP), Event("A", change, 2.0, priority="overwrite")]
+    assert play(tmp_path, A, apart).at("A", 6.0).v == pytest.approx(20.0)
+
+
+@pytest.mark.law("Storyboard", "priority parallel")
+def test_a_parallel_event_takes_over_the_domain_that_it_acts_on(tmp_path: Path) -> None:
+    events = [
+        Event("A", RAMP, maneuver="one", name="ramp"),
+        Event("A", speed(4.0, by("linear", "time", 1.0)), 2.0, maneuver="one", name="stop"),
+    ]
+    run = play(tmp_path, A, events)
+    assert [run.at("A", time).v for time in (2.0, 2.5, 3.0, 6.0)] == pytest.approx([12.5, 8.25, 4.0, 4.0])
+
+
+@pytest.mark.law("Storyboard", "an event executed again")
+@pytest.mark.parametrize(("count", "wanted"), [(1, 12.0), (2, 14.0), (3, 16.0)])
+def test_an_event_is_executed_as_often_as_it_may(tmp_path: Path, count: int, wanted: float) -> None:
+    """Each execution of 1 s adds 2 m/s to A's own speed."""
+    more = relative_speed("A", 2.0, by("linear", "time", 1.0))
+    run = play(tmp_path, A, [Event("A", more, count=count)])
+    assert run.at("A", 9.0).v == pytest.approx(wanted)
+
+
+@pytest.mark.law("Storyboard", "an event executed again")
+@pytest.mark.law("Storyboard", "delay")
+def test_an_execution_knows_nothing_of_the_delays_before(tmp_path: Path) -> None:
+    """The first execution is begun after the delay of 1 s, at 1 s; it ends in the row of 2 s.
+
+    From the next frame, at 2 s, the delay counts again: the second is begun at 3 s.
+    """
+    events = [
+        Event("A", speed(20.0, by("linear", "time", 1.0)), after(0.0, delay=1.0), count=2, maneuver="one", name="up"),
+        Event("W", speed(3.0), state("event", "up", "startTransition") + after(1.5)),
+    ]
+    run = play(tmp_path, {**A, "W": W}, events)
+    assert run.acts("A", 20.0) == pytest.approx(2.0)
+    assert run.acts("W", 3.0) == pytest.approx(3.05)
+
+
+@pytest.mark.law("StoryboardElementStateCondition", "skipTransition")
+def test_a_skipped_event_is_seen(tmp_path: Path) -> None:
+    events = [
+        Event("A", RAMP, name="ramp", maneuver="one"),
+        Event("A", speed(5.0), 2.0, name="stop", maneuver="one", priority="skip"),
+        Event("W", speed(3.0), state("event", "stop", "skipTransition")),
+    ]
+    assert play(tmp_path, {**A, "W": W}, events).acts("W", 3.0) == pytest.approx(2.05)
+
+
+@pytest.mark.law("StoryboardElementStateCondition", "stopTransition")
+def test_an_overwritten_event_is_stopped(tmp_path: Path) -> None:
+    events = [
+        Event("A", RAMP, name="ramp", maneuver="one"),
+        Event("A", speed(5.0), 2.0, name="stop", maneuver="one", priority="overwrite"),
+        Event("W", speed(3.0), state("event", "ramp", "stopTransition")),
+    ]
+    assert play(tmp_path, {**A, "W": W}, events).acts("W", 3.0) == pytest.approx(2.05)
+
+
+@pytest.mark.law("StoryboardElementStateCondition", "standbyState")
+def test_an_event_waits_in_standby(tmp_path: Path) -> None:
+    waiting = state("event", "ramp", "standbyState")
+    events = [Event("A", RAMP, name="ramp"), Event("W", speed(3.0), waiting)]
+    assert play(tmp_path, {**A, "W": W}, events).acts("W", 3.0) == pytest.approx(0.0)
+
+
+@pytest.mark.law("LaneOffsetAction", "continuous")
+@pytest.mark.parametrize(("continuous", "wanted"), [("false", 3.35), ("true", None)])
+def test_a_continuous_offset_never_ends_by_itself(tmp_path: Path, continuous: str, wanted: float | None) -> None:
+    """0.5 m within 0.5 m/s2 take pi sqrt(0.5) s = 2.22 s; it begins one step late, so it ends in the row of 3.3 s."""
+    move = lane_offset('<AbsoluteTargetLaneOffset value="0.5"/>', "sinusoidal", 0.5, continuous)
+    done = state("event", "aside", "completeState")
+    run = play(tmp_path, {**A, "W": W}, [Event("A", move, name="aside"), Event("W", speed(3.0), done)])
+    assert run.acts("W", 3.0) == (None if wanted is None else pytest.approx(wanted))
+
+
+@pytest.mark.law("Storyboard", "edge rising")
+@pytest.mark.law("Storyboard", "edge falling")
+@pytest.mark.law("Storyboard", "edge risingOrFalling")
+@pytest.mark.parametrize(("edge", "wanted"), [("rising", 2.05), ("falling", 4.05), ("risingOrFalling", 2.05)])
+def test_an_edge_is_a_change_between_two_evaluations(tmp_path: Path, edge: str, wanted: float) -> None:
+    """A gains 2.5 m/s2 from 1 s on, so it is over 12.4 m/s in the row of 2 s.
+
+    At 4 s it steps down, which the condition behind it in the file sees in the same frame.
+    """
+    over = of_entity("A", '<SpeedCondition value="12.4" rule="greaterThan"/>', edge=edge)
+    events = [Event("A", RAMP), Event("A", speed(5.0), 4.0), Event("W", speed(3.0), over)]
+    assert play(tmp_path, {**A, "W": W}, events).acts("W", 3.0) == pytest.approx(wanted)
+
+
+def test_an_edge_needs_an_evaluation_before(tmp_path: Path) -> None:
+    true_from_the_start = of_entity("A", '<SpeedCondition value="9" rule="greaterThan"/>', edge="rising")
+    assert play(tmp_path, {**A, "W": W}, [Event("W", speed(3.0), true_from_the_start)]).acts("W", 3.0) is None
+
+
+@pytest.mark.law("Storyboard", "delay")
+def test_a_delay_shifts_the_record_of_the_edge(tmp_path: Path) -> None:
+    pulse = of_entity("A", '<SpeedCondition value="12.4" rule="greaterThan"/>', edge="rising", delay=1.5)
+    run = play(tmp_path, {**A, "W": W}, [Event("A", RAMP), Event("W", speed(3.0), pulse)])
+    assert run.acts("W", 3.0) == pytest.approx(3.55)
+
+
+@pytest.mark.law("Storyboard", "several groups")
+@pytest.mark.law("Storyboard", "several conditions in a group")
+def test_groups_are_alternatives_of_conditions_that_all_hold(tmp_path: Path) -> None:
+    first = f"<ConditionGroup>{after(1.0)}{after(5.0)}</ConditionGroup>"
+    second = f"<ConditionGroup>{after(3.0)}</ConditionGroup>"
+    run = play(tmp_path, {"W": W}, [Event("W", speed(3.0), first + second)])
+    assert run.acts("W", 3.0) == pytest.approx(3.05)

@@ -1,0 +1,188 @@
+"""What the driver does once he has taken over: his reaction to what is new, his ways out, how he keeps the lane."""
+
+from __future__ import annotations
+
+import ast
+import re
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.recording.recording import Floats
+from tests.engine.make import Draft, Run, highway, lane, network_of, road
+
+SLOW_CAR = 30.0 / 3.6
+REACTION = 1.15
+"""Perception and reaction of the careful and competent driver after UN R157, s."""
+
+
+@cache
+def offsets(seed: int, settled: float = 0.2, first: float = 0.35, after: float = 37.5) -> tuple[Floats, Floats]:
+    """Return the times since the response and the offsets of a driver who keeps a straight lane at 25 m/s."""
+    numbers = {
+        slots.K_DRIVER_TIME: 0.0,
+        slots.K_NOISE: 60.0,
+        slots.K_DURATION: 110.0,
+        slots.K_SDLP: settled,
+        slots.K_SDLP_AT_FIRST: first,
+        slots.K_SETTLED_AFTER: after,
+    }
+    draft = Draft(network_of(road(1, 4000.0, lane(-1), lane(-2))), numbers)
+    draft.ego(speed=25.0)
+    run = Simulation(draft.network.tables, draft.done())
+    run.reset(make_draws(seed))
+    rows = []
+    while run.step():
+        rows.append((run.state.clock[0] - run.state.time_response[0], run.state.off[0]))
+    times, off = np.array(rows).T
+    return times, off
+
+
+def deviation(seed: int, begin: float, end: float, **how: float) -> float:
+    """Return the standard deviation of the lateral position in a window after the response, m."""
+    times, off = offsets(seed, **how)
+    return float(off[(times >= begin) & (times < end)].std(ddof=1))
+
+
+def test_the_lateral_position_varies_as_in_an_on_road_test_once_settled_and_more_at_first() -> None:
+    settled = [deviation(seed, 40.0, 100.0) for seed in range(20)]
+    assert all(0.15 <= one <= 0.25 for one in settled)
+    assert np.mean(settled) == pytest.approx(0.2, abs=0.01)
+    windows = [np.mean([deviation(seed, t, t + 10.0) for seed in range(20)]) for t in (0.0, 20.0, 40.0, 60.0)]
+    assert windows[0] > 1.3 * windows[2]
+    assert windows[0] > windows[1] > windows[2]
+    assert windows[3] == pytest.approx(windows[2], rel=0.15)
+
+
+def test_how_steady_a_driver_is_can_be_set() -> None:
+    steady = [deviation(seed, 40.0, 100.0, settled=0.1, first=0.1) for seed in range(10)]
+    assert np.mean(steady) == pytest.approx(0.1, abs=0.01)
+    late, early = (
+        np.mean([deviation(seed, 20.0, 40.0, first=0.5, after=after) for seed in range(10)]) for after in (60.0, 10.0)
+    )
+    assert late > 1.3 * early
+
+
+def cut_in(gap: float, speed: float, *, over: float = 3.0, numbers: dict[int, float] | None = None, full: bool) -> Run:
+    """Return a run in which a car at 30 km/h begins to cut in from the left 3 s after the start, `gap` ahead.
+
+    A driver drives by then. `full`: cars drive in both lanes beside, as fast as the ego and just behind it.
+    """
+    usual = {slots.K_DRIVER_TIME: 0.0, slots.K_NOISE: 60.0, slots.K_DURATION: 25.0, **(numbers or {})}
+    draft = Draft(highway(), usual)
+    draft.ego(lane=-2, s=100.0, speed=speed)
+    car = draft.moving(-1, 105.0 + gap + 3.0 * (speed - SLOW_CAR), SLOW_CAR)
+    draft.event(draft.maneuver(), draft.at_time(3.0), draft.lane_change(car, -1, over))
+    if full:
+        for side in (-1, -3):
+            for s in (75.0, 85.0, 95.0):
+                draft.moving(side, s, speed)
+    return draft.start()
+
+
+@pytest.mark.parametrize("over", [2.0, 3.0, 4.0])
+def test_a_slow_cut_in_is_not_hit_from_where_it_can_be_passed(over: float) -> None:
+    gaps = [65.0 + 30.0 * k / 9.0 for k in range(10)]
+    at_100 = [cut_in(gap, 100.0 / 3.6, over=over, full=False).go().st.crashed[0] for gap in gaps]
+    at_120 = [cut_in(gap, 120.0 / 3.6, over=over, full=False).go() for gap in gaps]
+    assert at_100 == [0] * 10
+    assert sum(run.st.crashed[0] for run in at_120) <= 3
+    evaded = [run for run in at_120 if run.time_of(op.EVENT_EVADE) > 0.0 and run.st.crashed[0] == 0]
+    assert evaded
+    for run in evaded:
+        assert run.st.lane[0] == -2
+        assert run.st.x[0] > run.st.x[1] + 5.0
+
+
+def test_a_full_lane_beside_is_no_safer_and_leaves_braking() -> None:
+    speed = 120.0 / 3.6
+    evaded = 0
+    for gap in (68.0, 72.0, 76.0, 80.0):
+        empty, full = (cut_in(gap, speed, full=full).go() for full in (False, True))
+        evaded += empty.time_of(op.EVENT_EVADE) > 0.0
+        assert full.time_of(op.EVENT_EVADE) == -1.0
+        assert full.time_of(op.EVENT_BRAKE) > 0.0
+        assert full.st.crashed[0] >= empty.st.crashed[0]
+    assert evaded >= 2
+
+
+def test_brakers_brake_and_strength_counts() -> None:
+    speed = 120.0 / 3.6
+    brakes = {slots.K_BRAKES: 1.0, slots.K_STEERS: 0.0}
+    run = cut_in(80.0, speed, numbers=brakes, full=False).go()
+    assert run.time_of(op.EVENT_EVADE) == -1.0
+    hardest = []
+    for strength in (4.0, 6.0):
+        run = cut_in(95.0, 100.0 / 3.6, numbers={**brakes, slots.K_DRIVER_DECELERATION: strength}, full=False)
+        least = 0.0
+        while run.st.stop[0] == op.STOP_NONE and run.st.crashed[0] == 0:
+            run.go(run.st.clock[0] + 0.05)
+            least = min(least, run.st.a[0])
+        hardest.append(-least)
+    assert hardest == pytest.approx([4.0, 6.0], abs=0.1)
+
+
+def test_who_steers_and_brakes_slows_down_on_the_way_around() -> None:
+    speeds = []
+    for steers in (1.0, 0.0):
+        draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0, slots.K_STEERS: steers})
+        draft.causes(op.CAUSE_PATH_BLOCKED)
+        draft.ego(speed=14.0)
+        draft.parked(250.0, turn=np.pi / 2)
+        run = draft.start()
+        while run.st.x[0] < 235.0 and run.st.stop[0] == op.STOP_NONE:
+            run.go(run.st.clock[0] + 0.05)
+        assert run.time_of(op.EVENT_EVADE) > 0.0
+        speeds.append(run.st.v[0])
+    assert speeds[1] < speeds[0] - 1.0
+
+
+@pytest.mark.parametrize(("perception", "reaction"), [(0.4, 0.75), (0.2, 0.3)])
+def test_what_is_new_is_acted_on_after_perception_and_reaction(perception: float, reaction: float) -> None:
+    numbers = {slots.K_PERCEPTION_TIME: perception, slots.K_REACTION_TIME: reaction}
+    usual = {slots.K_DRIVER_TIME: 0.0, slots.K_NOISE: 60.0, slots.K_DURATION: 14.0, **numbers}
+    draft = Draft(highway(), usual)
+    draft.ego(lane=-2, s=50.0, speed=20.0)
+    leader = draft.moving(-2, 95.0, 20.0)
+    draft.event(draft.maneuver(), draft.at_time(6.0), draft.speed(leader, 5.0, 1.5))
+    run = draft.start().go(6.0)
+    called = braked = -1.0
+    while braked < 0.0 and run.st.stop[0] == op.STOP_NONE:
+        run.go(run.st.clock[0] + 0.05)
+        if called < 0.0 and run.st.noticed_at[leader] >= 0.0:
+            called = run.st.noticed_at[leader]
+        if run.st.a[0] < -1.0:
+            braked = run.st.clock[0]
+    assert called > 6.0
+    assert perception + reaction <= braked - called + 1e-6 <= perception + reaction + 0.25
+
+
+def test_nothing_is_acted_on_at_once_however_soon_the_driver_answers() -> None:
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 0.0, slots.K_BUDGET: 3.0})
+    draft.causes(op.CAUSE_PATH_BLOCKED)
+    draft.ego(speed=14.0)
+    draft.parked(250.0, turn=np.pi / 2)
+    run = draft.start().go()
+    acted = min(time for time in (run.time_of(op.EVENT_EVADE), run.time_of(op.EVENT_BRAKE)) if time > 0.0)
+    assert acted - run.time_of(op.EVENT_RESPONSE) >= REACTION - 1e-6
+
+
+def test_every_constant_has_a_source_or_is_called_chosen(repository: Path) -> None:
+    engine = repository / "scenario_compiler" / "engine"
+    source = re.compile(r"chosen|Chosen|UN R157|SUMO|Measured|deviation|\b(19|20)\d\d\b|m in 1 s")
+    for name in ("answering", "driver", "foresight", "merging", "minimum_risk"):
+        body = ast.parse((engine / "ego" / f"{name}.py").read_text(encoding="utf-8")).body
+        for at, node in enumerate(body):
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant | ast.UnaryOp):
+                label = ast.unparse(node.targets[0])
+                if label.startswith("DRAW_"):
+                    continue
+                said = next((one for one in body[at:] if isinstance(one, ast.Expr)), None)
+                assert said is not None, label
+                assert source.search(ast.unparse(said)), f"{name}.{label}"

@@ -1,0 +1,58 @@
+"""A command that serves a page, in a process of its own."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin
+
+
+@dataclass
+class Served:
+    """A server under way: its process and the address that it printed."""
+
+    process: subprocess.Popen[str]
+    address: str
+
+    @property
+    def host(self) -> str:
+        """Host and port."""
+        return self.address.split("/")[2]
+
+    def connected(self, origin: str | None = None, cookie: str = "") -> ClientConnection:
+        """Return a connection to the page's socket, as a page of an origin opens it; of the server's own when None."""
+        here = f"127.0.0.1:{self.host.rpartition(':')[2]}"
+        named = Origin(f"http://{here}" if origin is None else origin) if origin != "" else None
+        return connect(f"ws://{here}/socket", origin=named, additional_headers={"Cookie": cookie} if cookie else None)
+
+
+@contextmanager
+def served(*words: object) -> Iterator[Served]:
+    """Yield the server that a command starts, on a free port; it is interrupted if it has not ended by itself."""
+    command = [sys.executable, "-m", "scenario_compiler", *map(str, words), "--port", "0"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        found = re.fullmatch(r"page: (http://\S+)\n", process.stdout.readline())
+        if found is None:
+            raise AssertionError(process.communicate(timeout=60)[1])
+        yield Served(process, found.group(1))
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        try:
+            process.wait(timeout=90)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
+        finally:
+            for stream in (process.stdout, process.stderr):
+                if stream is not None:
+                    stream.close()

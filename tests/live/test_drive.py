@@ -1,0 +1,212 @@
+"""`drive` in a real browser: a person takes over by keys or a gamepad, drives, hands back, leaves, drives again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from scenario_compiler.recording.names import SOURCES
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.store import read_recording
+from tests.browser import opened_page
+from tests.command import call
+from tests.live.serving import served
+
+FLAGSHIPS = ("obstacle_ahead", "road_narrows", "markings_missing", "sensor_failure", "ramp_blocked")
+
+SOON = """\
+<scenarios version="1">
+  <scenario name="soon" map="town_grid" duration="30">
+    <ego speed="13.9"><start><lane road="3" lane="-1" s="20"/></start></ego>
+    <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="110"/></at></static>
+    <takeover><driver><person/></driver><message modality="text icon" content="what why"/></takeover>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+GAMEPAD = """
+globalThis.pad = {id: "test pad", connected: true, axes: [0, 0, 0, 0],
+                  buttons: Array.from({length: 16}, () => ({value: 0, pressed: false}))};
+navigator.getGamepads = () => [globalThis.pad];
+"""
+
+SLOW = 120_000
+"""How long a test waits at most, ms: the machine may be busy, and the run then falls behind the clock."""
+
+
+@pytest.fixture
+def soon(tmp_path: Path) -> Path:
+    file = tmp_path / "soon.xml"
+    file.write_text(SOON)
+    return file
+
+
+def begun(page: Page) -> None:
+    page.set_default_timeout(SLOW)
+    page.get_by_role("button", name="Start").click()
+    page.wait_for_function("page.latest !== undefined")
+
+
+def driven(folder: Path, number: int = 1) -> Recording:
+    return read_recording(folder / f"drive-{number:03d}" / "recording.parquet")
+
+
+def ended(page: Page) -> None:
+    page.evaluate("page.say({kind: 'stop'})")
+    page.wait_for_function("document.querySelector('#ended').textContent !== ''")
+
+
+def kinds(recording: Recording) -> list[str]:
+    return [event.kind for event in recording.events]
+
+
+def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
+    soon: Path, tmp_path: Path, browser: Browser
+) -> None:
+    out = tmp_path / "out"
+    with (
+        served("drive", soon, "--perception", "ideal", "-o", out) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        begun(page)
+        page.wait_for_function("page.latest.state === 'request'")
+        expect(page.locator("#told")).to_contain_text("Take over now: the path ahead is blocked")
+        expect(page.locator("#told svg")).to_be_visible()
+        expect(page.locator("#left")).to_be_visible()
+        page.keyboard.down("ArrowDown")
+        page.wait_for_function("page.latest.byHand")
+        expect(page.locator("#state")).to_have_text("you drive")
+        expect(page.locator("#told")).to_be_hidden()
+        page.wait_for_function("page.latest.speed < 1")
+        page.keyboard.up("ArrowDown")
+        ended(page)
+        expect(page.locator("#ended")).to_have_text("Driver took over, no collision")
+        report = server.address + (page.locator("#report").get_attribute("href") or "").lstrip("/")
+        with opened_page(browser, report) as shown:
+            expect(shown.locator(".player.ready .clock")).to_have_text("0.00 s")
+    recording = driven(out)
+    assert kinds(recording).index("request") < kinds(recording).index("response")
+    assert recording.header.step == 0.02
+    assert recording.stop_reason == "user"
+    by_hand = recording.control == next(code for code, name in SOURCES.items() if name == "person")
+    assert recording.person_brake[by_hand].max() > 0.5
+    inputs = [json.loads(line) for line in (out / "drive-001" / "inputs.jsonl").read_text().splitlines()]
+    assert [one["brake"] for one in inputs] == recording.person_brake[1:].tolist()
+    figures = json.loads((out / "drive-001" / "live.json").read_text())
+    assert figures["latency_count"] > 10
+    assert 0 < figures["latency_median_ms"] <= figures["latency_p95_ms"]
+    duration = f"{recording.t[-1]:.2f}"
+    again = ("run", out / "drive-001" / "plan.json", "--inputs", out / "drive-001", "-o", tmp_path / "again")
+    assert call(*again) == 0
+    repeated = read_recording(tmp_path / "again" / "recording.parquet")
+    rows = len(recording.t)
+    assert float(duration) > 1
+    for column in ("x", "y", "h", "v", "takeover_state", "control"):
+        assert (getattr(repeated, column)[:rows] == getattr(recording, column)).all(), column
+
+
+def test_a_person_takes_over_by_gamepad_hands_back_and_takes_over_again(
+    soon: Path, tmp_path: Path, browser: Browser
+) -> None:
+    out = tmp_path / "out"
+    with (
+        served("drive", soon, "--perception", "ideal", "-o", out) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        begun(page)
+        page.evaluate("pad.buttons[0].value = 1")
+        page.wait_for_function("page.latest.byHand")
+        page.evaluate("pad.buttons[0].value = 0")
+        page.evaluate("pad.buttons[1].value = 1")
+        page.wait_for_function("!page.latest.byHand")
+        page.evaluate("pad.buttons[1].value = 0")
+        page.evaluate("pad.axes[0] = -0.3")
+        page.wait_for_function("page.latest.byHand")
+        page.evaluate("pad.axes[0] = 0; pad.buttons[6].value = 0.7")
+        page.wait_for_function("page.latest.speed < 1")
+        ended(page)
+    recording = driven(out)
+    assert kinds(recording).count("override") + kinds(recording).count("response") == 2
+    assert "hand_back" in kinds(recording)
+    assert recording.person_steer.max() > 0.1
+    assert recording.person_brake.max() == pytest.approx((0.7 - 0.04) / 0.96, abs=1e-4)
+
+
+def test_a_vehicle_whose_person_leaves_stops_and_nothing_is_lost(soon: Path, tmp_path: Path, browser: Browser) -> None:
+    out = tmp_path / "out"
+    with served("drive", soon, "--perception", "ideal", "-o", out) as server:
+        with opened_page(browser, server.address, bypass_csp=True) as page:
+            begun(page)
+            page.keyboard.press("Enter")
+            page.wait_for_function("page.latest.byHand")
+        with opened_page(browser, server.address, bypass_csp=True) as page:
+            page.set_default_timeout(SLOW)
+            page.wait_for_function("document.querySelector('#ended').textContent !== ''")
+    recording = driven(out)
+    assert kinds(recording).index("override") < kinds(recording).index("person_left")
+    assert kinds(recording).index("person_left") < kinds(recording).index("minimum_risk")
+    assert recording.v[-1, 0] == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser) -> None:
+    with (
+        served("drive", soon, "--perception", "ideal") as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        page.evaluate("pad.axes[2] = 1")
+        page.get_by_role("button", name="Gamepad or wheel").click()
+        row = page.locator("#profile tbody tr", has_text="brake")
+        row.click()
+        page.wait_for_timeout(100)
+        page.evaluate("pad.axes[2] = -1")
+        expect(row.locator("td").nth(1)).to_have_text("axis 2")
+        expect(row.locator("td").nth(4)).to_have_text("1.00")
+        page.evaluate("pad.axes[2] = 1")
+        expect(row.locator("td").nth(4)).to_have_text("0.00")
+
+
+def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -> None:
+    out = tmp_path / "out"
+    words = ("run", "obstacle_ahead", "--perception", "ideal", "--duration", "2", "--watch", "-o", out)
+    with served(*words) as server:
+        with opened_page(browser, server.address, bypass_csp=True) as page:
+            page.set_default_timeout(SLOW)
+            page.wait_for_function("globalThis.page?.latest?.t > 1")
+            assert page.evaluate("document.querySelector('#ahead').width") == 1280
+            page.wait_for_function("document.querySelector('#ended').textContent !== ''")
+        assert server.process.wait(timeout=60) == 0
+    assert read_recording(out / "recording.parquet").t[-1] == pytest.approx(2.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", ["keys", "gamepad"])
+@pytest.mark.parametrize("name", FLAGSHIPS)
+def test_each_flagship_conflict_is_driven_to_a_takeover(name: str, by: str, tmp_path: Path, browser: Browser) -> None:
+    out = tmp_path / "out"
+    with served("drive", name, "-o", out) as server, opened_page(browser, server.address, bypass_csp=True) as page:
+        page.evaluate(GAMEPAD)
+        begun(page)
+        page.wait_for_function("['request', 'escalation'].includes(page.latest.state)")
+        if by == "keys":
+            page.keyboard.down("s")
+        else:
+            page.evaluate("pad.buttons[6].value = 1")
+        page.wait_for_function("page.latest.byHand")
+        page.wait_for_function("page.latest.speed < 1")
+        ended(page)
+    found = kinds(driven(out))
+    assert found.index("request") < found.index("response")
+    assert "collision" not in found
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_nothing_of_the_page_reaches_beyond_the_window(soon: Path, browser: Browser, width: int) -> None:
+    with served("drive", soon, "--perception", "ideal") as server, opened_page(browser, server.address, width) as page:
+        expect(page.get_by_role("button", name="Start")).to_be_visible()
+        assert page.evaluate("document.documentElement.scrollWidth") <= width

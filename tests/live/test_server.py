@@ -1,0 +1,145 @@
+"""Who is served: this machine's own pages, with the token others; no file but those that belong to the page."""
+
+from __future__ import annotations
+
+import http.client
+import json
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
+
+from tests.live.serving import Served, served
+from tests.test_cli import CONFLICT
+
+
+@pytest.fixture(scope="module")
+def conflict(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("live") / "it.xml"
+    file.write_text(CONFLICT)
+    return file
+
+
+@pytest.fixture(scope="module")
+def own(conflict: Path) -> Iterator[Served]:
+    """A server for this machine alone."""
+    with served("drive", conflict, "--perception", "ideal") as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def foreign(conflict: Path) -> Iterator[Served]:
+    """A server for other machines too."""
+    with served("drive", conflict, "--perception", "ideal", "--host", "0.0.0.0") as one:
+        yield one
+
+
+def asked(server: Served, path: str, **headers: str) -> tuple[int, str]:
+    """Return the status and the text of an answer, to a path as it is written."""
+    connection = http.client.HTTPConnection("127.0.0.1", int(server.host.rpartition(":")[2]), timeout=30)
+    connection.putrequest("GET", path, skip_host="Host" in headers)
+    for name, value in headers.items():
+        connection.putheader(name, value)
+    connection.endheaders()
+    answer = connection.getresponse()
+    text = answer.read().decode(errors="replace")
+    connection.close()
+    return answer.status, text
+
+
+def closes(connection: ClientConnection) -> bool:
+    """Read on until the server closes the connection."""
+    with suppress(ConnectionClosed):
+        for _ in connection:
+            pass
+    return connection.close_code is not None
+
+
+def test_the_page_and_its_files_are_served(own: Served) -> None:
+    for path in ("/", "/live/drive.js", "/live/wheel.js", "/live/sounds.js", "/live/drive.css", "/shared/map.js"):
+        assert asked(own, path)[0] == 200, path
+    about = json.loads(asked(own, "/about")[1])
+    assert about["name"] == "fade"
+    assert about["roadmap"]["strips"]
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        *(
+            "/live/drive.html",
+            "/live/../server.py",
+            "/live/%2e%2e/server.py",
+            "/live/..%2fserver.py",
+            "/shared/player.css",
+        ),
+        *("/shared/....//embedding.py", "/runs/1", "/runs/../../etc/passwd", "//etc/passwd", "/live/%00"),
+    ],
+)
+def test_no_other_file_is_served(own: Served, path: str) -> None:
+    assert asked(own, path)[0] == 404
+
+
+def test_another_name_for_this_machine_is_refused(own: Served) -> None:
+    """A name that another site made point here (DNS rebinding)."""
+    status, text = asked(own, "/", Host="evil.example:80")
+    assert status == 403
+    assert "does not serve that name" in text
+
+
+def test_a_page_of_another_site_gets_nothing(own: Served) -> None:
+    assert asked(own, "/about", Origin="http://evil.example")[0] == 403
+    for origin in ("http://evil.example", "null", ""):
+        with pytest.raises(InvalidStatus) as refused, own.connected(origin=origin):
+            pass
+        assert refused.value.response.status_code == 403
+
+
+def test_on_another_address_a_page_needs_the_token(foreign: Served) -> None:
+    token = foreign.address.partition("?token=")[2]
+    assert len(token) >= 16
+    for path, cookie in (("/", ""), ("/about", "token=wrong"), ("/?token=", "")):
+        status, text = asked(foreign, path, **({"Cookie": cookie} if cookie else {}))
+        assert status == 403
+        assert token not in text
+    status, _ = asked(foreign, f"/?token={token}")
+    assert status == 303
+    assert asked(foreign, "/about", Cookie=f"token={token}")[0] == 200
+    with pytest.raises(InvalidStatus), foreign.connected():
+        pass
+    with foreign.connected(cookie=f"token={token}") as one:
+        assert json.loads(one.recv(timeout=30)) == {"role": "driver"}
+
+
+@pytest.mark.parametrize(
+    "message",
+    ["no json", "[]", '{"kind": "input", "seq": 1, "steer": 7}', '{"kind": "ping"}', "x" * 20_000, "[" * 10_000],
+)
+def test_what_is_no_message_of_ours_closes_the_socket_alone(own: Served, message: str) -> None:
+    with own.connected() as one:
+        assert json.loads(one.recv(timeout=30)) == {"role": "driver"}
+        one.send('{"kind": "start"}')
+        assert isinstance(one.recv(timeout=60), bytes)
+        one.send(message)
+        assert closes(one)
+    assert asked(own, "/")[0] == 200
+
+
+def test_a_second_page_watches(own: Served) -> None:
+    with own.connected() as one:
+        assert json.loads(one.recv(timeout=30)) == {"role": "driver"}
+        with own.connected() as other:
+            assert json.loads(other.recv(timeout=30)) == {"role": "viewer"}
+            other.send('{"kind": "start"}')
+            assert closes(other)
+
+
+def test_an_interrupted_server_ends_in_one_line(conflict: Path) -> None:
+    with served("drive", conflict, "--perception", "ideal") as one:
+        one.process.send_signal(2)
+        _, err = one.process.communicate(timeout=60)
+        assert one.process.returncode == 130
+        assert len(err.splitlines()) == 1

@@ -1,0 +1,90 @@
+"""The person at the wheel as the page tells of them: what takes over, when buttons have been heeded, what is kept."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from scenario_compiler.live.wheel import KEPT_EVERY, Told, Wheel
+from tests.report import made
+
+MAX_STEER = math.radians(40.0)
+CAR = made.plan().entities[0].vehicle.model_copy(update={"max_steer": 40.0})
+PLAN = made.plan().model_copy(update={"entities": (made.plan().entities[0].model_copy(update={"vehicle": CAR}),)})
+
+
+@pytest.mark.parametrize(
+    ("told", "wish"),
+    [
+        (Told(seq=1, brake=0.1), "take_over"),
+        (Told(seq=1, brake=0.09), ""),
+        (Told(seq=1, steer=math.radians(2.1) / 16 / MAX_STEER), "take_over"),
+        (Told(seq=1, steer=-math.radians(2.1) / 16 / MAX_STEER), "take_over"),
+        (Told(seq=1, steer=math.radians(1.9) / 16 / MAX_STEER), ""),
+        (Told(seq=1, throttle=1.0), ""),
+        (Told(seq=1, take_over=True), "take_over"),
+    ],
+)
+def test_braking_steering_and_the_button_take_over(told: Told, wish: str) -> None:
+    wheel = Wheel(PLAN)
+    wheel.tell(told)
+    assert wheel.act(0.0, "request").wish == wish
+
+
+def test_a_button_counts_until_it_has_been_heeded() -> None:
+    wheel = Wheel(PLAN)
+    wheel.tell(Told(seq=1, take_over=True))
+    wheel.tell(Told(seq=2))
+    assert [wheel.act(t, "request").wish for t in (0.0, 0.02)] == ["take_over", "take_over"]
+    assert wheel.act(0.04, "manual").wish == ""
+    assert wheel.act(0.06, "manual").wish == ""
+    wheel.tell(Told(seq=3, hand_back=True))
+    assert wheel.act(0.08, "manual").wish == "hand_back"
+    assert wheel.act(0.10, "automated").wish == ""
+
+
+def test_who_leaves_lets_the_vehicle_stop_and_may_come_back() -> None:
+    wheel = Wheel(PLAN)
+    wheel.tell(Told(seq=7, throttle=0.5))
+    wheel.leave()
+    gone = wheel.act(0.0, "manual")
+    assert (gone.wish, gone.throttle) == ("leave", 0.0)
+    assert wheel.act(0.02, "minimum_risk").wish == ""
+    wheel.come_back()
+    wheel.tell(Told(seq=1, brake=0.5))
+    assert wheel.act(0.04, "minimum_risk").wish == "take_over"
+    assert wheel.applied == 1
+
+
+def test_inputs_are_written_as_they_happen(tmp_path: Path) -> None:
+    file = tmp_path / "inputs.jsonl"
+    wheel = Wheel(PLAN, file)
+    wheel.tell(Told(seq=1, throttle=0.25))
+    steps = int(1.0 / 0.02) + 1
+    for k in range(steps):
+        wheel.act(k * 0.02, "manual")
+    on_disk = [json.loads(line) for line in file.read_text().splitlines()]
+    assert on_disk[-1]["t"] >= 1.0 - KEPT_EVERY
+    wheel.close()
+    kept = [json.loads(line) for line in file.read_text().splitlines()]
+    assert len(kept) == steps
+    assert kept[3] == {"t": 0.06, "throttle": 0.25, "brake": 0.0, "steer": 0.0, "wish": ""}
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"seq": 1, "throttle": 1.2},
+        {"seq": 1, "steer": float("nan")},
+        {"seq": -1},
+        {"seq": 1, "honk": True},
+        {"throttle": 0.2},
+    ],
+)
+def test_messages_beyond_the_limits_are_refused(message: dict[str, object]) -> None:
+    with pytest.raises(ValidationError):
+        Told.model_validate(message)

@@ -1,0 +1,66 @@
+"""The learned detector's own parts; what every detector keeps is in `tests/contracts/test_detectors.py`."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import replace
+from importlib import resources
+
+import numpy as np
+import pytest
+
+from scenario_compiler.perception import learned_detector
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.learned_detector import (
+    COLUMNS,
+    NETWORK_FILE,
+    ROWS,
+    TRAINED_FOR,
+    LearnedLaneDetector,
+    ground_of,
+)
+from scenario_compiler.perception.road_camera import RoadCamera
+from tests.perception.scenery import CLEAR, bend, two_lanes
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.02, -0.02])
+def test_pixels_are_laid_on_the_ground_that_they_show(pitch: float) -> None:
+    x, y = np.array([6.0, 12.0, 20.0]), np.array([1.75, -1.75, 0.3])
+    u, v = TRAINED_FOR.project_ground(x, y, pitch)
+    back_x, back_y = ground_of(u, v, pitch)
+    assert back_x == pytest.approx(x)
+    assert back_y == pytest.approx(y)
+
+
+def test_pixels_over_the_horizon_show_no_ground() -> None:
+    x, _ = ground_of(np.array([256.0]), np.array([10.0]), 0.0)
+    assert np.isinf(x[0])
+
+
+def test_another_camera_is_turned_to_the_one_that_it_learned_with() -> None:
+    camera = Camera(width=800, height=500, fov=math.radians(60.0), yaw=0.1, pitch=-0.15, roll=0.05)
+    homography = learned_detector._homography(camera)
+    x, y = np.array([8.0, 15.0]), np.array([1.0, -2.0])
+    u, v = camera.project_ground(x, y)
+    turned = homography @ np.stack([u, v, np.ones(2)])
+    wanted = replace(TRAINED_FOR, z=camera.z).project_ground(x, y)
+    assert turned[:2] / turned[2] == pytest.approx(np.stack(wanted), abs=1e-6)
+
+
+def test_the_network_is_the_one_that_the_page_is_about() -> None:
+    data = resources.files("scenario_compiler.perception").joinpath(NETWORK_FILE).read_bytes()
+    assert len(data) < 1_000_000
+    assert hashlib.sha256(data).hexdigest() == "db96471cab5afd79bc2610d1759f22d9d300f1a04c21ca1345fcbdead5b5e0d4"
+
+
+def test_rows_are_distributions_over_columns() -> None:
+    reference = bend(0.0)
+    image = RoadCamera(two_lanes(reference)).frame(reference.pose(40.0), [], CLEAR, 0.0, 0)
+    rows, painted, tilt, width = LearnedLaneDetector().tell(image)
+    assert rows.shape == (2, ROWS, COLUMNS + 1)
+    assert rows.sum(axis=2) == pytest.approx(np.ones((2, ROWS)))
+    assert (rows[:, :10, -1] > 0.9).all()  # the sky
+    assert painted.min() > 0.8
+    assert abs(tilt) < math.radians(0.5)
+    assert width == pytest.approx(3.5, abs=0.3)

@@ -1,0 +1,165 @@
+"""A person at the wheel: takes over asked or not, drives, hands back, leaves; repeated bit for bit from the inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
+from scenario_compiler.controllers.person import PersonInput, RecordedPerson
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.recording.names import SOURCES, WISHES
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.store import read_recording, write_recording
+from scenario_compiler.runtime import open_world
+from scenario_compiler.runtime.loop import run
+from tests.command import call
+
+SOURCE = {name: code for code, name in SOURCES.items()}
+
+CONFLICT = """\
+<scenarios version="1">
+  <scenario name="it" map="town_grid" duration="20">
+    <ego speed="13.9"><start><lane road="3" lane="-1" s="20"/></start></ego>
+    <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="160"/></at></static>
+    <takeover><driver><person/></driver></takeover>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+
+class Scripted:
+    """A person who does what a function of time and state says."""
+
+    def __init__(self, does: Callable[[float, str], PersonInput]) -> None:
+        self.act = does
+
+
+@pytest.fixture(scope="module")
+def conflict(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("person") / "it.xml"
+    file.write_text(CONFLICT)
+    return file
+
+
+@pytest.fixture(scope="module")
+def compiled(conflict: Path) -> Compilation:
+    done = compile_target(conflict, {}, Diagnostics(), overrides=Overrides(perception="ideal", step=0.02))
+    assert done is not None
+    return done
+
+
+def driven(compiled: Compilation, does: Callable[[float, str], PersonInput], *, interpreted: bool = False) -> Recording:
+    with open_world("kinematic", compiled.plan, compiled.network) as world:
+        return run(compiled.plan, world, person=Scripted(does), interpreted=interpreted)
+
+
+def brakes_when_asked(t: float, state: str) -> PersonInput:
+    del t
+    if state in ("automated", "warning"):
+        return PersonInput()
+    return PersonInput(brake=0.5, steer=0.01, wish="" if state == "manual" else "take_over")
+
+
+def first(recording: Recording, kind: str) -> float:
+    return next(event.t for event in recording.events if event.kind == kind)
+
+
+def test_a_person_answers_and_stops_by_their_own_brake(compiled: Compilation) -> None:
+    recording = driven(compiled, brakes_when_asked)
+    kinds = [event.kind for event in recording.events]
+    assert "request" in kinds
+    assert first(recording, "response") - first(recording, "request") <= 0.1
+    after = recording.t > first(recording, "response") + 0.05
+    assert set(recording.control[after]) == {SOURCE["person"]}
+    assert (recording.brake[after, 0] == 0.5).all()
+    assert recording.v[-1, 0] == pytest.approx(0.0, abs=0.01)
+    assert "collision" not in kinds
+    assert recording.stop_reason == "duration"
+
+
+def test_a_person_takes_over_without_being_asked_and_hands_back(compiled: Compilation) -> None:
+    def does(t: float, state: str) -> PersonInput:
+        if t < 0.5 and state == "automated":
+            return PersonInput(wish="take_over", throttle=0.3)
+        return PersonInput(throttle=0.3, wish="hand_back" if t > 1.0 and state == "manual" else "")
+
+    recording = driven(compiled, does)
+    assert first(recording, "override") < 0.1
+    assert first(recording, "hand_back") == pytest.approx(1.0, abs=0.11)
+    assert first(recording, "activation") >= first(recording, "hand_back")
+    sources = recording.control[np.flatnonzero(np.diff(recording.control, prepend=-1))]
+    assert list(sources[:3]) == [SOURCE["automation"], SOURCE["person"], SOURCE["automation"]]
+    assert recording.throttle[(recording.t > 0.2) & (recording.t < 1.0), 0] == pytest.approx(0.3)
+
+
+def test_the_automation_is_not_given_back_what_asks(compiled: Compilation) -> None:
+    def does(t: float, state: str) -> PersonInput:
+        del t
+        return PersonInput(
+            throttle=0.1, wish="hand_back" if state == "manual" else "take_over" if state == "request" else ""
+        )
+
+    recording = driven(compiled, does)
+    asks = recording.blocked_distance <= 7.0 * recording.v[:, 0]
+    by_hand = (recording.t > first(recording, "response")) & (recording.t < first(recording, "hand_back"))
+    assert asks[by_hand][:-10].mean() > 0.9
+    assert not asks[recording.t >= first(recording, "hand_back") - 1e-6][0]
+
+
+def test_the_vehicle_stops_where_a_person_leaves(compiled: Compilation) -> None:
+    def does(t: float, state: str) -> PersonInput:
+        return PersonInput(wish="leave" if t > 1.0 else "take_over" if state == "automated" else "")
+
+    recording = driven(compiled, does)
+    assert first(recording, "minimum_risk") == pytest.approx(1.0, abs=0.11)
+    assert recording.stop_reason == "standstill"
+    assert recording.control[-1] == SOURCE["minimum-risk manoeuvre"]
+
+
+def test_nobody_answers_for_a_person(compiled: Compilation) -> None:
+    recording = driven(compiled, lambda t, state: PersonInput())
+    kinds = [event.kind for event in recording.events]
+    assert "response" not in kinds
+    assert "minimum_risk" in kinds
+
+
+def test_both_forms_of_the_engine_agree(compiled: Compilation) -> None:
+    one, other = (driven(compiled, brakes_when_asked, interpreted=form) for form in (False, True))
+    assert one.trajectory_hash == other.trajectory_hash
+    assert one == other
+
+
+def test_a_run_is_repeated_bit_for_bit_from_its_inputs(compiled: Compilation, tmp_path: Path) -> None:
+    def wanders(t: float, state: str) -> PersonInput:
+        steer = 0.02 * np.sin(3.0 * t).item()
+        return PersonInput(0.2 + 0.1 * steer, 0.0, steer, "take_over" if state in ("automated", "request") else "")
+
+    recorded = driven(compiled, wanders)
+    write_recording(recorded, tmp_path / "recording.parquet")
+    kept = read_recording(tmp_path / "recording.parquet")
+    assert kept == recorded
+    assert {WISHES[code] for code in kept.person_wish} == {"", "take_over"}
+    with open_world("kinematic", compiled.plan, compiled.network) as world:
+        again = run(compiled.plan, world, person=RecordedPerson(kept))
+    assert again == recorded
+
+
+def test_a_command_repeats_a_persons_run_and_a_model_stands_in(
+    conflict: Path, compiled: Compilation, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = ("run", conflict, "--perception", "ideal", "--dt", "0.02")
+    assert call(*target) == 2
+    assert "a person is at the wheel" in capsys.readouterr().err
+    assert call(*target, "--pilot", "-o", tmp_path / "pilot") == 0
+    pilot = read_recording(tmp_path / "pilot" / "recording.parquet")
+    assert SOURCE["driver model"] in pilot.control
+    assert SOURCE["person"] not in pilot.control
+    (tmp_path / "by_hand").mkdir()
+    write_recording(driven(compiled, brakes_when_asked), tmp_path / "by_hand" / "recording.parquet")
+    assert call(*target, "--inputs", tmp_path / "by_hand", "-o", tmp_path / "again") == 0
+    assert call("compare", tmp_path / "by_hand" / "recording.parquet", tmp_path / "again" / "recording.parquet") == 0

@@ -1,0 +1,77 @@
+"""`calibrate` measures on maps, and writes a page that says what was measured."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenario_compiler.cli import main
+from scenario_compiler.perception.calibration.collect import CONDITIONS, Looks
+from scenario_compiler.perception.calibration.figures import worth
+from scenario_compiler.perception.calibration.maps import IMAGES, MapRoads
+from scenario_compiler.perception.confidence import FEATURES
+from scenario_compiler.resources import find_map
+from scenario_compiler.roads import load_network
+
+
+def test_a_clip_depends_on_its_number_alone() -> None:
+    roads = MapRoads(load_network(find_map("town_grid")))
+    first = {number: [view.image for view in views] for number, _, views in roads.clips(1, range(2), per_scene=2)}
+    again = {number: [view.image for view in views] for number, _, views in roads.clips(1, range(2), per_scene=2)}
+    assert first.keys() == again.keys()
+    for number, images in first.items():
+        assert len(images) == IMAGES
+        assert all(np.array_equal(a, b) for a, b in zip(images, again[number], strict=True))
+
+
+def test_the_truth_of_a_clip_is_a_lane() -> None:
+    roads = MapRoads(load_network(find_map("highway_loop")))
+    for _, conditions, views in roads.clips(2, range(3)):
+        for view in views:
+            left, right = view.truth.boundaries
+            assert conditions.curvature < 0.05
+            assert 2.5 < left[0] - right[0] < 4.5
+            assert left[0] > 0.5
+            assert right[0] < -0.5
+
+
+def test_a_map_without_a_lane_to_drive_on_has_no_clips() -> None:
+    assert list(MapRoads(load_network(find_map("open_ground"))).clips(1, range(4))) == []
+
+
+def looks_of(p: list[float], error: list[float]) -> Looks:
+    count = len(p)
+    said = np.repeat(np.array(p)[:, None], 3, axis=1)
+    conditions = np.zeros((count, len(CONDITIONS)))
+    return Looks(np.zeros((count, len(FEATURES))), said, np.array(error), np.ones(count), np.arange(count), conditions)
+
+
+def test_what_is_sure_and_wrong_is_counted() -> None:
+    found = worth("made up", looks_of([0.9, 0.9, 0.9, 0.9, 0.1], [0.1, 0.3, 2.0, 0.2, 5.0]))
+    assert found.sure == pytest.approx(0.8)
+    assert found.wrong == pytest.approx(0.5)
+    assert found.far_off == pytest.approx(0.25)
+    assert found.outputs[0].area == pytest.approx(0.5 + 0.5 / 3.0)
+
+
+@pytest.mark.slow
+def test_the_page_of_a_map(tmp_path: Path) -> None:
+    road = find_map("highway_loop")
+    other = find_map("town_grid")
+    arguments = ["calibrate", str(road), str(other), "-o", str(tmp_path), "--clips", "30", "--pictures", "2"]
+    assert main([*arguments, "--fit", "--leave-out", "highway_loop", "--jobs", "2"]) == 0
+    page = (tmp_path / "perception.md").read_text(encoding="utf-8")
+    assert "The tables are of highway_loop: each judged by a fit that it took no part in." in page
+    assert (tmp_path / "images" / "perception_reliability.png").stat().st_size > 10_000
+    assert json.loads((tmp_path / "lane_confidence.json").read_text("utf-8"))["features"] == list(FEATURES)
+
+
+def test_wrong_use_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["calibrate", str(tmp_path / "nowhere"), "-o", str(tmp_path / "out")]) == 2
+    assert "nowhere" in capsys.readouterr().err
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "file").touch()
+    assert main(["calibrate", "-o", str(tmp_path / "full")]) == 2

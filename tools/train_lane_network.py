@@ -1,0 +1,405 @@
+"""Trains the network of the learned lane detector, fits its confidence and measures both: one command, five minutes.
+
+    python tools/train_lane_network.py MAPS OUT [--images 52000] [--epochs 20] [--jobs 16] [--seconds 540]
+
+MAPS is a folder of road files. The maps are parted three ways by `UNSEEN` and `TEST`: the network learns on all others,
+its confidence is fitted on `UNSEEN`, and the figures are of `TEST`. OUT gets lane_network.onnx, learned_confidence.json
+and learned_figures.json. It needs PyTorch, which is no dependency of the package, and uses a GPU where there is one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import math
+import multiprocessing
+import time
+from dataclasses import asdict
+from functools import lru_cache
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+from torch.nn import functional
+
+from scenario_compiler.perception.calibration.bank import BANK, drawn_situation, picture, pictures
+from scenario_compiler.perception.calibration.collect import CONDITIONS, RIGHT, Looks
+from scenario_compiler.perception.calibration.figures import CONFIDENT, FITTED, REMEMBERING, judged, worth
+from scenario_compiler.perception.calibration.fit import area_under_curve, fit_confidence
+from scenario_compiler.perception.calibration.maps import MapRoads
+from scenario_compiler.perception.calibration.truth import Truth
+from scenario_compiler.perception.confidence import Confidence, confidence_text
+from scenario_compiler.perception.lane_detector import LaneState
+from scenario_compiler.perception.learned_detector import (
+    COLUMNS,
+    HEIGHT,
+    LEARNED_FEATURES,
+    NETWORK_FILE,
+    ROWS,
+    TRAINED_FOR,
+    WIDTH,
+    LearnedLaneDetector,
+)
+from scenario_compiler.perception.weather_look import look_of
+from scenario_compiler.roads import load_network
+
+UNSEEN, TEST = ("Town05", "fabriksgatan"), ("Town03", "soderleden")
+SEED, UNSEEN_SEED, TEST_SEED = 101, 202, 303
+RATE, WARM_UP, BATCH = 4e-3, 200, 256
+"""Greatest rate of learning, steps until it is reached, and pictures of a step."""
+
+MEASURING = 110.0
+"""Time that is kept for what comes after the training, s."""
+
+BLUR, ABSENT, UNPAINTED = 0.8, 0.3, 0.25
+"""Width of a target in columns, and how much rows without a boundary, and rows of unpainted boundaries, count."""
+
+Arrays = tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]]
+
+
+class LaneNetwork(nn.Module):
+    """An encoder of five steps, a decoder with skips to half the size, and a head on what the deepest step sees."""
+
+    def __init__(self) -> None:
+        """Make the layers."""
+        super().__init__()
+        sizes = (12, 24, 36, 48, 64)
+        before = 3
+        self.down = nn.ModuleList()
+        for size in sizes:
+            self.down.append(
+                nn.Sequential(
+                    nn.Conv2d(before, size, 3, 2, 1, bias=False), nn.BatchNorm2d(size), nn.ReLU(),
+                    nn.Conv2d(size, size, 3, 1, 1, bias=False), nn.BatchNorm2d(size), nn.ReLU(),
+                )
+            )  # fmt: skip
+            before = size
+        self.up = nn.ModuleList()
+        for deep, skip in zip(sizes[:0:-1], sizes[-2::-1], strict=True):
+            self.up.append(
+                nn.Sequential(nn.Conv2d(deep + skip, skip, 3, 1, 1, bias=False), nn.BatchNorm2d(skip), nn.ReLU())
+            )
+        self.maps = nn.Conv2d(sizes[0], 2, 3, 1, 1)
+        self.rest = nn.Sequential(nn.Linear(sizes[-1] * 4 * 2, 32), nn.ReLU(), nn.Linear(32, 4))
+
+    def forward(self, x: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Return the logits of the rows (N, 2, ROWS, COLUMNS) and the four numbers (N, 4)."""
+        steps = []
+        for layer in self.down:
+            x = layer(x)
+            steps.append(x)
+        pooled = functional.avg_pool2d(x, (2, 2)).flatten(1)
+        for layer, skip in zip(self.up, steps[-2::-1], strict=True):
+            x = layer(torch.cat([functional.interpolate(x, scale_factor=2.0, mode="nearest"), skip], 1))
+        return self.maps(x), self.rest(pooled)
+
+
+def columns_of(pixels: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return the column of a boundary in each row, NaN where it is not seen, (ROWS,)."""
+    found = np.full(ROWS, np.nan, np.float32)
+    if len(pixels) < 2:
+        return found
+    u, v = pixels[:, 0], pixels[:, 1]
+    back = np.flatnonzero(np.diff(v) > 0.0)
+    end = len(v) if not len(back) else int(back[0]) + 1
+    if end < 2:
+        return found
+    rows = (np.arange(ROWS) + 0.5) * TRAINED_FOR.height / ROWS - 0.5
+    column = (np.interp(rows, v[:end][::-1], u[:end][::-1]) + 0.5) * COLUMNS / TRAINED_FOR.width - 0.5
+    seen = (rows >= v[end - 1]) & (rows <= v[0]) & (column > -0.5) & (column < COLUMNS - 0.5)
+    found[seen] = column[seen]
+    return found
+
+
+def example(
+    image: NDArray[np.uint8], truth: Truth
+) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]]:
+    """Return the small picture, the columns (2, ROWS), and paint left and right, tilt and width, (4,)."""
+    small = cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
+    columns = np.stack([columns_of(one) for one in truth.pixels])
+    width = float(truth.boundaries[0][0] - truth.boundaries[1][0])
+    rest = [float(truth.there(0)), float(truth.there(1)), truth.tilt / 0.03, width - 3.5 if np.isfinite(width) else 0.0]
+    return np.asarray(small, np.uint8), columns, np.clip(np.array(rest, np.float32), -3.0, 3.0)
+
+
+@lru_cache(maxsize=1)
+def _roads(path: str) -> MapRoads:
+    return MapRoads(load_network(path, cache=False))
+
+
+def _begin() -> None:
+    cv2.setNumThreads(1)
+    torch.set_num_threads(1)
+
+
+def render(job: tuple[str, int, int, int]) -> Arrays:
+    """Return pictures with their truth: clips of a map, or situations that are drawn where no map is named."""
+    path, seed, first, last = job
+    found = []
+    if path:
+        for _, _, views in _roads(path).clips(seed, range(first, last)):
+            found += [example(view.image, view.truth) for view in views]
+    else:
+        for number in range(first, last):
+            draw = np.random.default_rng([seed, number])
+            found.append(example(*picture(drawn_situation(draw), draw)))
+    if not found:
+        return (
+            np.empty((0, HEIGHT, WIDTH, 3), np.uint8),
+            np.empty((0, 2, ROWS), np.float32),
+            np.empty((0, 4), np.float32),
+        )
+    images, columns, rest = zip(*found, strict=True)
+    return np.stack(images), np.stack(columns), np.stack(rest)
+
+
+def jobs_of(maps: list[Path], seed: int, clips: int, drawn: int) -> list[tuple[str, int, int, int]]:
+    """Return jobs of 24 clips or situations."""
+    jobs = [("", seed, k, min(k + 24, drawn)) for k in range(0, drawn, 24)]
+    return jobs + [(str(path), seed, k, min(k + 24, clips)) for path in maps for k in range(0, clips, 24)]
+
+
+def joined(parts: list[Arrays]) -> Arrays:
+    """Return all pictures with their truth."""
+    return tuple(np.concatenate([part[k] for part in parts]) for k in range(3))  # type: ignore[return-value]
+
+
+def augmented(x: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
+    """Return pictures with other brightness, contrast, colour and noise, -0.5 to 0.5."""
+    n = len(x)
+
+    def draw(*shape: int) -> torch.Tensor:
+        return torch.rand(shape, generator=generator, device=x.device)
+
+    gain = 0.6 + 0.8 * draw(n, 1, 1, 1)
+    tint = 0.9 + 0.2 * draw(n, 3, 1, 1)
+    gamma = 0.7 + 0.7 * draw(n, 1, 1, 1)
+    x = (x.clamp(0.0, 1.0) ** gamma * gain * tint + 0.1 * (draw(n, 1, 1, 1) - 0.5)).clamp(0.0, 1.0)
+    sigma = 0.08 * draw(n, 1, 1, 1) * (draw(n, 1, 1, 1) < 0.3)
+    return (x + sigma * torch.randn(x.shape, generator=generator, device=x.device)).clamp(0.0, 1.0) - 0.5
+
+
+def loss_of(maps: torch.Tensor, rest: torch.Tensor, columns: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
+    """Return the loss: cross-entropy of each row's column, of the paint, and the errors of tilt and width."""
+    logits = torch.cat([maps, torch.zeros_like(maps[..., :1])], 3)
+    absent = torch.isnan(columns)
+    place = torch.arange(COLUMNS, device=maps.device)
+    target = torch.exp(-0.5 * ((place - columns.nan_to_num(-1e3)[..., None]) / BLUR) ** 2)
+    target = target / target.sum(3, keepdim=True).clamp_min(1e-6)
+    target = torch.cat([target * ~absent[..., None], absent[..., None].float()], 3)
+    entropy = -(target * functional.log_softmax(logits, 3)).sum(3)
+    painted = truth[:, :2, None]
+    weight = torch.where(absent, ABSENT, UNPAINTED + (1.0 - UNPAINTED) * painted)
+    rows = (entropy * weight).sum() / weight.sum()
+    paint = functional.binary_cross_entropy_with_logits(rest[:, :2], truth[:, :2])
+    both = functional.smooth_l1_loss(rest[:, 2:], truth[:, 2:])
+    return rows + 0.3 * paint + 0.3 * both
+
+
+def train(data: Arrays, epochs: int, seconds: float, device: str) -> LaneNetwork:
+    """Return the network after some epochs, or when the time is over."""
+    torch.manual_seed(SEED)
+    images, columns, truth = (torch.from_numpy(one).to(device) for one in data)
+    images = images.permute(0, 3, 1, 2).contiguous()
+    network = LaneNetwork().to(device)
+    optimizer = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-4)
+    steps, batch = epochs * max(len(images) // BATCH, 1), min(BATCH, len(images))
+    generator = torch.Generator(device=device).manual_seed(SEED)
+    flips = np.random.default_rng(SEED).random(steps) < 0.5
+    began, step = time.monotonic(), 0
+    for epoch in range(epochs):
+        order = torch.randperm(len(images), generator=generator, device=device)
+        total = 0.0
+        for k in range(len(images) // batch):
+            chosen = order[k * batch : (k + 1) * batch]
+            x, c, t = images[chosen].float() / 255.0, columns[chosen], truth[chosen]
+            # Where time is short the rate falls with it, so that the last epochs are the calm ones all the same.
+            done = max(step / steps, (time.monotonic() - began) / seconds)
+            for group in optimizer.param_groups:
+                group["lr"] = RATE * min(step / WARM_UP, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
+            if flips[step]:
+                x, c, t = x.flip(3), (COLUMNS - 1 - c).flip(1), t[:, [1, 0, 2, 3]]
+            maps, rest = network(augmented(x, generator))
+            loss = loss_of(maps, rest, c, t)
+            optimizer.zero_grad(set_to_none=True)
+            loss.backward()
+            nn.utils.clip_grad_norm_(network.parameters(), 5.0)
+            optimizer.step()
+            step += 1
+            total += float(loss.detach()) if k % 20 == 0 else 0.0
+        used = time.monotonic() - began
+        print(
+            f"epoch {epoch + 1}: loss {total / max(len(range(0, len(images) // batch, 20)), 1):.4f}, {used:.0f} s",
+            flush=True,
+        )
+        if used > seconds:
+            print("stopped: the time is over")
+            break
+    return network.eval().cpu()
+
+
+def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.float64]]:
+    """Return looks at clips of a map, at a situation of the bank, or at drawn situations, and the overlap of masks."""
+    which, seed, first, last, network = job
+    size = len(LEARNED_FEATURES)
+    even = Confidence(np.zeros(size), np.ones(size), np.zeros((1, size + 1)), np.zeros((3, size + 2)))
+    even.out[:, 1] = 3.0  # the paint's own logit, until the confidence is fitted
+    detector = LearnedLaneDetector(network=network, confidence=even)
+    rows: list[NDArray[np.float64]] = []
+    rest: list[tuple[float, ...]] = []
+    overlaps: list[tuple[float, ...]] = []
+
+    def take(
+        image: NDArray[np.uint8], state: LaneState, truth: Truth, clip: int, about: tuple[float, ...]
+    ) -> LaneState:
+        result, found = detector.look(image, state)
+        told, painted, _, _ = detector.tell(image)
+        for side, (row, one) in enumerate(zip(found, (result.left, result.right), strict=True)):
+            rows.append(row)
+            rest.append(
+                (one.p_geom, one.p_paint, one.p, truth.error(side, one), truth.painted[side], float(clip), *about)
+            )
+            both, either = overlap(told[side], columns_of(truth.pixels[side]))
+            overlaps.append((both, either, float(told[side][:, :-1].max()), float(painted[side])))
+        return state.after(result)
+
+    if which.endswith(".xodr"):
+        for clip, conditions, views in _roads(which).clips(seed, range(first, last)):
+            state = LaneState()
+            for view in views:
+                contrast = look_of(conditions.weather).contrast
+                about = (contrast, conditions.sigma, conditions.pitch, conditions.leader, float(conditions.beside),
+                         conditions.curvature, float(conditions.junction), float(view.number))  # fmt: skip
+                state = take(view.image, state, view.truth, clip, about)
+    elif which == "drawn":
+        for number in range(first, last):
+            draw = np.random.default_rng([seed, number])
+            image, truth = picture(drawn_situation(draw), draw)
+            take(image, LaneState(), truth, number, (0.0,) * len(CONDITIONS))
+    else:
+        for number, (image, truth) in enumerate(pictures(BANK[int(which)], seed, last)):
+            take(image, LaneState(), truth, number, (0.0,) * len(CONDITIONS))
+    table = np.array(rest).reshape(-1, 6 + len(CONDITIONS))
+    features = np.array(rows).reshape(len(table), size)
+    looks = Looks(features, table[:, :3], table[:, 3], table[:, 4], table[:, 5].astype(np.int64), table[:, 6:])
+    return which, looks, np.array(overlaps).reshape(-1, 4)
+
+
+def overlap(told: NDArray[np.float64], columns: NDArray[np.float32]) -> tuple[float, float]:
+    """Return the cells in both masks and in either: three columns about the boundary in each row that has it."""
+    place = np.arange(COLUMNS)
+    share = told[:, :-1]
+    middle = (share * place).sum(1) / np.maximum(share.sum(1), 1e-9)
+    ours = (np.abs(place - middle[:, None]) <= 1.5) & (told[:, -1] < 0.5)[:, None]
+    true = np.abs(place - np.nan_to_num(columns, nan=-1e3)[:, None]) <= 1.5
+    return float((ours & true).sum()), float((ours | true).sum())
+
+
+def export(network: LaneNetwork, path: Path) -> bytes:
+    """Write the network and return the file's bytes."""
+    torch.onnx.export(
+        network, (torch.zeros(1, 3, HEIGHT, WIDTH),), str(path), input_names=["image"], output_names=["rows", "rest"],
+        opset_version=13, dynamo=False,
+    )  # fmt: skip
+    return path.read_bytes()
+
+
+def jobs_of_looks(paths: list[Path], scale: float, onnx: bytes) -> list[tuple[str, int, int, int, bytes]]:
+    """Return what is looked at: clips of the maps that the network did not learn on, drawn situations and the bank."""
+    jobs: list[tuple[str, int, int, int, bytes]] = []
+    for path in paths:
+        if path.stem in UNSEEN or path.stem in TEST:
+            seed = UNSEEN_SEED if path.stem in UNSEEN else TEST_SEED
+            count = int((600 if path.stem.startswith("Town") else 150) * scale)
+            jobs += [(str(path), seed, k, min(k + 24, count), onnx) for k in range(0, count, 24)]
+    jobs += [("drawn", UNSEEN_SEED, k, k + 48, onnx) for k in range(0, int(2000 * scale), 48)]
+    return jobs + [(str(k), TEST_SEED, 0, max(int(60 * scale), 2), onnx) for k in range(len(BANK))]
+
+
+def figures_of(seen: list[tuple[str, Looks, NDArray[np.float64]]], confidence: Confidence) -> dict[str, object]:
+    """Return the figures of the test maps and of the bank."""
+    figures: dict[str, object] = {}
+    for name in TEST:
+        looks = Looks.joined([judged(one, confidence) for which, one, _ in seen if Path(which).stem == name])
+        cells = np.concatenate([more for which, _, more in seen if Path(which).stem == name])
+        number, painted = looks.condition("number"), looks.labels[:, 1] > 0.5
+        trusted = painted & (looks.p[:, 2] > 0.5)
+        figures[name] = {
+            "single": asdict(worth(name, looks.only(number == 0))),
+            "driving": asdict(worth(name, looks.only(number >= REMEMBERING))),
+            "overlap": float(cells[painted, 0].sum() / cells[painted, 1].sum()),
+            "overlap of sides over 0.5": float(cells[trusted, 0].sum() / max(cells[trusted, 1].sum(), 1)),
+            "right": float((looks.error < RIGHT).mean()),
+            "area of the softmax's maximum": area_under_curve(cells[:, 2], looks.labels[:, 2] > 0.5),
+            "softmax's maximum over 0.9": float((cells[:, 2] > 0.9).mean()),
+        }
+    bank = []
+    for k, one in enumerate(BANK):
+        found = judged(next(looks for which, looks, _ in seen if which == str(k)), confidence)
+        wrong = found.error >= RIGHT
+        misled = wrong & (found.p[:, 2] > CONFIDENT)
+        bank.append((one.name, float(1.0 - wrong.mean()), float(found.p[:, 2].mean()), float(misled.mean())))
+    return {**figures, "bank": bank}
+
+
+def forward_time(onnx: bytes, confidence: Confidence) -> float:
+    """Return the CPU time of one forward pass on one thread, ms."""
+    detector = LearnedLaneDetector(network=onnx, confidence=confidence)
+    cv2.setNumThreads(1)
+    image = np.zeros((TRAINED_FOR.height, TRAINED_FOR.width, 3), np.uint8)
+    begin = time.process_time()
+    for _ in range(50):
+        detector.tell(image)
+    return (time.process_time() - begin) * 20.0
+
+
+def main() -> None:
+    """Render, train, export, fit and measure."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("maps", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--images", type=int, default=52_000)
+    parser.add_argument("--epochs", type=int, default=20)
+    parser.add_argument("--jobs", type=int, default=16)
+    parser.add_argument("--seconds", type=float, default=540.0)
+    options = parser.parse_args()
+    began = time.monotonic()
+    options.out.mkdir(parents=True, exist_ok=True)
+    paths = sorted(options.maps.glob("*.xodr"))
+    learnt = [path for path in paths if path.stem not in (*UNSEEN, *TEST)]
+    with multiprocessing.get_context("spawn").Pool(options.jobs, _begin) as pool:
+        drawn = options.images // 5
+        clips = -(-(options.images - drawn) // (6 * max(len(learnt), 1)))
+        data = joined(list(pool.imap(render, jobs_of(learnt, SEED, clips, drawn))))
+        rendered = time.monotonic() - began
+        print(f"{len(data[0])} pictures in {rendered:.0f} s", flush=True)
+        device = "cuda" if torch.cuda.is_available() else "cpu"
+        network = train(data, options.epochs, options.seconds - rendered - MEASURING, device)
+        trained = time.monotonic() - began
+        onnx = export(network, options.out / NETWORK_FILE)
+        seen = list(pool.imap(look, jobs_of_looks(paths, max(options.images / 52_000, 0.01), onnx)))
+    fitting = Looks.joined([looks for which, looks, _ in seen if Path(which).stem in UNSEEN or which == "drawn"])
+    kept = np.isin(fitting.condition("number"), FITTED)
+    confidence = fit_confidence(fitting.rows[kept], fitting.labels[kept])
+    text = confidence_text(confidence, LearnedLaneDetector.features)
+    (options.out / LearnedLaneDetector.confidence_file).write_text(text, encoding="utf-8")
+    figures = {
+        "parameters": sum(one.numel() for one in network.parameters()),
+        "bytes": len(onnx),
+        "sha256": hashlib.sha256(onnx).hexdigest(),
+        "pictures": len(data[0]),
+        "seconds": {"rendered": rendered, "trained": trained, "all": time.monotonic() - began},
+        "maps": {"network": [path.stem for path in learnt], "confidence": UNSEEN, "test": TEST},
+        "milliseconds a forward": forward_time(onnx, confidence),
+        **figures_of(seen, confidence),
+    }
+    (options.out / "learned_figures.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    print({name: figures[name] for name in ("parameters", "bytes", "sha256", "milliseconds a forward")})
+
+
+if __name__ == "__main__":
+    main()
