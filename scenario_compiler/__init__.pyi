@@ -74,6 +74,9 @@ from scenario_compiler.vocabulary.actions.run import MessageAction as MessageAct
 from scenario_compiler.vocabulary.actions.run import StopAction as StopAction
 from scenario_compiler.vocabulary.actions.sensor import EndFailureAction as EndFailureAction
 from scenario_compiler.vocabulary.actions.sensor import SensorNoiseAction as SensorNoiseAction
+from scenario_compiler.vocabulary.actions.takeover import HandBackAction as HandBackAction
+from scenario_compiler.vocabulary.actions.takeover import RequestAction as RequestAction
+from scenario_compiler.vocabulary.actions.takeover import WarnAction as WarnAction
 from scenario_compiler.vocabulary.actions.traffic import SpeedRange as SpeedRange
 from scenario_compiler.vocabulary.actions.traffic import StopTrafficAction as StopTrafficAction
 from scenario_compiler.vocabulary.actions.traffic import TrafficKind as TrafficKind
@@ -205,6 +208,7 @@ from scenario_compiler.vocabulary.storyboard import Storyboard as Storyboard
 from scenario_compiler.vocabulary.storyboard import Trigger as Trigger
 from scenario_compiler.vocabulary.storyboard import TriggerCondition as TriggerCondition
 from scenario_compiler.vocabulary.storyboard import When as When
+from scenario_compiler.vocabulary.takeover import Automation as Automation
 from scenario_compiler.vocabulary.takeover import Cause as Cause
 from scenario_compiler.vocabulary.takeover import Message as Message
 from scenario_compiler.vocabulary.takeover import Say as Say

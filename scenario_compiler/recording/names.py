@@ -46,6 +46,7 @@ CAUSES: dict[int, str] = {
     opcodes.CAUSE_PATH_BLOCKED: "path_blocked",
     opcodes.CAUSE_LANE_ENDS: "lane_ends",
     opcodes.CAUSE_NO_PROGRESS: "no_progress",
+    opcodes.CAUSE_SCHEDULED: "scheduled",
 }
 
 EVENT_TEXTS: dict[EventKind, str] = {

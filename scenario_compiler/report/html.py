@@ -10,10 +10,10 @@ from pathlib import Path
 import jinja2
 
 from scenario_compiler.outputs import make_folder, write_whole
-from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report import plots
 from scenario_compiler.report.embedding import player_head, player_place, player_start, source_of
+from scenario_compiler.report.folding import Folded, folded
 from scenario_compiler.report.palette import STATE_COLOURS, WORDS
 from scenario_compiler.report.replay import Picture, pictures_of
 from scenario_compiler.report.run import Run
@@ -45,7 +45,7 @@ class Section:
     plots: dict[str, str]
     conditions: list[tuple[str, str]]
     command: str
-    events: tuple[EventRow, ...]
+    events: tuple[Folded, ...]
 
     @property
     def outcome(self) -> Outcome:
@@ -142,7 +142,7 @@ def _section(run: Run, pictures: Sequence[Picture], anchor: str, *, alone: bool)
         plots=drawn,
         conditions=conditions(run),
         command=command(run),
-        events=run.recording.events,
+        events=folded(run.recording.events),
     )
 
 

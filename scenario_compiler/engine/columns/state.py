@@ -427,6 +427,15 @@ class State:
     """Number of control steps for which no cause has had a reason."""
     asking: list[int] = column(CAUSE)
     """By cause, 1 where it asks for a takeover at this control step."""
+    warning_reason_since: list[float] = column(RUN, -1.0)
+    """Since when there is a reason to warn, -1 while there is none; since when there is none, -1 while there is."""
+    warning_clear_since: list[float] = column(RUN, -1.0)
+    warning_since: list[float] = column(RUN, -1.0)
+    """Time of the present warning."""
+    ordered_request: list[int] = column(RUN, op.CAUSE_NONE)
+    """Cause of the request that an action orders for the next control step, CAUSE_NONE for none."""
+    ordered_warning: list[int] = column(RUN)
+    ordered_hand_back: list[int] = column(RUN)
     time_warning: list[float] = column(RUN, -1.0)
     """Time of the first of each, -1 before."""
     time_request: list[float] = column(RUN, -1.0)
