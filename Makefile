@@ -8,6 +8,9 @@ FRESH := $(wildcard tests/test_layers.py tests/forms/test_translation.py tests/t
 	tests/roads/test_unread.py)
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
+# Byte code is kept, also where the environment says otherwise: the tests start hundreds of processes.
+export PYTHONDONTWRITEBYTECODE =
+
 # The first Python that starts, is new enough and can make environments.
 FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done

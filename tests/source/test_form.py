@@ -197,8 +197,8 @@ def pieces(root: etree._Element) -> Iterator[etree._Element]:
     for child in root:
         items = [[item] for item in child if item.tag != "ego"] if child.tag == "scenario" else [list(child)]
         for kept in items or [[]]:
-            piece = etree.Element(root.tag, dict(root.attrib))
-            part = etree.SubElement(piece, child.tag, dict(child.attrib))
+            piece = etree.Element(root.tag, {str(k): str(v) for k, v in root.attrib.items()})
+            part = etree.SubElement(piece, child.tag, {str(k): str(v) for k, v in child.attrib.items()})
             part.text = child.text
             part.extend(copy.deepcopy(one) for one in child if one in kept or one.tag == "ego")
             yield piece

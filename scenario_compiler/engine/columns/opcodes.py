@@ -217,7 +217,9 @@ CAUSE_LANE_CONFIDENCE = 3
 CAUSE_PATH_BLOCKED = 4
 CAUSE_LANE_ENDS = 5
 CAUSE_NO_PROGRESS = 6
-CAUSES = 7
+CAUSE_SCHEDULED = 7
+"""An action of the scenario."""
+CAUSES = 8
 
 # What the state of a traffic signal says.
 ASPECT_NONE = 0
@@ -235,6 +237,11 @@ DRIVER_FIXED = 1
 DRIVER_NORMAL = 2
 DRIVER_SUMO = 3
 
+# What the automation does before a request and after it.
+BEHAVIOUR_FOLLOW = 0
+BEHAVIOUR_HOLD_SPEED = 1
+BEHAVIOUR_SLOW_DOWN = 2
+
 # Where a vehicle stands.
 STANDS_NOWHERE = 0
 STANDS_IN_OWN_LANE = 1
@@ -246,6 +253,15 @@ STANDS_OFF_ROAD = 4
 STYLE_BRAKES = 0
 STYLE_STEERS = 1
 STYLE_BOTH = 2
+
+# Reference drivers; the three readings of the careful and competent one: by time, by way, by overlap.
+REFERENCE_NONE = 0
+REFERENCE_CAREFUL = 1
+REFERENCE_CAREFUL_WAY = 2
+REFERENCE_CAREFUL_OVERLAP = 3
+REFERENCE_RSS = 4
+REFERENCE_FUZZY = 5
+REFERENCES = 6
 
 WISH_NONE = 0
 WISH_TAKE_OVER = 1

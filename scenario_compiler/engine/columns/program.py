@@ -85,6 +85,10 @@ class Program:
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))
     """Number of time steps between two images of the camera, whole control steps."""
+    driver_reference: list[int] = column(RUN, 0, codes(op.REFERENCES))
+    """Reference driver that drives once the request is answered, REFERENCE_NONE for the model of a person."""
+    replaced_by: list[int] = column(RUN, 0, codes(op.REFERENCES))
+    """Reference driver that drives from the start in place of automation and driver, or REFERENCE_NONE."""
     driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
     person: list[int] = column(RUN, 0, FLAG)
     """1 where a person is at the wheel, whose inputs Python writes."""
@@ -307,6 +311,9 @@ class Program:
     """By text what it says as the state of a signal, ASPECT_...; as long as there are texts."""
 
     # The takeover.
+    before_request: list[int] = column(RUN, op.BEHAVIOUR_FOLLOW)
+    """BEHAVIOUR_... of the automation before a request, and after it."""
+    after_request: list[int] = column(RUN, op.BEHAVIOUR_FOLLOW)
     cause_on: list[int] = column(CAUSE, 0, FLAG)
     """1 for each cause of a takeover request that is switched on."""
     cause_order: list[int] = column(ASKING, 0, whole(1, op.CAUSES))

@@ -427,6 +427,15 @@ class State:
     """Number of control steps for which no cause has had a reason."""
     asking: list[int] = column(CAUSE)
     """By cause, 1 where it asks for a takeover at this control step."""
+    warning_reason_since: list[float] = column(RUN, -1.0)
+    """Since when there is a reason to warn, -1 while there is none; since when there is none, -1 while there is."""
+    warning_clear_since: list[float] = column(RUN, -1.0)
+    warning_since: list[float] = column(RUN, -1.0)
+    """Time of the present warning."""
+    ordered_request: list[int] = column(RUN, op.CAUSE_NONE)
+    """Cause of the request that an action orders for the next control step, CAUSE_NONE for none."""
+    ordered_warning: list[int] = column(RUN)
+    ordered_hand_back: list[int] = column(RUN)
     time_warning: list[float] = column(RUN, -1.0)
     """Time of the first of each, -1 before."""
     time_request: list[float] = column(RUN, -1.0)
@@ -447,6 +456,18 @@ class State:
     """Time since which the entity has called for a reaction of the driver, -1 where it does not."""
     called_at: list[float] = column(ENTITY, -1.0)
     """Time at which it did so last."""
+    place_known: list[int] = column(ENTITY)
+    """1 from when a reference driver knows where the entity drives while it keeps its place in the lane."""
+    place_before: list[float] = column(ENTITY)
+    """That place, m to the left of the way's lane."""
+    in_lane_before: list[int] = column(ENTITY)
+    """1 where that is in the ego's lane."""
+    minded_at: list[float] = column(ENTITY, -1.0)
+    """Time since which a reference driver perceives that the entity comes in, -1 where he does not."""
+    danger_at: list[float] = column(ENTITY, -1.0)
+    """Time since which it is dangerous by the reference driver's condition, -1 where it is not."""
+    was_danger: list[int] = column(ENTITY)
+    """1 from when it has been."""
     evaded: list[int] = column(RUN, op.NONE)
     """Moving entity that the driver goes around, NONE without one."""
     person_throttle: list[float] = column(RUN)
