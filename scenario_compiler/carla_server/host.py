@@ -41,8 +41,6 @@ READY = 1.3
 DRAINED = 1.0
 """How long a tick waits for a listener who is about to come, for a camera to be ready, for one who is behind, s."""
 
-Failed = Callable[[str], None]
-
 
 PERCENT = (
     *("cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "fog_density", "wetness"),

@@ -293,8 +293,6 @@ CALLS = (
 )
 """Every call, by groups."""
 
-BY_NAME = {call.name: call for call in CALLS}
-
 
 class Protocol:
     """The protocol of one version, answered by a host."""

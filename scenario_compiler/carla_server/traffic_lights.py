@@ -23,8 +23,6 @@ LIGHT, STOP, YIELD, LIMIT = "1000001", "206", "205", "274"
 RED, YELLOW, GREEN = 0, 1, 2
 """States as CARLA counts them; 3 is off and 4 unknown."""
 
-UNKNOWN = 4
-
 GREEN_TIME, YELLOW_TIME, RED_TIME = 10.0, 3.0, 2.0
 """CARLA's default times, s."""
 

@@ -166,6 +166,7 @@ class CarlaWorld:
         self._lights: dict[int, int] = {}
         self._shown: dict[str, str] = {}
         self._weather: Weather | None = None
+        self._clock = 0.0
         self._open = False
         self._connect()
 
@@ -368,8 +369,6 @@ class CarlaWorld:
     def _note_lane(self, event: Any) -> None:
         kinds = ", ".join(sorted({str(mark.type) for mark in event.crossed_lane_markings}))
         self._told.put(WorldEvent("lane_invasion", self._clock, message=kinds))
-
-    _clock = 0.0
 
     def _blueprint(self, entity: Entity) -> Any:
         wanted = entity.vehicle.name
