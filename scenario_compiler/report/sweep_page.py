@@ -254,7 +254,10 @@ def _pictures(page: SweepPage) -> Pictures:
     requested = np.array([end != "no_request" for end in rows["resolution"]], dtype=np.float64)[sound]
     asked = [row if row is not None else "" for row in np.array(rows["avoided_by"], dtype=object)[sound]]
     references = [
-        (f"collision, {name.replace('_', ' ')} in its place", np.array([name not in row.split() for row in asked], dtype=np.float64))
+        (
+            f"collision, {name.replace('_', ' ')} in its place",
+            np.array([name not in row.split() for row in asked], dtype=np.float64),
+        )
         for name in page.references
     ]
     hits = [("collision", collided), *([("takeover request", requested)] if page.automated else []), *references]

@@ -67,4 +67,6 @@ def test_a_collision_fails_where_the_reference_driver_has_none(
         fsm = [gap for gap, row in zip(rows[PARAMETER + "gap"], rows["avoided_by"], strict=True) if "fuzzy" in row]
         careful = [gap for gap, row in zip(rows[PARAMETER + "gap"], rows["avoided_by"], strict=True) if "care" in row]
         assert np.min(fsm) <= np.min(careful)
-        assert "collision, careful and competent in its place" in (tmp_path / "sweep" / "report.html").read_text(encoding="utf-8")
+        assert "collision, careful and competent in its place" in (tmp_path / "sweep" / "report.html").read_text(
+            encoding="utf-8"
+        )
