@@ -109,6 +109,7 @@ CODE_HOMES = (
     "openscenario.xsd",
     "recording.break_off",
     "validation",
+    "worlds.carla",
     "worlds.model",
 )
 """Modules that bring in all others that declare codes. They are loaded only for who asks about a code by its name."""

@@ -140,7 +140,7 @@ def kept(
     ends = course.paint_ends + shift
     text = CONFLICT.format(
         map="course.xodr",
-        duration=24.0 if to_standstill else 8.5,
+        duration=26.0 if to_standstill else 9.5,
         speed=SPEED,
         start=ends - NEAREST,
         ends=ends,
@@ -225,7 +225,7 @@ def test_the_outcome_says_where_a_car_stands_that_has_lost_its_lane(bias: float,
     raise AssertionError(f"no seed led to {stands}")
 
 
-RAIN = """<scenarios version="1"><scenario name="rain" map="highway_loop" weather="HardRainSunset" duration="6.4"
+RAIN = """<scenarios version="1"><scenario name="rain" map="highway_loop" weather="HardRainSunset" duration="8"
 control_every="2"><ego speed="22"><start><spawn_point name="{place}"/></start></ego>
 <takeover budget="7"><cause kind="lane_confidence"/><driver takeover_time="5.5"/></takeover></scenario></scenarios>"""
 

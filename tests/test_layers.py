@@ -85,6 +85,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "dask": ("batch.cluster",),
     "distributed": ("batch.cluster",),
     "lsprotocol": ("editor.server",),
+    "msgpack": ("carla_server",),
     "mcap": ("report.mcap_file",),
     "matplotlib": (
         "report.plots",
@@ -94,6 +95,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
         "report.lettering",
         "report.reliability_plot",
     ),
+    "pandas": ("batch.many", "recording.recording"),
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),

@@ -25,7 +25,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-MAPS = ("highway_loop", "signal_crossing", "town_grid")
+MAPS = ("highway_loop", "motorway", "signal_crossing", "town_grid")
 
 # The acceleration lane ends on the road "west_entry", the deceleration lane begins on "west_exit": (map, road,
 # lane section, lane). No other driving lane ends or begins anywhere.

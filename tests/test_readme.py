@@ -52,3 +52,13 @@ def test_files_that_a_page_names_exist(page: str, repository: Path) -> None:
     file = repository / page
     links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", file.read_text(encoding="utf-8"))
     assert [link for link in links if not (file.parent / link).exists()] == []
+
+
+def test_the_conflict_warns_once_and_a_second_before_it_asks(tmp_path: Path) -> None:
+    path = tmp_path / "paint.xml"
+    path.write_text(block("xml", "paint_fades").replace('duration="30"', 'duration="17"'), encoding="utf-8")
+    assert call("run", str(path), "--perception", "ideal", "-o", str(tmp_path / "out")) == 0
+    rows = [line.split(",") for line in (tmp_path / "out" / "events.csv").read_text(encoding="utf-8").splitlines()]
+    times = {kind: [float(row[0]) for row in rows if row[1] == kind] for kind in ("warning", "request")}
+    assert len(times["warning"]) == len(times["request"]) == 1
+    assert times["request"][0] - times["warning"][0] >= 1.0

@@ -16,6 +16,7 @@ from typing import NoReturn
 from scenario_compiler.cli import (
     authoring,
     calibrate,
+    carla,
     compare,
     coverage,
     editor,
@@ -50,6 +51,7 @@ GROUPS = (
     explain,
     coverage,
     editor,
+    carla,
 )
 """Groups of commands, in the order of the help."""
 

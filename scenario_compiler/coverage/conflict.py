@@ -180,6 +180,7 @@ OTHERS: dict[type[Word], Execution] = {
     driver.Driving: _engine("ego.driver"),
     driver.Inputs: _engine("measures.inputs"),
     driver.Effect: _engine("ego.answering"),
+    takeover.Automation: _engine("ego.limits", "BEHAVIOUR_FOLLOW", "BEHAVIOUR_HOLD_SPEED", "BEHAVIOUR_SLOW_DOWN"),
     takeover.Message: Execution("run", "runtime.messages"),
     takeover.Say: Execution("run", "runtime.messages"),
     criteria.NoCollision: _JUDGED,

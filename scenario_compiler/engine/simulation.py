@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
-from scenario_compiler.engine.columns.state import State, new_state
+from scenario_compiler.engine.columns.state import STEER_RATE, State, new_state
 from scenario_compiler.engine.columns.totals import SUMMARY_SIZE, Totals
 from scenario_compiler.engine.columns.trace import trace_width
+from scenario_compiler.engine.program.entities import vehicle_numbers
 from scenario_compiler.forms.declaration import at_start
 from scenario_compiler.forms.form import form_of
 from scenario_compiler.forms.machine_code import MachineCode
+from scenario_compiler.roads.positions import Pose
 from scenario_compiler.roads.tables import RoadTables
+from scenario_compiler.vocabulary.entities import Vehicle
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+CONTACTS = 1024
+"""Pairs of entities in contact that are found at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +115,90 @@ class Simulation:
     def step(self) -> bool:
         """Do a whole step; return False where the run was over before it."""
         return bool(self.form.enter("step"))
+
+    def set_step(self, step: float) -> None:
+        """Set the length of the time steps from the next one on, s."""
+        self.program.const[slot.K_STEP] = step
+
+    def spawn(
+        self,
+        entity: int,
+        vehicle: Vehicle,
+        pose: Pose,
+        speed: float = 0.0,
+        *,
+        posed: bool = False,
+        steer_rate: float = STEER_RATE,
+    ) -> None:
+        """Let an entity appear as a vehicle, at the height and the slope of the road where it stands on one.
+
+        Args:
+            entity: Its number; what was there in its place is gone.
+            vehicle: What it is from now on.
+            pose: Pose of its reference point, OpenDRIVE axes.
+            speed: Its speed, m/s.
+            posed: Whether it is moved by `pose`, not by commands.
+            steer_rate: Greatest rate of its front wheels' angle, rad/s.
+        """
+        program = self.program
+        block = program.entity_const[entity]
+        for k, number in enumerate(vehicle_numbers(vehicle)):
+            program.const[block + k] = number
+        self.let_pose(entity, posed=posed)
+        self.state.steer_rate[entity] = steer_rate
+        self.form.enter("spawn_entity", entity, pose.x, pose.y, pose.z, pose.heading, speed)
+
+    def let_pose(self, entity: int, *, posed: bool) -> None:
+        """Say whether a spawned entity is moved by `pose` or by commands."""
+        self.program.entity_motion[entity] = op.MOTION_POSED if posed else op.MOTION_BICYCLE
+
+    def remove(self, entity: int) -> None:
+        """Let an entity disappear; one that is not there stays so."""
+        self.form.enter("delete_entity", entity)
+
+    def command(self, entity: int, throttle: float, steer: float, brake: float, *, reverse: bool = False) -> None:
+        """Drive a vehicle, until the next command.
+
+        Args:
+            entity: Its number.
+            throttle: 0 to 1.
+            steer: -1 to 1 of its greatest steering angle, positive to the left.
+            brake: 0 to 1.
+            reverse: Whether the throttle drives it backwards.
+        """
+        st = self.state
+        st.command_throttle[entity], st.command_steer[entity] = throttle, steer
+        st.command_brake[entity], st.command_reverse[entity] = brake, int(reverse)
+
+    def pose(self, entity: int, pose: Pose, speed: float) -> None:
+        """Put an entity to a pose of its reference point, between `move` and `end`; `end` finds the road below it."""
+        st = self.state
+        st.x[entity], st.y[entity], st.z[entity] = pose.x, pose.y, pose.z
+        st.h[entity], st.pitch[entity], st.roll[entity] = pose.heading % math.tau, pose.pitch, pose.roll
+        st.v[entity] = speed
+
+    def column(self, name: str) -> NDArray[Any]:
+        """Return a column of the state as an array that cannot be written: float64 or int64.
+
+        What it holds is of this moment in the interpreted form; in the compiled form it goes with the run.
+        """
+        import numpy as np
+
+        values = getattr(self.state, name)
+        made = np.frombuffer(values, np.dtype(values.typecode)) if isinstance(values, array) else np.array(values)
+        made.flags.writeable = False
+        return made
+
+    def touched(self, entity: int) -> int | None:
+        """Return an entity whose box overlaps another's where both are now, None where there is none."""
+        found: int = self.form.enter("find_touched", entity)
+        return None if found == op.NONE else found
+
+    def contacts(self) -> list[tuple[int, int]]:
+        """Return the pairs of entities whose boxes overlap, lower number first, each pair once."""
+        pairs = array("q", bytes(16 * CONTACTS))
+        count = self.form.enter("find_contacts", pairs)
+        return sorted(zip(pairs[0 : 2 * count : 2], pairs[1 : 2 * count : 2], strict=True))
 
     def look_out(self) -> Outlook:
         """Return what lies ahead of the ego, as its controller gets it."""

@@ -20,7 +20,7 @@ UNFULFILLABLE = Code(
 
 def check_criteria(scenario: Scenario, takeover: Takeover, sink: Diagnostics) -> None:
     """Warn of criteria on a destination or a cause of requests that there is not; `takeover` has its causes."""
-    causes = {one.kind for one in takeover.causes}
+    causes = {"scheduled", *(one.kind for one in takeover.causes)}
     for criterion in scenario.criteria:
         if isinstance(criterion, ReachDestination) and (scenario.ego is None or scenario.ego.destination is None):
             message = "the ego vehicle has no <destination> to reach"

@@ -13,8 +13,15 @@ import math
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Takeover
 
 CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
-    "sensor_health": {"warning_below": 0.6, "request_below": 0.3, "count": 5, "of": 8, "minimum_risk_after": 0.0},
-    "lane_confidence": {"warning_below": 0.6, "request_below": 0.3, "count": 5, "of": 8},
+    "sensor_health": {
+        "warning_below": 0.6,
+        "warning_over": 0.7,
+        "request_below": 0.3,
+        "count": 5,
+        "of": 8,
+        "minimum_risk_after": 0.0,
+    },
+    "lane_confidence": {"warning_below": 0.6, "warning_over": 0.7, "request_below": 0.3, "count": 5, "of": 8},
     "path_blocked": {
         "count": 2,
         "of": 3,

@@ -49,6 +49,26 @@ def maximum_lateral_offset(traces: Traces) -> Floats:
     return np.asarray(np.fmax.reduce(offsets, axis=-1, initial=np.nan))
 
 
+def lateral_offset_at_response(traces: Traces) -> Floats:
+    """Return the offset from the centre of the lane at the request to the left in the row of the response, m, (...)."""
+    there = traces.between(traces.times["response"]) & traces.present[..., 0]
+    row = np.argmax(there, axis=-1)[..., None]
+    left = np.take_along_axis(left_of_lane_at_request(traces), row, axis=-1)[..., 0]
+    return np.where(there.any(axis=-1), left, np.nan)
+
+
+def time_off_lanes(traces: Traces) -> Floats:
+    """Return how long the reference point was off every lane, s, (...); NaN where it never was."""
+    off = (traces.road[..., 0] < 0) | (traces.lane[..., 0] == 0)
+    count = (off & traces.present[..., 0]).sum(axis=-1)
+    return np.where(count > 0, count * traces.step, np.nan)
+
+
+def time_off_lanes_total(totals: RunTotals) -> Floats:
+    """Return the same as `time_off_lanes`, (runs,)."""
+    return totals.column("rows_off_lanes") * totals.step
+
+
 def lane_position_deviation(traces: Traces) -> Floats:
     """Return the standard deviation of the lateral position in the first seconds after the response, m, (...)."""
     response = traces.times["response"]

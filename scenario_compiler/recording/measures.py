@@ -29,11 +29,21 @@ from scenario_compiler.recording.inputs import (
 from scenario_compiler.recording.lateral import (
     lane_position_deviation,
     lane_position_deviation_total,
+    lateral_offset_at_response,
     maximum_lateral_offset,
+    time_off_lanes,
+    time_off_lanes_total,
 )
 from scenario_compiler.recording.names import EventKind
-from scenario_compiler.recording.on_path import least_time_to_collision
+from scenario_compiler.recording.on_path import (
+    STEEPEST,
+    drac_of_room,
+    greatest_drac,
+    least_headway,
+    least_time_to_collision,
+)
 from scenario_compiler.recording.recording import Booleans, Floats
+from scenario_compiler.recording.reversals import LEAST, coarse_rate, coarse_total, fine_rate, fine_total
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
@@ -328,6 +338,29 @@ MEASURES: tuple[Measure, ...] = (
         of_takeover=False,
     ),
     Measure(
+        "minimum_time_headway",
+        "s",
+        "Least over the run of gap over the vehicle's own speed to any entity whose box lies across the path ahead, as "
+        f"for the time to collision; 0 while boxes overlap. {HORIZON:g} s or more counts as none.",
+        f"nothing in the path was within {HORIZON:g} s",
+        least_headway,
+        total("least_headway"),
+        "time headway (THW)",
+        of_takeover=False,
+    ),
+    Measure(
+        "maximum_drac",
+        "m/s2",
+        "Greatest over the run of the square of the closing speed over twice the gap, to any entity that would be "
+        f"reached within {HORIZON:g} s, as for the time to collision: the constant deceleration that would just do. At "
+        f"most {STEEPEST:g} m/s2, which it is while boxes overlap.",
+        "nothing in the path was closed in on",
+        greatest_drac,
+        lambda totals: drac_of_room(totals.column("least_room")),
+        "deceleration rate to avoid a crash (DRAC)",
+        of_takeover=False,
+    ),
+    Measure(
         "minimum_distance",
         "m",
         "Least distance in the plane between the vehicle's box and another entity's over the run; 0 when they overlap.",
@@ -372,6 +405,43 @@ MEASURES: tuple[Measure, ...] = (
         "no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),
+    ),
+    Measure(
+        "steering_reversal_rate",
+        "1/min",
+        "Reversals of the steering wheel a minute, by at least 3 degrees after a low-pass of 0.6 Hz (Butterworth, "
+        "second order, forwards), in the rows that the driver drives from the response until control is handed back.",
+        f"the driver drove for less than {LEAST:g} s",
+        coarse_rate,
+        coarse_total,
+        "after Markkula and Engstrom 2006, not verified",
+    ),
+    Measure(
+        "fine_steering_reversal_rate",
+        "1/min",
+        "The same by at least 0.1 degrees after a low-pass of 2 Hz.",
+        f"the driver drove for less than {LEAST:g} s",
+        fine_rate,
+        fine_total,
+        "after Markkula and Engstrom 2006, not verified",
+    ),
+    Measure(
+        "lateral_offset_at_response",
+        "m",
+        "Distance of the reference point to the left of the centre of the lane at the request, in the direction of "
+        "travel, in the row of the response; negative to the right.",
+        "no response",
+        lateral_offset_at_response,
+        total("offset_at_response"),
+    ),
+    Measure(
+        "time_off_lanes",
+        "s",
+        "Time that the reference point was off every lane: the number of such rows times the step.",
+        "it was on a lane throughout",
+        time_off_lanes,
+        time_off_lanes_total,
+        of_takeover=False,
     ),
     Measure(
         "minimum_confidence",

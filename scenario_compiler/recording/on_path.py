@@ -12,6 +12,12 @@ from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.traces import ROUNDING, SINGLE, Singles, Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
 
+STEEPEST = 20.0
+"""Greatest deceleration to avoid a crash that is reported apart from others, m/s2.
+
+The number is our own choice, twice what tyres give: with the gap it would grow beyond any limit before a contact.
+"""
+
 
 def time_to_collision(traces: Traces, below: Floats) -> Floats:
     """Time to collision of the ego vehicle in every row, s, (..., n); NaN where nothing is reached within `HORIZON`.
@@ -35,17 +41,61 @@ def _within_horizon(times: Floats) -> Floats:
     return np.where(times < HORIZON, times, np.nan)
 
 
+def least_headway(traces: Traces) -> Floats:
+    """Return the least time headway of each run, s, (...); NaN where nothing in the path is within `HORIZON`."""
+
+    def exact(places: Places) -> Floats:
+        gap, _ = ahead_at(traces, places)
+        own = traces.v[..., 0][places[1:]]
+        return np.where(own > 0, gap / np.where(own > 0, own, 1.0), np.inf)
+
+    gap, _ = bounds_ahead(traces)
+    own = np.maximum(traces.v[..., 0], 0.0).astype(np.float32) * np.float32(1.0 + SINGLE)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bounds = np.where(own > 0, gap / own, np.float32(np.inf))
+    least = least_by_bounds(bounds, exact)
+    return np.where(touching(traces).any(axis=-1), 0.0, _within_horizon(least))
+
+
+def greatest_drac(traces: Traces) -> Floats:
+    """Return the greatest deceleration to avoid a crash of each run, m/s2, (...); NaN where none was needed."""
+
+    def exact(places: Places) -> Floats:
+        gap, closing = ahead_at(traces, places)
+        counts = np.isfinite(gap) & (closing * closing > 0) & (closing > 0)
+        gap, closing = np.where(counts, gap, 0.0), np.where(counts, closing, 1.0)
+        return np.where(counts & (gap / closing < HORIZON), 2.0 * gap / (closing * closing), np.inf)
+
+    gap, closing = bounds_ahead(traces)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        soon = (closing > 0.0) & (gap < np.float32(HORIZON) * closing)
+        bounds = np.where(soon, np.float32(2.0 - SINGLE) * gap / (closing * closing), np.float32(np.inf))
+    room = least_by_bounds(bounds, exact)
+    return drac_of_room(np.where(touching(traces).any(axis=-1), 0.0, np.where(np.isinf(room), np.nan, room)))
+
+
+def drac_of_room(room: Floats) -> Floats:
+    """Return the deceleration whose inverse is the room to brake, s2/m, at most `STEEPEST`; NaN stays."""
+    return np.asarray(1.0 / np.maximum(room, 1.0 / STEEPEST))
+
+
 def times_at(traces: Traces, places: Places) -> Floats:
-    """Return the times to collision at k places, s, (k,); infinite where there is none.
+    """Return the times to collision at k places, s, (k,); infinite where there is none."""
+    gap, closing = ahead_at(traces, places)
+    counts = np.isfinite(gap) & (closing > 0)
+    return np.where(counts, gap / np.where(counts, closing, 1.0), np.inf)
+
+
+def ahead_at(traces: Traces, places: Places) -> tuple[Floats, Floats]:
+    """Return the gaps to entities in the path ahead, m, infinite for others, and the closing speeds, m/s, each (k,).
 
     A box on the far side of the circle, where ahead and behind meet, and one around its middle count as not ahead.
     """
     along, across, speed = along_path(traces, places)
     gap = least_along(along, across, 0.5 * traces.width[0]) - _front(traces)
-    closing = traces.v[..., 0][places[1:]] - speed
     one_way = np.ptp(along, axis=0) * np.abs(traces.curvature[places[1:]]) < np.pi
-    counts = one_way & (gap >= 0) & (closing > 0) & np.isfinite(gap)
-    return np.where(counts, gap / np.where(counts, closing, 1.0), np.inf)
+    counts = one_way & (gap >= 0) & np.isfinite(gap)
+    return np.where(counts, gap, np.inf), traces.v[..., 0][places[1:]] - speed
 
 
 def least_along(along: Floats, across: Floats, half: float) -> Floats:
@@ -103,7 +153,16 @@ def along_path(traces: Traces, places: Places) -> tuple[Floats, Floats, Floats]:
 
 
 def time_bounds(traces: Traces) -> Singles:
-    """Return times that no time to collision is below, s, (m - 1, ..., n); infinite where there is none.
+    """Return times that no time to collision is below, s, (m - 1, ..., n); infinite where there is none."""
+    gap, closing = bounds_ahead(traces)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(closing > 0.0, gap / closing, np.float32(np.inf))
+
+
+def bounds_ahead(traces: Traces) -> tuple[Singles, Singles]:
+    """Return gaps that none ahead is below, m, infinite without one, and speeds that none closes in above, m/s.
+
+    Both are (m - 1, ..., n).
 
     The middle of a box is taken to the circle with the curvature k that the ego vehicle is driving on. With q as its
     distance from the circle's centre times k, its distance from the circle is (2 left - k (ahead^2 + left^2)) / (1 +
@@ -134,6 +193,6 @@ def time_bounds(traces: Traces) -> Singles:
         closing = v[0] - v[1:] * along_circle + slack
         gap = np.maximum(seen.ahead - seen.reach - seen.slack, single(0.0)) / (q + beside) - single(_front(traces))
         reaches_ahead = (seen.ahead + seen.reach >= -seen.slack) | (_front(traces) < 0.0)
-        counts = in_path & (closing > 0.0) & reaches_ahead & np.isfinite(seen.apart)
-        times = np.maximum(gap - seen.slack, single(0.0)) / closing
-    return np.where(counts, times, single(np.inf))
+        counts = in_path & reaches_ahead & np.isfinite(seen.apart)
+        gap = np.maximum(gap - seen.slack, single(0.0))
+    return np.where(counts, gap, single(np.inf)), closing

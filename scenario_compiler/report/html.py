@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 import jinja2
 
 from scenario_compiler.outputs import make_folder, write_whole
-from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report import plots
 from scenario_compiler.report.embedding import player_head, player_place, player_start, source_of
+from scenario_compiler.report.folding import Folded, folded
 from scenario_compiler.report.palette import STATE_COLOURS, WORDS
 from scenario_compiler.report.replay import Picture, pictures_of
 from scenario_compiler.report.run import Run
@@ -44,12 +45,30 @@ class Section:
     plots: dict[str, str]
     conditions: list[tuple[str, str]]
     command: str
-    events: tuple[EventRow, ...]
+    events: tuple[Folded, ...]
 
     @property
     def outcome(self) -> Outcome:
         """The run's outcome."""
         return self.run.outcome
+
+
+@dataclass(frozen=True)
+class Report:
+    """The page of runs, which shows itself in a notebook: `Report([run])`.
+
+    Attributes:
+        runs: The runs, one at least.
+        title: Title of the page.
+    """
+
+    runs: Sequence[Run]
+    title: str = ""
+
+    def _repr_html_(self) -> str:
+        """Return the page in a frame of its own, so that neither its style nor its keys reach the notebook."""
+        page = escape(render(self.runs, title=self.title))
+        return f'<iframe srcdoc="{page}" title="Report" style="width: 100%; height: 60rem; border: 0"></iframe>'
 
 
 def write_report(
@@ -123,7 +142,7 @@ def _section(run: Run, pictures: Sequence[Picture], anchor: str, *, alone: bool)
         plots=drawn,
         conditions=conditions(run),
         command=command(run),
-        events=run.recording.events,
+        events=folded(run.recording.events),
     )
 
 

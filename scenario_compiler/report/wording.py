@@ -23,6 +23,7 @@ CAUSE_WORDS = {
     "path_blocked": "path blocked",
     "lane_ends": "lane ends",
     "no_progress": "no progress",
+    "scheduled": "scheduled",
     "controller": "controller",
 }
 

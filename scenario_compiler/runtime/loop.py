@@ -21,6 +21,8 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
+from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
+from scenario_compiler.engine.moves.appearance import LIGHTS
 from scenario_compiler.engine.program.build import build_program, lowered
 from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
@@ -45,6 +47,7 @@ from scenario_compiler.worlds import (
     CameraFaults,
     EgoCommand,
     EgoState,
+    Entities,
     EntityState,
     Snapshot,
     World,
@@ -137,6 +140,47 @@ def run(
     return execution.finish()
 
 
+def entities_of(state: State, step: float) -> Entities:
+    """Return the entities as they are now: their columns are copied, each one's state is built when it is asked for.
+
+    Args:
+        state: The engine's state.
+        step: How long they have moved since stock was taken of them, s; 0 where it has just been taken.
+    """
+    present, visible, lights = state.present[:], state.visible[:], state.lights[:]
+    poses = [column[:] for column in (state.x, state.y, state.z, state.h, state.pitch, state.roll)]
+    speed, steering, throttle, brake = state.v[:], state.steer[:], state.throttle[:], state.brake[:]
+    gains = state.a[:]
+    velocities = [column[:] for column in (state.velocity_x, state.velocity_y, state.velocity_z)]
+    before = [column[:] for column in (state.before_x, state.before_y, state.before_z)]
+
+    def velocity_of(i: int, pose: Pose) -> tuple[float, float, float]:
+        if step <= 0.0:
+            return velocities[0][i], velocities[1][i], velocities[2][i]
+        x, y, z = pose.x - before[0][i], pose.y - before[1][i], pose.z - before[2][i]
+        if math.hypot(x, y) <= farthest_without_leap(speed[i], step):
+            return x / step, y / step, z / step
+        level = speed[i] * math.cos(pose.pitch)
+        return level * math.cos(pose.heading), level * math.sin(pose.heading), -speed[i] * math.sin(pose.pitch)
+
+    def state_of(i: int) -> EntityState:
+        pose = Pose(*(column[i] for column in poses))
+        return EntityState(
+            there=present[i] == 1,
+            shown=present[i] == 1 and visible[i] & op.SEEN_IN_PICTURES != 0,
+            pose=pose,
+            speed=speed[i],
+            steering=steering[i],
+            throttle=throttle[i],
+            brake=brake[i],
+            braking=brake[i] > 0.0 or gains[i] < -BRAKE_LIGHTS,
+            velocity=velocity_of(i, pose),
+            lights=frozenset(name for bit, name in enumerate(LIGHTS) if lights[i] >> bit & 1),
+        )
+
+    return Entities(len(present), state_of)
+
+
 def faults_of(state: State) -> CameraFaults:
     """Return what is wrong with the camera beside its noise, from the engine's state."""
     now = state.failure_now
@@ -176,6 +220,7 @@ class Execution:
         self.world = world
         self.lowered = lowered(plan, world.network, posed=world.moves_ego)
         self.program = self.lowered.program
+        self.program.watches[0] |= WATCH_MOTION
         self.simulation = Simulation(world.network.tables, self.program, interpreted=interpreted)
         self.state = self.simulation.state
         self.weather_changes = self.program.weather_count[0] > 1
@@ -233,18 +278,16 @@ class Execution:
         ego = self.program.ego[0]
         if ego >= 0:
             command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego])
-        moved = self.world.step(self.snapshot(), command)
+        moved = self.world.step(self.snapshot(self.plan.step), command)
         if moved is not None:
             self._pose_ego(ego, moved)
         for event in self.world.events():
             self.builder.event(event.t, event.kind, entity=event.entity, message=event.message)
 
     def _pose_ego(self, ego: int, moved: EgoState) -> None:
-        st, pose = self.state, moved.pose
-        st.x[ego], st.y[ego], st.z[ego] = pose.x, pose.y, pose.z
-        st.h[ego], st.pitch[ego], st.roll[ego] = pose.heading, pose.pitch, pose.roll
-        st.v[ego], st.steer[ego] = moved.speed, moved.steering
-        st.throttle[ego], st.brake[ego] = moved.throttle, moved.brake
+        st = self.state
+        self.simulation.pose(ego, moved.pose, moved.speed)
+        st.steer[ego], st.throttle[ego], st.brake[ego] = moved.steering, moved.throttle, moved.brake
 
     @contextmanager
     def _noticing_failures(self) -> Iterator[None]:
@@ -273,26 +316,13 @@ class Execution:
             name = "" if self.plan.controller is None else self.plan.controller.model
             raise ControllerError.of(name, error) from error
 
-    def snapshot(self) -> Snapshot:
-        """Return the entities' states now."""
+    def snapshot(self, moved_for: float = 0.0) -> Snapshot:
+        """Return the entities' states now, `moved_for` s after stock was taken of them."""
         st = self.state
-        entities = tuple(
-            EntityState(
-                there=st.present[i] == 1,
-                shown=st.present[i] == 1 and st.visible[i] & op.SEEN_IN_PICTURES != 0,
-                pose=Pose(st.x[i], st.y[i], st.z[i], st.h[i], st.pitch[i], st.roll[i]),
-                speed=st.v[i],
-                steering=st.steer[i],
-                throttle=st.throttle[i],
-                brake=st.brake[i],
-                braking=st.brake[i] > 0.0 or st.a[i] < -BRAKE_LIGHTS,
-            )
-            for i in range(len(st.present))
-        )
         return Snapshot(
             st.clock[0],
             st.frame[0],
-            entities,
+            entities_of(st, moved_for),
             st.sigma[0],
             faults_of(st),
             weather_of(st.weather) if self.weather_changes else None,

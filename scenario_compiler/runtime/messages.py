@@ -48,6 +48,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "the path ahead is blocked",
             "lane_ends": "the lane ends and the lane beside is not free",
             "no_progress": "the car does not get on",
+            "scheduled": "the automated drive ends here",
             "controller": "the automation asks for it",
         },
         next={
@@ -56,6 +57,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "brake or go around",
             "lane_ends": "find a gap or stop before the end",
             "no_progress": "find a way on",
+            "scheduled": "steer and mind the road",
             "controller": "steer and mind the road",
         },
     ),
@@ -72,6 +74,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "der Weg voraus ist versperrt",
             "lane_ends": "der Fahrstreifen endet, und der Nachbarstreifen ist nicht frei",
             "no_progress": "das Fahrzeug kommt nicht weiter",
+            "scheduled": "die automatisierte Fahrt endet hier",
             "controller": "die Automation fordert es an",
         },
         next={
@@ -80,6 +83,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "bremsen oder ausweichen",
             "lane_ends": "eine Lücke suchen oder vor dem Ende anhalten",
             "no_progress": "einen Weg weiter suchen",
+            "scheduled": "lenken und auf die Straße achten",
             "controller": "lenken und auf die Straße achten",
         },
     ),

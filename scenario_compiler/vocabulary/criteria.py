@@ -5,7 +5,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.horizon import HORIZON
-from scenario_compiler.vocabulary.takeover import CauseKind
+from scenario_compiler.vocabulary.takeover import RequestCause
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 
@@ -53,7 +53,7 @@ class Requested(Word):
 
     word: Literal["requested"] = "requested"
 
-    cause: CauseKind | None = attribute("Cause of the first request; any when left out.", default=None)
+    cause: RequestCause | None = attribute("Cause of the first request; any when left out.", default=None)
 
 
 class NoMinimumRisk(Word):

@@ -10,7 +10,10 @@ from scenario_compiler.vocabulary.driver import Driver, DriverModel, Inputs
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 CauseKind = Literal["lane_confidence", "sensor_health", "path_blocked", "lane_ends", "no_progress", "controller"]
-"""Why a takeover is requested."""
+"""Why the automation asks for a takeover."""
+
+RequestCause = Literal[CauseKind, "scheduled"]
+"""Why a takeover is requested: by the automation, or by an action of the scenario."""
 
 
 class Cause(Word):
@@ -73,6 +76,28 @@ class Cause(Word):
         default=None,
         quantity="time",
         minimum=0,
+    )
+    warning_over: Number | None = attribute(
+        "lane_confidence, sensor_health: a warning ends when neither side is below, at least `warning_below`.",
+        default=None,
+        quantity="fraction",
+        minimum=0,
+        maximum=1,
+    )
+    budget: Number | None = attribute(
+        "path_blocked, lane_ends: time budget of this cause, s, in place of that of <takeover>.",
+        default=None,
+        quantity="time",
+        minimum=0,
+        exclusive=True,
+    )
+    warning_budget: Number | None = attribute(
+        "path_blocked, lane_ends: time to the limit at which a warning begins, s; when left out it leads the request "
+        "by `warning_lead`.",
+        default=None,
+        quantity="time",
+        minimum=0,
+        exclusive=True,
     )
     minimum_risk_after: Number | None = attribute(
         "Time from a request for this cause to the minimum-risk manoeuvre, s; that of <takeover> when left out, and 0 "
@@ -137,17 +162,57 @@ class Message(Word):
     says: tuple[Say, ...] = child("Texts of your own.", default=())
 
 
+Before = Literal["follow", "hold_speed"]
+After = Literal["follow", "hold_speed", "slow_down"]
+
+
+class Automation(Word):
+    """What the automation does along the road before a request and after it, until somebody answers.
+
+    `follow` keeps the distance to what is followed, and slows down from the request on before what blocks the path and
+    the end of the lane; `hold_speed` keeps the speed whatever is ahead; `slow_down` follows and brakes as given. All of
+    them stop at red signals.
+    """
+
+    word: Literal["automation"] = "automation"
+
+    before: Before = attribute("Before a request.", default="follow")
+    after: After = attribute("After a request.", default="follow")
+    deceleration: Number = attribute(
+        "Deceleration of `slow_down`, m/s2.", default=1.0, quantity="acceleration", minimum=0, exclusive=True
+    )
+
+
 class Takeover(Word):
     """The policy of a takeover."""
 
     word: Literal["takeover"] = "takeover"
 
     budget: Number = attribute(
-        "Time budget: how far ahead a limit of the automation makes it ask, s.",
+        "Time budget: the time to a limit of the automation, at unchanged speed, at which it asks, s.",
         default=7.0,
         quantity="time",
         minimum=0,
         exclusive=True,
+    )
+    warning_lead: Number = attribute(
+        "Least time by which the warning of a cause that can be foreseen leads its request, s.",
+        default=1.0,
+        quantity="time",
+        minimum=0,
+    )
+    warning_after: Number = attribute(
+        "Time for which there must be a reason to warn until a warning begins, s.",
+        default=0.3,
+        quantity="time",
+        minimum=0,
+    )
+    warning_least: Number = attribute("Least duration of a warning, s.", default=5.0, quantity="time", minimum=0)
+    warning_clear: Number = attribute(
+        "Time for which there must be no reason to warn until a warning ends, s.",
+        default=1.0,
+        quantity="time",
+        minimum=0,
     )
     escalate_after: Number = attribute(
         "Time from the request to its escalation, s.", default=4.0, quantity="time", minimum=0
@@ -176,4 +241,7 @@ class Takeover(Word):
     causes: tuple[Cause, ...] = child("The causes that are switched on; all of them when none is given.", default=())
     driver: Driver | DriverModel = child("Who answers.", default_factory=Driver.model_construct)
     messages: tuple[Message, ...] = child("How the automation tells the driver.", default=())
+    automation: Automation = child(
+        "What the automation does before a request and after it.", default_factory=Automation.model_construct
+    )
     inputs: Inputs = child("What counts as the driver's input in measures.", default_factory=Inputs.model_construct)

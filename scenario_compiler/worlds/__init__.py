@@ -11,15 +11,18 @@ from scenario_compiler.worlds.model import (
     CameraFaults,
     EgoCommand,
     EgoState,
+    Entities,
     EntityState,
     Snapshot,
     World,
     WorldError,
     WorldEvent,
+    WorldFinding,
     WorldOptions,
 )
 
 WORLDS: dict[str, str] = {
+    "carla": "scenario_compiler.worlds.carla:CarlaWorld",
     "kinematic": "scenario_compiler.worlds.kinematic:KinematicWorld",
 }
 """Name of a world to its class; the modules are imported only when a world is opened."""
@@ -29,10 +32,12 @@ __all__ = [
     "CameraFaults",
     "EgoCommand",
     "EgoState",
+    "Entities",
     "EntityState",
     "Snapshot",
     "World",
     "WorldError",
     "WorldEvent",
+    "WorldFinding",
     "WorldOptions",
 ]

@@ -32,6 +32,7 @@ class KinematicWorld:
     name: ClassVar[str] = "kinematic"
     Options: ClassVar[type[WorldOptions]] = WorldOptions
     moves_ego = False
+    findings = ()
 
     def __init__(self, plan: Plan, network: Network, options: WorldOptions | None = None) -> None:
         """Prepare a world for a plan on its map; the camera's scene is made when it is first needed."""
@@ -44,7 +45,7 @@ class KinematicWorld:
         self._drawn: Stage | None = None
         self._lines: list[SecondaryLine] = []
         camera = plan.camera
-        self._mounting = CameraMounting(
+        self.mounting = CameraMounting(
             camera.width,
             camera.height,
             math.radians(camera.fov),
@@ -76,7 +77,7 @@ class KinematicWorld:
             snapshot.frame,
             dict(snapshot.signals),
         )
-        return SensorData(snapshot.t, image, self._mounting)
+        return SensorData(snapshot.t, image, self.mounting)
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
         """Draw what the driver sees."""
@@ -134,7 +135,7 @@ class KinematicWorld:
 
         if self._camera is None:
             center = self.plan.ego.vehicle.center
-            self._camera = RoadCamera(self._stage().scene, self._mounting.camera(), self._seed, center)
+            self._camera = RoadCamera(self._stage().scene, self.mounting.camera(), self._seed, center)
         return self._camera
 
     def _stage(self) -> Stage:

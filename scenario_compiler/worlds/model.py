@@ -7,10 +7,10 @@ where they will be at the end of the step.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, ClassVar, Literal, Protocol
+from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, overload
 
 from pydantic import BaseModel, ConfigDict
 from typing_extensions import Self
@@ -87,6 +87,8 @@ class EntityState:
         throttle: 0 to 1, of a vehicle that is driven by commands.
         brake: 0 to 1, likewise.
         braking: Whether its brake lights are on.
+        velocity: Velocity in the world, (x, y, z), m/s: how its reference point has moved in the last step.
+        lights: Lights that the scenario has switched on, by ASAM OpenSCENARIO's names.
     """
 
     there: bool
@@ -97,6 +99,43 @@ class EntityState:
     throttle: float = 0.0
     brake: float = 0.0
     braking: bool = False
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    lights: frozenset[str] = frozenset()
+
+
+class Entities(Sequence[EntityState]):
+    """The entities at one instant: each one's state is built when it is asked for, and once.
+
+    Two are equal where all states are.
+    """
+
+    def __init__(self, count: int, state_of: Callable[[int], EntityState]) -> None:
+        """Take how many there are, and what builds one's state from columns that no longer change."""
+        self._state_of = state_of
+        self._built: list[EntityState | None] = [None] * count
+
+    def __len__(self) -> int:
+        return len(self._built)
+
+    @overload
+    def __getitem__(self, index: int) -> EntityState: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[EntityState, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> EntityState | tuple[EntityState, ...]:
+        if isinstance(index, slice):
+            return tuple(self[k] for k in range(*index.indices(len(self))))
+        built = self._built[index]
+        if built is None:
+            built = self._built[index] = self._state_of(range(len(self))[index])
+        return built
+
+    def __eq__(self, other: object) -> bool:
+        return tuple(self) == tuple(other) if isinstance(other, Sequence) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(tuple(self))
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +155,7 @@ class Snapshot:
 
     t: float
     frame: int
-    entities: tuple[EntityState, ...]
+    entities: Sequence[EntityState]
     sigma: float = 0.0
     faults: CameraFaults = CameraFaults()
     weather: Weather | None = None
@@ -164,6 +203,21 @@ class EgoState:
 
 
 @dataclass(frozen=True, slots=True)
+class WorldFinding:
+    """Something of a plan that a world does otherwise than it is written.
+
+    Attributes:
+        code: What it is.
+        message: What is done instead.
+        part: The part of the plan that it is about, as `plan.provenance.place_of` names parts.
+    """
+
+    code: Code
+    message: str
+    part: str
+
+
+@dataclass(frozen=True, slots=True)
 class WorldEvent:
     """Something that a world's own sensors noticed.
 
@@ -188,6 +242,11 @@ class World(Protocol):
     moves_ego: bool
     """Whether the world's own physics moves the ego vehicle."""
     network: Network
+
+    @property
+    def findings(self) -> Sequence[WorldFinding]:
+        """What of the plan the world does otherwise than it is written, as far as it is known."""
+        ...
 
     @property
     def versions(self) -> dict[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -107,7 +108,7 @@ def test_a_driver_may_take_over_during_the_minimum_risk_manoeuvre() -> None:
 
 
 def test_confidence_must_be_low_in_count_of_the_last_control_steps() -> None:
-    draft = Draft(highway())
+    draft = Draft(highway(), {slots.K_WARNING_LEAD: 0.0})
     draft.program.perception[0] = op.PERCEPTION_CAMERA
     draft.causes(op.CAUSE_LANE_CONFIDENCE)
     draft.ego()
@@ -132,9 +133,75 @@ def test_one_weak_side_warns_and_does_not_request() -> None:
     run.go(2.0)
     assert run.st.takeover_state[0] == op.TAKEOVER_WARNING
     run.st.conf_left[0] = 1.0
-    run.go(2.5)
+    run.go(5.2)
+    assert run.st.takeover_state[0] == op.TAKEOVER_WARNING
+    run.go(5.4)
     assert run.st.takeover_state[0] == op.TAKEOVER_AUTOMATED
     assert run.time_of(op.EVENT_REQUEST) == -1.0
+
+
+def test_a_warning_has_a_threshold_of_its_own_to_end() -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.ego()
+    run = draft.start()
+    for confidence, until, warns in ((0.65, 2.0, 0), (0.55, 4.0, 1), (0.65, 12.0, 1), (0.75, 13.2, 0)):
+        run.st.conf_left[0] = confidence
+        run.go(until)
+        assert (run.st.takeover_state[0] == op.TAKEOVER_WARNING) == warns, confidence
+
+
+def test_no_paint_however_worn_is_warned_of_more_than_once_in_five_seconds() -> None:
+    draft = Draft(highway(), {slots.K_DURATION: 60.0})
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.ego()
+    run = draft.start()
+    while run.st.stop[0] == op.STOP_NONE:
+        at = run.st.clock[0]
+        run.st.conf_left[0] = 0.65 + 0.3 * math.sin(0.8 * at) + 0.05 * math.sin(17.0 * at)
+        run.st.conf_right[0] = 0.9
+        run.go(at + 0.05)
+    warned = [time for kind, time in run.events() if kind == op.EVENT_WARNING]
+    assert len(warned) > 2
+    assert min(later - earlier for earlier, later in pairwise(warned)) >= 5.0
+
+
+def lead_of_warning(run: Run) -> float:
+    assert run.time_of(op.EVENT_WARNING) >= 0.0
+    return run.time_of(op.EVENT_REQUEST) - run.time_of(op.EVENT_WARNING)
+
+
+@pytest.mark.parametrize("speed", [8.0, 14.0, 17.0])
+def test_a_blocked_path_is_warned_of_a_second_before_the_request(speed: float) -> None:
+    draft = Draft(highway())
+    draft.ego(speed=speed)
+    draft.parked(270.0)
+    assert 1.0 - 1e-6 <= lead_of_warning(draft.start().go(30.0)) <= 1.8
+
+
+@pytest.mark.parametrize("speed", [8.0, 14.0, 17.0])
+def test_a_lane_that_ends_beside_a_full_one_is_warned_of_a_second_before_the_request(speed: float) -> None:
+    draft = Draft(ramp(290.0))
+    draft.ego(speed=speed, lane=-2)
+    for s in range(20, 200, 8):
+        draft.moving(-1, float(s), speed)
+    assert 1.0 - 1e-6 <= lead_of_warning(draft.start().go(40.0)) <= 1.8
+
+
+def test_lanes_that_are_lost_are_warned_of_a_second_before_the_request_and_a_dead_camera_is_not() -> None:
+    draft = Draft(highway())
+    draft.program.perception[0] = op.PERCEPTION_CAMERA
+    draft.ego()
+    run = draft.start().go(2.0)
+    run.st.conf_left[0] = run.st.conf_right[0] = 0.0
+    run.go(5.0)
+    assert run.time_of(op.EVENT_WARNING) == pytest.approx(2.3, abs=0.06)
+    assert run.time_of(op.EVENT_REQUEST) == pytest.approx(run.time_of(op.EVENT_WARNING) + 1.0, abs=0.06)
+    dead = draft.start().go(2.0)
+    dead.st.conf_left[0] = dead.st.conf_right[0] = dead.st.health[0] = 0.0
+    dead.go(5.0)
+    assert dead.time_of(op.EVENT_REQUEST) == pytest.approx(2.2, abs=0.06)
+    assert dead.time_of(op.EVENT_WARNING) == -1.0
 
 
 @pytest.mark.parametrize(("sigma", "requested"), [(5.0, False), (60.0, True)])
@@ -151,14 +218,14 @@ def test_the_automation_takes_back_after_the_given_time() -> None:
     draft.ego()
     run = draft.start()
     run.st.conf_left[0] = run.st.conf_right[0] = 0.0
-    run.go(1.0)
+    run.go(2.0)
     run.st.conf_left[0] = run.st.conf_right[0] = 1.0
     run.go(12.0)
     assert run.time_of(op.EVENT_HAND_BACK) == pytest.approx(run.time_of(op.EVENT_RESPONSE) + 4.0, abs=0.051)
     assert run.time_of(op.EVENT_ACTIVATION) == pytest.approx(run.time_of(op.EVENT_HAND_BACK) + 0.05, abs=0.001)
     assert run.st.takeover_state[0] == op.TAKEOVER_AUTOMATED
     run.st.conf_left[0] = run.st.conf_right[0] = 0.0
-    run.go(13.0)
+    run.go(14.0)
     assert run.st.requests[0] == 2
 
 

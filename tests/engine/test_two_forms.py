@@ -110,7 +110,7 @@ def random_draft(number: int) -> Draft:
     if alone:
         draft.parked(900.0)
     if number % 10 == 2:
-        p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1, 0], [op.CAUSE_LANE_ENDS], [1]
+        p.cause_on, p.cause_order, p.cause_count = [0, 0, 0, 0, 0, 1, 0, 0], [op.CAUSE_LANE_ENDS], [1]
     for _ in range(0 if alone else dice.pick(1, 2, 5)):
         add_other(draft, dice, right)
     p.stretch_road, p.stretch_count, p.stretch_lane = [0], [1], [(op.ALL_MARKS, op.ALL_MARKS, -1)[number % 3]]

@@ -199,6 +199,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
     program.entity_count[:], program.ego[:] = [count], [0]
     program.entity_const[:] = [slots.K_ENTITIES + i * BLOCK for i in range(count)]
     program.const[:] = [0.0] * (slots.K_ENTITIES + count * BLOCK)
+    program.const[slots.K_STEP] = runs.step
     program.const[slots.K_INPUT_STEERING] = runs.inputs.steering
     program.const[slots.K_INPUT_BRAKE] = runs.inputs.brake
     program.const[slots.K_STEERING_RATIO] = runs.inputs.steering_ratio

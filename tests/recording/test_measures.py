@@ -12,7 +12,15 @@ import pytest
 from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.boxes import distance_at, least_box_distance, touching
 from scenario_compiler.recording.measures import MEASURES
-from scenario_compiler.recording.on_path import least_time_to_collision, time_bounds, time_to_collision, times_at
+from scenario_compiler.recording.on_path import (
+    STEEPEST,
+    greatest_drac,
+    least_headway,
+    least_time_to_collision,
+    time_bounds,
+    time_to_collision,
+    times_at,
+)
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
 from scenario_compiler.vocabulary.horizon import HORIZON
@@ -64,6 +72,11 @@ def answered() -> Recording:
         ("time_budget", 4.9),
         ("takeover_buffer", 2.9),
         ("minimum_time_to_collision", 1.0),
+        ("minimum_time_headway", 1.0),
+        ("maximum_drac", 10.0 * 10.0 / (2 * 10.0)),
+        ("lateral_offset_at_response", 0.0),
+        ("time_off_lanes", math.nan),
+        ("requests", 1.0),
         ("minimum_distance", 10.0),
         ("maximum_longitudinal_acceleration", 0.0),
         ("maximum_lateral_acceleration", 0.0),
@@ -113,7 +126,10 @@ def test_steering_counts_from_the_angle_at_the_response_by_the_steering_wheel() 
 
 def test_without_a_request_there_is_no_time_nor_distance() -> None:
     run = record(("ego",), 5, lambda t: {"x": (t,), "v": (1.0,)})
-    assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {"final_speed"}
+    assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {
+        "final_speed",
+        "time_off_lanes",
+    }
 
 
 @pytest.mark.parametrize(("handed_back", "expected"), [(math.inf, 0.9), (2.05, math.nan), (2.55, math.nan)])
@@ -311,8 +327,8 @@ def _stacked(parts: list[Traces]) -> Traces:
     return dataclasses.replace(parts[0], **columns, times=times, requests=requests)
 
 
-def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats]:
-    """Return times to collision from points on the boxes' outlines, and how much less they may be between points, s.
+def _sampled_ahead(runs: Traces, places: tuple[Any, ...], points: int = 60) -> tuple[Floats, Floats, Floats]:
+    """Return gaps from points on the boxes' outlines, how much less they may be between points, m, and closing speeds.
 
     The corners are taken to the circle that is driven one by one and joined there by straight edges.
     """
@@ -334,9 +350,8 @@ def _sampled_times(runs: Traces, places: tuple[Any, ...], points: int = 60) -> t
     within = np.abs(sampled.imag) < 0.5 * runs.width[0]
     gap = np.where(within, sampled.real, np.inf).min(axis=(0, 1)) - runs.center[0] - 0.5 * runs.length[0]
     half_way = np.ptp(outline.real, axis=0) * np.abs(curvature) >= np.pi
-    counts = np.isfinite(gap) & (gap >= 0) & (closing > 0) & ~half_way
-    slower = np.where(counts, closing, 1.0)
-    return np.where(counts, gap / slower, np.inf), np.abs(edges).max(axis=0) / points / slower
+    counts = np.isfinite(gap) & (gap >= 0) & ~half_way & np.isfinite(curvature)
+    return np.where(counts, gap, np.inf), np.abs(edges).max(axis=0) / points, closing
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -349,7 +364,9 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     distance, time = distance_at(runs, places), times_at(runs, places)
     assert (runs.seen.apart[places] <= distance).all()
     assert (time_bounds(runs)[places] <= time).all()
-    nearest, spacing = _sampled_times(runs, places)
+    gap, spacing, closing = _sampled_ahead(runs, places)
+    slower = np.where(closing > 0, closing, 1.0)
+    nearest, spacing = np.where(closing > 0, gap / slower, np.inf), spacing / slower
     assert (time_bounds(runs)[places] <= nearest).all()
     seen = np.isfinite(nearest) & (nearest > spacing)
     assert (time[seen] <= nearest[seen] + 1e-9).all()
@@ -367,6 +384,53 @@ def test_no_distance_and_no_time_is_below_its_bound_and_the_least_is_found(seed:
     limit = np.full(len(touched), 2.0)
     soon = np.fmin.reduce(time_to_collision(runs, limit), axis=-1)
     assert (soon < 2.0).tolist() == (expected < 2.0).tolist()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_headway_and_drac_are_those_of_sampled_outlines(seed: int) -> None:
+    """The outlines are an implementation of their own; where a gap is short beside their points, they say little."""
+    runs = random_runs(seed)
+    places = tuple(np.indices(runs.seen.apart.shape).reshape(3, -1))
+    places = tuple(place[np.isfinite(runs.seen.apart).reshape(-1)] for place in places)
+    touched = np.asarray(touching(runs).any(axis=-1))
+    gap, spacing, closing = _sampled_ahead(runs, places)
+    own = runs.v[..., 0][places[1:]]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        headway = np.where(own > 0, gap / own, np.inf)
+        drac = np.where((closing > 0) & (gap < HORIZON * closing), closing * closing / (2 * gap), 0.0)
+        slack = np.where(own > 0, spacing / own, 0.0)
+    for run in range(len(touched)):
+        of_run = places[1] == run
+        found, needed = least_headway(runs)[run], greatest_drac(runs)[run]
+        if touched[run]:
+            assert (found, needed) == (0.0, STEEPEST)
+            continue
+        nearest = headway[of_run].min(initial=np.inf)
+        assert math.isnan(found) == (nearest >= HORIZON)
+        if nearest < HORIZON:
+            assert nearest - slack[of_run].max() <= found <= nearest + 1e-9
+        greatest = drac[of_run].max(initial=0.0)
+        assert math.isnan(needed) == (greatest == 0.0)
+        if greatest and gap[of_run].min() > 100 * spacing[of_run].max():
+            assert needed == pytest.approx(min(greatest, STEEPEST), rel=0.03)
+
+
+def test_a_follower_at_the_same_speed_has_a_headway_and_needs_no_brake() -> None:
+    def row(t: float) -> Row:
+        return {"x": (20 * t, 27.0 + 20 * t), "y": (0.0, 0.0), "h": (0.0, 0.0), "v": (20.0, 20.0)}
+
+    run = record(IDS, 9, row)
+    assert value("minimum_time_headway", run) == pytest.approx((27.0 - 1.0 - 3.0) / 20.0)
+    assert math.isnan(value("maximum_drac", run))
+    assert math.isnan(value("minimum_time_to_collision", run))
+
+
+def test_the_time_off_the_lanes_is_so_many_steps() -> None:
+    def row(t: float) -> Row:
+        off = 0.45 < t < 0.75
+        return {"x": (t,), "v": (1.0,), "road": (-1 if off else 0,), "lane": (0 if off else -1,), "off": (0.0,)}
+
+    assert value("time_off_lanes", record(("ego",), 20, row)) == 3 * STEP
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -387,16 +451,28 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
         np.where(road >= 0, dice.normal(0.0, 0.5, runs.off.shape) + dice.choice([0.0, 1.5], runs.off.shape), 0.0),
         np.nan,
     )
+    steer = np.where(runs.present, np.cumsum(dice.normal(0.0, 0.01, runs.steer.shape), axis=1), np.nan)
     brake = np.where(runs.present, dice.random(runs.brake.shape) ** 8, np.nan)
     a = np.where(runs.present, dice.normal(0.0, 2.0, runs.a.shape), np.nan)
     states = np.repeat(dice.choice([1, 2, opcodes.TAKEOVER_MANUAL, opcodes.TAKEOVER_HAND_BACK], (6, 12)), 10, axis=-1)
+    states[::2] = opcodes.TAKEOVER_MANUAL
     runs = dataclasses.replace(
-        runs, times=times, road=road, lane=lane, brake=brake, off=off, a=a, takeover_state=states, requests=np.ones(6)
+        runs,
+        times=times,
+        road=road,
+        lane=lane,
+        brake=brake,
+        off=off,
+        a=a,
+        takeover_state=states,
+        requests=np.ones(6),
+        steer=steer,
     )
     totals = added_up(runs)
     for measure in MEASURES:
         same(measure.name, measure.compute(runs), measure.total(totals))
     assert np.isfinite(totals.column("least_time_to_collision")).any()
+    assert (totals.raw("fine_reversals") > totals.raw("coarse_reversals")).any()
 
 
 def test_every_measure_says_how_it_is_made_and_when_it_is_not_defined() -> None:

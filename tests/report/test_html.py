@@ -94,7 +94,7 @@ def test_elements_close_and_ids_are_unique_and_found(name: str, request: pytest.
         *(
             "obstacle_ahead",
             "Gold et al. 2018, situation 9, urgency 3, response 1-3",
-            "driver took over, stopped safely",
+            "driver took over, no collision",
         ),
         *("path blocked", "Takeover request, 4.00 s", "Driver takes over, 6.40 s", "5f" * 32),
         *("takeover time", "Time from the request to the driver's response", "no collision", "nothing was touched"),

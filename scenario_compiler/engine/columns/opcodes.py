@@ -217,7 +217,9 @@ CAUSE_LANE_CONFIDENCE = 3
 CAUSE_PATH_BLOCKED = 4
 CAUSE_LANE_ENDS = 5
 CAUSE_NO_PROGRESS = 6
-CAUSES = 7
+CAUSE_SCHEDULED = 7
+"""An action of the scenario."""
+CAUSES = 8
 
 # What the state of a traffic signal says.
 ASPECT_NONE = 0
@@ -234,6 +236,11 @@ DRIVER_LOGNORMAL = 0
 DRIVER_FIXED = 1
 DRIVER_NORMAL = 2
 DRIVER_SUMO = 3
+
+# What the automation does before a request and after it.
+BEHAVIOUR_FOLLOW = 0
+BEHAVIOUR_HOLD_SPEED = 1
+BEHAVIOUR_SLOW_DOWN = 2
 
 # Where a vehicle stands.
 STANDS_NOWHERE = 0

@@ -311,6 +311,9 @@ class Program:
     """By text what it says as the state of a signal, ASPECT_...; as long as there are texts."""
 
     # The takeover.
+    before_request: list[int] = column(RUN, op.BEHAVIOUR_FOLLOW)
+    """BEHAVIOUR_... of the automation before a request, and after it."""
+    after_request: list[int] = column(RUN, op.BEHAVIOUR_FOLLOW)
     cause_on: list[int] = column(CAUSE, 0, FLAG)
     """1 for each cause of a takeover request that is switched on."""
     cause_order: list[int] = column(ASKING, 0, whole(1, op.CAUSES))

@@ -70,7 +70,19 @@ K_SDLP_AT_FIRST = 61
 K_SETTLED_AFTER = 62
 K_RISK_AFTER = 63
 """First of the times to the minimum-risk manoeuvre, one a cause by its code."""
-K_ENTITIES = 70
+K_WARNING_LEAD = 71
+K_WARNING_AFTER = 72
+K_WARNING_LEAST = 73
+K_WARNING_CLEAR = 74
+K_CONFIDENCE_OVER = 75
+K_HEALTH_OVER = 76
+K_BLOCKED_BUDGET = 77
+K_BLOCKED_WARNING = 78
+K_LANE_END_BUDGET = 79
+K_LANE_END_WARNING = 80
+"""The budgets of requests and warnings, s; negative where the policy's hold."""
+K_SLOW_DOWN = 81
+K_ENTITIES = 82
 """First slot after those of the run."""
 
 # An entity's block.

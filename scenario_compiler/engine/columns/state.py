@@ -36,6 +36,11 @@ FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
+STEER_RATE = 0.7
+"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
+driver's.
+"""
+
 
 @container("st", 2, written=True)
 @dataclass(slots=True)
@@ -74,6 +79,8 @@ class State:
     a: list[float] = column(ENTITY)
     steer: list[float] = column(ENTITY)
     """Angle of the front wheels, positive to the left."""
+    steer_rate: list[float] = column(ENTITY, STEER_RATE)
+    """Greatest rate of that angle, rad/s."""
     throttle: list[float] = column(ENTITY)
     brake: list[float] = column(ENTITY)
     road: list[int] = column(ENTITY)
@@ -126,6 +133,8 @@ class State:
     """Speed that it aims for while it follows."""
     ended: list[int] = column(ENTITY)
     """1 when the entity stands at the end of its road."""
+    lights: list[int] = column(ENTITY)
+    """Lights that actions have switched on, as bits: the first of `moves.appearance.LIGHTS` is the lowest."""
     visible: list[int] = column(ENTITY, op.SEEN_BY_ALL)
     """Who minds the entity, by SEEN_... bits."""
     towed: list[int] = column(ENTITY, op.NONE)
@@ -334,6 +343,8 @@ class State:
     command_throttle: list[float] = column(ENTITY)
     command_steer: list[float] = column(ENTITY)
     command_brake: list[float] = column(ENTITY)
+    command_reverse: list[int] = column(ENTITY)
+    """1 where the throttle drives the vehicle backwards."""
     pedal: list[float] = column(RUN)
     """Acceleration asked for at the last control step, for limiting jerk."""
     shift_begin: list[float] = column(RUN)
@@ -416,6 +427,15 @@ class State:
     """Number of control steps for which no cause has had a reason."""
     asking: list[int] = column(CAUSE)
     """By cause, 1 where it asks for a takeover at this control step."""
+    warning_reason_since: list[float] = column(RUN, -1.0)
+    """Since when there is a reason to warn, -1 while there is none; since when there is none, -1 while there is."""
+    warning_clear_since: list[float] = column(RUN, -1.0)
+    warning_since: list[float] = column(RUN, -1.0)
+    """Time of the present warning."""
+    ordered_request: list[int] = column(RUN, op.CAUSE_NONE)
+    """Cause of the request that an action orders for the next control step, CAUSE_NONE for none."""
+    ordered_warning: list[int] = column(RUN)
+    ordered_hand_back: list[int] = column(RUN)
     time_warning: list[float] = column(RUN, -1.0)
     """Time of the first of each, -1 before."""
     time_request: list[float] = column(RUN, -1.0)

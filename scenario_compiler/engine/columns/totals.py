@@ -16,6 +16,8 @@ from scenario_compiler.vocabulary.horizon import HORIZON
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
+VARIANT = fixed("variant of the steering reversal rate", 2)
+
 TAKEOVERS = 8
 """Takeovers of a run that are kept, the first ones; all are counted."""
 TAKEOVER = fixed("takeover", TAKEOVERS)
@@ -59,12 +61,16 @@ class Totals:
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)
     least_time_to_collision: list[float] = column(RUN, HORIZON)
+    least_headway: list[float] = column(RUN, HORIZON)
+    least_room: list[float] = column(RUN, op.FAR)
+    """Twice the gap over the square of the closing speed, s2/m: the inverse of the deceleration that would do."""
     touched: list[int] = column(RUN)
-    """1 from when the ego's box has overlapped that of another entity; both least values are 0 then."""
+    """1 from when the ego's box has overlapped that of another entity; all these least values are 0 then."""
     least_confidence: list[float] = column(RUN, op.FAR)
     greatest_offset: list[float] = column(RUN, -1.0)
     """Distance from the lane's centre, m."""
     time_off_lanes: list[float] = column(RUN, -1.0)
+    rows_off_lanes: list[int] = column(RUN)
     speed_before_collision: list[float] = column(RUN, op.FAR)
 
     # From the first request on.
@@ -87,6 +93,25 @@ class Totals:
     greatest_lateral: list[float] = column(RUN, -1.0)
     greatest_offset_after: list[float] = column(RUN, -1.0)
     """Distance from the centre of the lane at the request, m."""
+
+    offset_at_response: list[float] = column(RUN, op.FAR)
+    """Distance to the left of the centre of the lane at the request, m."""
+
+    # The steering wheel while the driver drives who took over first: coarse reversals, and fine ones.
+    driven_rows: list[int] = column(RUN)
+    coarse_reversals: list[float] = column(RUN)
+    fine_reversals: list[float] = column(RUN)
+    wheel_before: list[float] = column(VARIANT)
+    """Angle in the row before, and in the one before that, rad, as it was and filtered."""
+    wheel_long_before: list[float] = column(VARIANT)
+    smooth_before: list[float] = column(VARIANT)
+    smooth_long_before: list[float] = column(VARIANT)
+    wheel_high: list[float] = column(VARIANT)
+    """Greatest and least filtered angle since the last reversal, rad."""
+    wheel_low: list[float] = column(VARIANT)
+    wheel_sense: list[int] = column(VARIANT)
+    """1 where the wheel is turned to the left, -1 to the right, 0 before it was turned by the gap."""
+    wheel_count: list[float] = column(VARIANT)
 
     # The takeovers, each by its request.
     requests: list[int] = column(RUN)
@@ -149,6 +174,8 @@ class Totals:
     before_after: list[int] = column(RUN)
     """1 where it lies behind the request."""
     added_after: list[int] = column(RUN)
+    before_answered: list[int] = column(RUN)
+    """1 where it lies behind the response."""
     added_count: list[int] = column(RUN)
     added_step: list[float] = column(RUN)
     """Change of the offset from one row to the next, the last that was no change of lane."""

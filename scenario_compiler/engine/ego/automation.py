@@ -10,13 +10,15 @@ from scenario_compiler.engine.ego.driver import SIGHT, VIEW, drive_by_hand
 from scenario_compiler.engine.ego.foresight import notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.lane_memory import remember_lane, remembered_angle, steers_by_memory
+from scenario_compiler.engine.ego.limits import behaviour, request_distance
 from scenario_compiler.engine.ego.merging import consider_merge
 from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
 from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
 from scenario_compiler.engine.ego.reference import drive_by_reference
 from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
-from scenario_compiler.engine.ego.takeover import budget_distance, step_takeover
+from scenario_compiler.engine.ego.takeover import step_takeover
+from scenario_compiler.engine.ego.warning import warning_distance
 from scenario_compiler.engine.motion.following import idm_acceleration
 from scenario_compiler.engine.motion.path import take_present_lane
 from scenario_compiler.engine.motion.signals_ahead import red_ahead
@@ -50,7 +52,7 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
 @compiled
 def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Steer by memory where the lane is lost; else by the map in ideal perception and merges, or by the controller."""
-    if steers_by_memory(st) == 1:
+    if steers_by_memory(p, st) == 1:
         command_angle(p, st, i, remembered_angle(n, p, st, i, AUTOMATION_ACCELERATION))
     elif p.perception[0] == op.PERCEPTION_IDEAL or st.merging[0] == 1:
         command_angle(p, st, i, pursuit_angle(n, p, st, i, AUTOMATION_ACCELERATION))
@@ -60,7 +62,7 @@ def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Keep lane and distance by the map, or pass on the controller's commands."""
+    """Keep lane and distance by the map, or pass on the controller's commands; slow down where the policy says so."""
     steer_automated(n, p, st, i)
     if p.perception[0] == op.PERCEPTION_IDEAL:
         gap, lead = gap_to_keep(p, st, i)
@@ -72,6 +74,10 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     else:
         st.command_throttle[i] = st.auto_throttle[0]
         st.command_brake[i] = st.auto_brake[0]
+    if behaviour(p, st) == op.BEHAVIOUR_SLOW_DOWN:
+        brake = st.command_brake[i]
+        command_acceleration(p, st, i, -p.const[slot.K_SLOW_DOWN])
+        st.command_brake[i] = max(brake, st.command_brake[i])
 
 
 @compiled
@@ -90,9 +96,11 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
     state = st.takeover_state[0]
     if driven_by_hand(st) == 1:
         if p.person[0] == 0 and st.manoeuvre[0] != op.MANOEUVRE_EVADE:
-            consider_merge(n, p, st, i, SIGHT)
+            consider_merge(n, p, st, i, SIGHT, SIGHT)
     elif state not in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL) and p.cause_on[op.CAUSE_LANE_ENDS] == 1:
-        consider_merge(n, p, st, i, budget_distance(p, st, i))
+        within = request_distance(p, st, i, slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
+        look = max(warning_distance(p, st, i, slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET), within)
+        consider_merge(n, p, st, i, within, look)
 
 
 @compiled
@@ -106,7 +114,7 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     if ideal and (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
         ideal_confidence(n, p, st)
     remember_lane(p, st, i)
-    if not ideal and steers_by_memory(st) == 0 and driven_by_hand(st) == 0 and st.merging[0] == 0:
+    if not ideal and steers_by_memory(p, st) == 0 and driven_by_hand(st) == 0 and st.merging[0] == 0:
         take_present_lane(n, st, i)
     find_lane_end(n, p, st, i)
     merge_if_due(n, p, st, i)

@@ -87,9 +87,14 @@ def remember_lane(p: Program, st: State, i: int) -> None:
 
 
 @compiled
-def steers_by_memory(st: State) -> int:
-    """Return 1 where the automation steers by the remembered lane: it has asked, and does not see it."""
-    return 1 if st.lane_lost[0] == 1 and asks_now(st) == 1 else 0
+def steers_by_memory(p: Program, st: State) -> int:
+    """Return 1 where the automation steers by the remembered lane: it does not see it, and has asked or is about to."""
+    if st.lane_lost[0] == 0:
+        return 0
+    if asks_now(st) == 1:
+        return 1
+    about_to = p.cause_on[op.CAUSE_LANE_CONFIDENCE] == 1 or p.cause_on[op.CAUSE_SENSOR_HEALTH] == 1
+    return 1 if about_to and st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING) else 0
 
 
 @compiled

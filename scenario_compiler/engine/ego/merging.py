@@ -64,14 +64,17 @@ def watch_merge(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
-def consider_merge(n: RoadTables, p: Program, st: State, i: int, within: float) -> None:
-    """Watch a running merge, or start one where the lane ends within a distance and the gap beside is free."""
+def consider_merge(n: RoadTables, p: Program, st: State, i: int, within: float, look: float) -> None:
+    """Watch a running merge, or start one where the lane ends within a distance and the gap beside is free.
+
+    The gap is looked at where the lane ends within the distance `look`.
+    """
     st.gap_free[0] = 1
     if st.merging[0] == 1:
         watch_merge(n, p, st, i)
         return
-    if st.through_lane[0] == 0 or st.lane_end_distance[0] > within:
+    if st.through_lane[0] == 0 or st.lane_end_distance[0] > look:
         return
     st.gap_free[0] = gap_is_free(n, p, st, i, st.path_road[0], st.through_lane[0], st.path_s[0])
-    if st.gap_free[0] == 1 and st.v[i] > 1.0:
+    if st.gap_free[0] == 1 and st.lane_end_distance[0] <= within and st.v[i] > 1.0:
         start_merge(n, st, i)

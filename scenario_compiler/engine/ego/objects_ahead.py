@@ -15,6 +15,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.limits import behaviour
 from scenario_compiler.engine.ego.sensor import SLOW, obstructs
 from scenario_compiler.marker import compiled
 
@@ -132,7 +133,12 @@ def find_block(p: Program, st: State, i: int) -> int:
 
 @compiled
 def minds_limit(p: Program, st: State, cause: int) -> int:
-    """Return 1 where the automation slows down before a limit ahead: once it has asked, or if it never asks for it."""
+    """Return 1 where the automation slows down before a limit ahead: once it has asked, or if it never asks for it.
+
+    An automation that holds its speed never does.
+    """
+    if behaviour(p, st) == op.BEHAVIOUR_HOLD_SPEED:
+        return 0
     if p.cause_on[cause] == 0:
         return 1
     return 1 if st.takeover_state[0] in (op.TAKEOVER_REQUEST, op.TAKEOVER_ESCALATION) else 0
@@ -147,10 +153,12 @@ def gap_to_keep(p: Program, st: State, i: int) -> tuple[float, float]:
     """
     base = p.entity_const[i]
     front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
-    leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
+    gap = op.FAR
     speed = 0.0
-    if leader >= 0:
-        speed = st.along[leader]
+    if behaviour(p, st) != op.BEHAVIOUR_HOLD_SPEED:
+        leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
+        if leader >= 0:
+            speed = st.along[leader]
     if minds_limit(p, st, op.CAUSE_PATH_BLOCKED) == 1:
         blocker, distance = nearest_ahead(p, st, i, op.AHEAD_BLOCKING)
         if blocker >= 0 and distance < gap:

@@ -12,14 +12,19 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.answering import note_stages, plan_answer
+from scenario_compiler.engine.ego.limits import lane_ends, request_distance
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
 from scenario_compiler.engine.ego.standing import standing_place
+from scenario_compiler.engine.ego.warning import (
+    note_reason,
+    step_warning,
+    warn,
+    warned_long_enough,
+    warning_cause,
+    warning_distance,
+)
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.tables import RoadTables
-
-CLOSE = 5.0
-"""Distance to a blocked path within which the automation asks at any speed, m."""
 
 HISTORY_SIZE = 32
 
@@ -46,38 +51,13 @@ def lacks_confidence(p: Program, st: State) -> int:
 
 
 @compiled
-def budget_distance(p: Program, st: State, i: int) -> float:
-    """Return the distance that the ego covers in the time budget, m."""
-    return max(p.const[slot.K_BUDGET] * st.v[i], CLOSE)
-
-
-@compiled
-def arrives_before(n: RoadTables, p: Program, st: State, distance: float) -> int:
-    """Return 1 where the destination lies on the way that was walked last, nearer than a distance."""
-    road = p.destination_road[0]
-    for w in range(st.way_count[0]):
-        if st.way_road[w] == road and lane_direction(n, road, p.destination_lane[0]) == st.way_sign[w]:
-            ahead = st.way_sign[w] * (p.const[slot.K_DESTINATION_S] - st.way_s[w])
-            return 1 if ahead >= 0.0 and st.way_from[w] + ahead <= distance else 0
-    return 0
-
-
-@compiled
-def lane_ends(n: RoadTables, p: Program, st: State, budget: float) -> int:
-    """Return 1 where the lane ends within the budget, before the destination, and no gap beside it is free."""
-    if st.merging[0] == 1 or st.lane_end_distance[0] > budget or (st.through_lane[0] != 0 and st.gap_free[0] == 1):
-        return 0
-    return 1 - arrives_before(n, p, st, st.lane_end_distance[0] + CLOSE)
-
-
-@compiled
 def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
     """Return the cause that asks for a takeover now, CAUSE_NONE without one; every history is brought up to date."""
-    budget = budget_distance(p, st, i)
     unwell = 1 if st.health[0] < p.const[slot.K_HEALTH_REQUEST] else 0
-    blocked = 1 if st.blocked_distance[0] <= budget else 0
+    near = request_distance(p, st, i, slot.K_BLOCKED_BUDGET, slot.K_BLOCKED_COUNT)
+    blocked = 1 if st.blocked_distance[0] <= near else 0
     low = lacks_confidence(p, st)
-    ending = lane_ends(n, p, st, budget)
+    ending = lane_ends(n, p, st, request_distance(p, st, i, slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT))
     reasons = low + unwell + blocked + ending + st.auto_request[0] + st.held_up[0]
     st.quiet[0] = st.quiet[0] + 1 if reasons == 0 else 0
     if st.quiet[0] > HISTORY_SIZE:
@@ -88,6 +68,9 @@ def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
     remember(st, op.CAUSE_LANE_ENDS, ending, p.const[slot.K_LANE_END_COUNT], p.const[slot.K_LANE_END_OF])
     st.asking[op.CAUSE_CONTROLLER] = st.auto_request[0]
     st.asking[op.CAUSE_NO_PROGRESS] = st.held_up[0]
+    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
+    if automated and unwell == 0 and warned_long_enough(p, st) == 0:
+        st.asking[op.CAUSE_LANE_CONFIDENCE] = 0
     for k in range(p.cause_count[0]):
         if st.asking[p.cause_order[k]] == 1:
             return p.cause_order[k]
@@ -95,21 +78,10 @@ def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
 
 
 @compiled
-def warning_cause(p: Program, st: State) -> int:
-    """Return the cause that warns, CAUSE_NONE without one.
-
-    A side's confidence or the health is low, or a cause of the road ahead has been seen once.
-    """
-    if p.cause_on[op.CAUSE_SENSOR_HEALTH] == 1 and st.health[0] < p.const[slot.K_HEALTH_WARNING]:
-        return op.CAUSE_SENSOR_HEALTH
-    weaker = min(st.conf_left[0], st.conf_right[0])
-    if p.cause_on[op.CAUSE_LANE_CONFIDENCE] == 1 and weaker < p.const[slot.K_CONFIDENCE_WARNING]:
-        return op.CAUSE_LANE_CONFIDENCE
-    if p.cause_on[op.CAUSE_PATH_BLOCKED] == 1 and st.history[op.CAUSE_PATH_BLOCKED] % 2 == 1:
-        return op.CAUSE_PATH_BLOCKED
-    if p.cause_on[op.CAUSE_LANE_ENDS] == 1 and st.history[op.CAUSE_LANE_ENDS] % 2 == 1:
-        return op.CAUSE_LANE_ENDS
-    return op.CAUSE_NONE
+def foreseen_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
+    """Return the cause that there is a reason to warn of, CAUSE_NONE without one."""
+    within = warning_distance(p, st, i, slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET)
+    return warning_cause(p, st, i, lane_ends(n, p, st, within))
 
 
 @compiled
@@ -131,19 +103,16 @@ def request_takeover(p: Program, st: State, cause: int) -> None:
 def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Automated or warning: request for a cause, warn, or end the warning."""
     cause = asking_cause(n, p, st, i)
-    warned = warning_cause(p, st)
+    if st.ordered_request[0] != op.CAUSE_NONE:
+        cause = st.ordered_request[0]
+    foreseen = foreseen_cause(n, p, st, i)
     if cause != op.CAUSE_NONE:
         request_takeover(p, st, cause)
-    elif warned != op.CAUSE_NONE and st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
-        st.takeover_state[0] = op.TAKEOVER_WARNING
-        st.cause[0] = warned
-        if st.time_warning[0] < 0.0:
-            st.time_warning[0] = st.clock[0]
-        log_event(st, op.EVENT_WARNING, 1.0 * warned)
-    elif warned == op.CAUSE_NONE and st.takeover_state[0] == op.TAKEOVER_WARNING:
-        st.takeover_state[0] = op.TAKEOVER_AUTOMATED
-        st.cause[0] = op.CAUSE_NONE
-        log_event(st, op.EVENT_WARNING_OVER, 0.0)
+    elif st.ordered_warning[0] == 1 and st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
+        warn(st, op.CAUSE_SCHEDULED)
+        note_reason(st, foreseen)
+    else:
+        step_warning(p, st, foreseen)
 
 
 @compiled
@@ -196,9 +165,10 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def hand_back(st: State) -> None:
-    """Let the automation take the wheel again."""
+    """The driver hands back; the automation drives from the next control step on."""
     st.takeover_state[0] = op.TAKEOVER_HAND_BACK
     st.cause[0] = op.CAUSE_NONE
+    st.warning_reason_since[0] = -1.0
     for c in range(op.CAUSES):
         st.history[c] = 0
     log_event(st, op.EVENT_HAND_BACK, 0.0)
@@ -213,10 +183,14 @@ def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
         st.looking[0] = 0
         log_event(st, op.EVENT_ACTIVATION, 0.0)
         return
+    if st.ordered_hand_back[0] == 1 and st.crashed[0] == 0:
+        hand_back(st)
+        return
     wait = p.const[slot.K_HAND_BACK_AFTER]
     if wait <= 0.0 or st.clock[0] - st.manual_since[0] < wait - 1.0e-6 or cause != op.CAUSE_NONE:
         return
-    if warning_cause(p, st) == op.CAUSE_NONE and st.manoeuvre[0] == op.MANOEUVRE_KEEP and st.crashed[0] == 0:
+    foreseen = foreseen_cause(n, p, st, i)
+    if foreseen == op.CAUSE_NONE and st.manoeuvre[0] == op.MANOEUVRE_KEEP and st.crashed[0] == 0:
         hand_back(st)
 
 
@@ -230,3 +204,6 @@ def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
         step_manual(n, p, st, i)
     elif state != op.TAKEOVER_STANDSTILL:
         step_requested(n, p, st, i)
+    st.ordered_request[0] = op.CAUSE_NONE
+    st.ordered_warning[0] = 0
+    st.ordered_hand_back[0] = 0

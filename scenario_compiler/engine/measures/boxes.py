@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.motion.collision import is_above, overlap
 from scenario_compiler.marker import compiled
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 STRAIGHT = 1e-6
 """Curvature below which a path counts as straight, 1/m."""
@@ -124,8 +125,8 @@ def least_along(m: Totals, half: float) -> float:
 
 
 @compiled
-def time_to_collision(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> float:
-    """Return the time to collision with an entity, FAR where it is not in the path or not closed in on.
+def add_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> None:
+    """Add an entity whose corners have been laid, where it is in the path ahead.
 
     A box on the far side of the circle, where ahead and behind meet, and one around its middle count as not ahead.
     """
@@ -133,21 +134,26 @@ def time_to_collision(p: Program, st: State, m: Totals, ego: int, j: int, front:
     along = least_along(m, 0.5 * p.const[p.entity_const[ego] + slot.E_WIDTH])
     gap = along - front
     if along >= op.FAR or gap < 0.0:
-        return op.FAR
+        return
     a = m.corner_along[0]
     b = m.corner_along[1]
     c = m.corner_along[2]
     d = m.corner_along[3]
     if (max(a, b, c, d) - min(a, b, c, d)) * abs(m.curvature[0]) >= pi:
-        return op.FAR
+        return
+    m.least_headway[0] = min(m.least_headway[0], gap / st.v[ego] if st.v[ego] > 0.0 else op.FAR)
     tangent = m.seen_h[ego] + m.curvature[0] * ((a + b + c + d) / 4.0)
     closing = st.v[ego] - st.v[j] * cos(m.seen_h[j] - tangent)
-    return gap / closing if closing > 0.0 else op.FAR
+    time = gap / closing if closing > 0.0 else op.FAR
+    m.least_time_to_collision[0] = min(m.least_time_to_collision[0], time)
+    square = closing * closing
+    if time < HORIZON:
+        m.least_room[0] = min(m.least_room[0], 2.0 * gap / square if square > 0.0 else op.FAR)
 
 
 @compiled
 def may_be_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: float) -> int:
-    """Return 0 where an entity cannot give a new least time to collision.
+    """Return 0 where an entity cannot give a new least time to collision, headway or room to brake.
 
     No part of a box is farther from its middle than its half diagonal; a part within w of a circle and `a` along it is
     no farther away than a + w; the middle's distance from the circle is (2 left - k (ahead^2 + left^2)) / (1 + q), with
@@ -164,7 +170,9 @@ def may_be_ahead(p: Program, st: State, m: Totals, ego: int, j: int, front: floa
     fastest = st.v[ego] + abs(st.v[j])
     if fastest <= 0.0:
         return 0
-    least = front + beside + m.least_time_to_collision[0] * fastest
+    braking = min(0.5 * m.least_room[0] * fastest, HORIZON) * fastest
+    gap = max(m.least_time_to_collision[0] * fastest, m.least_headway[0] * st.v[ego], braking)
+    least = front + beside + gap
     if near > least * least:
         return 0
     left = dy * m.seen_cos[ego] - dx * m.seen_sin[ego]
@@ -200,6 +208,8 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
             m.touched[0] = 1
             m.least_distance[0] = 0.0
             m.least_time_to_collision[0] = 0.0
+            m.least_headway[0] = 0.0
+            m.least_room[0] = 0.0
             return
         nearer = near <= (reach + m.least_distance[0]) * (reach + m.least_distance[0])
         ahead = m.rows[0] > 1 and may_be_ahead(p, st, m, ego, j, front) == 1
@@ -209,5 +219,4 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
         if nearer:
             add_distance(p, st, m, ego, j)
         if ahead:
-            found = time_to_collision(p, st, m, ego, j, front)
-            m.least_time_to_collision[0] = min(m.least_time_to_collision[0], found)
+            add_ahead(p, st, m, ego, j, front)

@@ -9,6 +9,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.inputs import add_inputs
 from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping
+from scenario_compiler.engine.measures.reversals import add_steering
 from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover
 from scenario_compiler.engine.measures.takeovers import add_takeovers
 from scenario_compiler.marker import compiled
@@ -42,14 +43,17 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
     m.least_confidence[0] = min(m.least_confidence[0], m.row_confidence[0])
     if m.row_present[0] == 1:
         m.greatest_offset[0] = max(m.greatest_offset[0], abs(m.row_off[0]))
-        if m.time_off_lanes[0] < 0.0 and (m.row_road[0] < 0 or m.row_lane[0] == 0):
-            m.time_off_lanes[0] = m.row_time[0]
+        if m.row_road[0] < 0 or m.row_lane[0] == 0:
+            m.rows_off_lanes[0] += 1
+            if m.time_off_lanes[0] < 0.0:
+                m.time_off_lanes[0] = m.row_time[0]
     before = m.time_collision[0] < 0.0 or m.row_time[0] < m.time_collision[0] - SAME_TIME
     if before or m.rows[0] == 1:
         m.speed_before_collision[0] = m.row_v[0]
     add_takeover(m)
     add_takeovers(st, m)
     add_inputs(p, m)
+    add_steering(p, m)
     add_to_keeping(m)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.takeover import SAME_TIME, since
 from scenario_compiler.marker import compiled
@@ -44,6 +45,8 @@ def add_offset(m: Totals, left: float) -> None:
         m.added_step[0] = changed
     if m.before_after[0] == 1 and m.before_present[0] == 1 and m.before_lane[0] != 0:
         m.greatest_offset_after[0] = max(m.greatest_offset_after[0], abs(left + m.aside[0]))
+    if m.before_answered[0] == 1 and m.before_present[0] == 1 and m.offset_at_response[0] >= op.FAR:
+        m.offset_at_response[0] = left + m.aside[0]
     m.added_count[0] += 1
     m.added_after[0] = m.before_after[0]
 
@@ -80,6 +83,7 @@ def add_to_keeping(m: Totals) -> None:
     m.before_present[0] = m.row_present[0]
     m.before_lane[0] = m.row_lane[0]
     m.before_after[0] = since(m, m.time_request[0])
+    m.before_answered[0] = since(m, m.time_response[0])
     m.before_inside[0] = 0
     if since(m, m.time_response[0]) == 1 and m.row_time[0] <= m.time_response[0] + SETTLING + SAME_TIME:
         m.before_inside[0] = 1

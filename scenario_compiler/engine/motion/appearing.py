@@ -15,7 +15,9 @@ from scenario_compiler.engine.columns.log import fault
 from scenario_compiler.engine.columns.numbers import angle_between, heading_in_circle, is_number
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.motion.collision import measure_reach
 from scenario_compiler.engine.motion.entities import place_scripted
+from scenario_compiler.engine.motion.free import place_free
 from scenario_compiler.engine.motion.on_tracks import place_anywhere
 from scenario_compiler.engine.motion.path import leave_road, locate_ego, set_path
 from scenario_compiler.engine.motion.places import clear_place
@@ -134,6 +136,34 @@ def add_entity(n: RoadTables, p: Program, st: State, i: int, k: int) -> None:
         return
     st.present[i] = 1
     put_at(n, p, st, i, k)
+
+
+@compiled
+def spawn_entity(
+    n: RoadTables, p: Program, st: State, i: int, x: float, y: float, z: float, h: float, v: float
+) -> None:
+    """Let an entity appear at a point of the world, with nothing left of what it was before."""
+    st.present[i] = 1
+    st.visible[i] = op.SEEN_BY_ALL
+    st.v[i] = v
+    st.last_v[i] = v
+    st.a[i] = 0.0
+    st.steer[i] = 0.0
+    st.throttle[i] = 0.0
+    st.brake[i] = 0.0
+    st.command_throttle[i] = 0.0
+    st.command_steer[i] = 0.0
+    st.command_brake[i] = 0.0
+    st.command_reverse[i] = 0
+    st.odometer[i] = 0.0
+    st.lights[i] = 0
+    st.contact[i] = 0
+    st.struck[i] = 0
+    st.body_pitch[i] = 0.0
+    measure_reach(p, st, i)
+    stand_free(st, i, x, y, z, h)
+    place_free(n, st, i)
+    note_arrival(n, p, st, i)
 
 
 @compiled

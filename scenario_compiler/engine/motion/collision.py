@@ -128,6 +128,8 @@ def check_collisions(p: Program, st: State) -> None:
     count = p.entity_count[0]
     for a in range(count):
         i = st.order[a]
+        if st.present[i] == 0:
+            continue
         right = st.middle_x[i] + st.reach[i]
         b = a + 1
         while b < count and st.middle_x[st.order[b]] - st.reach[st.order[b]] <= right:
@@ -140,11 +142,48 @@ def check_collisions(p: Program, st: State) -> None:
 
 
 @compiled
+def find_contacts(p: Program, st: State, pairs: list[int]) -> int:
+    """Write the pairs of entities whose boxes overlap, lower number first, as far as there is room; return how many."""
+    count = p.entity_count[0]
+    found = 0
+    for a in range(count):
+        i = st.order[a]
+        if st.present[i] == 0:
+            continue
+        right = st.middle_x[i] + st.reach[i]
+        b = a + 1
+        while b < count and st.middle_x[st.order[b]] - st.reach[st.order[b]] <= right:
+            j = st.order[b]
+            if overlap(p, st, i, j) == 1 and 2 * found + 1 < len(pairs):
+                pairs[2 * found] = min(i, j)
+                pairs[2 * found + 1] = max(i, j)
+                found = found + 1
+            b = b + 1
+    return found
+
+
+@compiled
+def find_touched(p: Program, st: State, i: int) -> int:
+    """Return an entity whose box overlaps that of entity i where both are now, NONE where there is none."""
+    update_boxes(p, st)
+    for j in range(p.entity_count[0]):
+        if j != i and overlap(p, st, i, j) == 1:
+            return j
+    return op.NONE
+
+
+@compiled
+def measure_reach(p: Program, st: State, i: int) -> None:
+    """Write half the diagonal of an entity's box."""
+    base = p.entity_const[i]
+    long = p.const[base + slot.E_LENGTH]
+    wide = p.const[base + slot.E_WIDTH]
+    st.reach[i] = 0.5 * safe_sqrt(long * long + wide * wide)
+
+
+@compiled
 def prepare_boxes(p: Program, st: State) -> None:
     """Write what does not change about the boxes."""
     for i in range(p.entity_count[0]):
-        base = p.entity_const[i]
-        long = p.const[base + slot.E_LENGTH]
-        wide = p.const[base + slot.E_WIDTH]
-        st.reach[i] = 0.5 * safe_sqrt(long * long + wide * wide)
+        measure_reach(p, st, i)
         st.order[i] = i

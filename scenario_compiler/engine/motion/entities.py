@@ -19,7 +19,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.beside import settle_in_lane
 from scenario_compiler.engine.motion.following import follow_leader
-from scenario_compiler.engine.motion.path import locate_ego
+from scenario_compiler.engine.motion.path import locate_ego, locate_free
 from scenario_compiler.engine.motion.routes import leave_guide, next_turn
 from scenario_compiler.engine.motion.surroundings import grip
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, WATCH_STILL, measure_motion, watch_entity
@@ -42,11 +42,6 @@ NO_WIDTH = 1.0e-6
 
 PITCH_TIME = 0.2
 """Time constant of the body's pitch, s: a quarter of the period of a spring of 1.25 Hz."""
-
-STEER_RATE = 0.7
-"""Greatest rate of the front wheels' angle, rad/s: 640 deg/s at the steering wheel with a ratio of 16, a quick
-driver's.
-"""
 
 
 @compiled
@@ -224,16 +219,36 @@ def move_scripted(n: RoadTables, p: Program, st: State, i: int, dt: float) -> No
 
 
 @compiled
+def next_speed(p: Program, st: State, i: int, gain: float, loss: float, dt: float) -> float:
+    """Return the speed after a step of a vehicle that is driven by commands.
+
+    `gain` speeds it up in the direction of its gear, `loss` slows it down to a stop and no further, m/s2.
+    """
+    v = st.v[i]
+    most = p.const[p.entity_const[i] + slot.E_MAX_SPEED]
+    if st.command_reverse[i] == 0 and v >= 0.0:
+        return clip(v + (gain - loss) * dt, 0.0, most)
+    pushed = v + gain * dt
+    if st.command_reverse[i] == 1:
+        pushed = v - gain * dt
+    if pushed > 0.0:
+        pushed = max(pushed - loss * dt, 0.0)
+    else:
+        pushed = min(pushed + loss * dt, 0.0)
+    return clip(pushed, -most, most)
+
+
+@compiled
 def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
-    """Move the ego by its commands; braking stops it exactly and never drives it backwards."""
+    """Move a vehicle by its commands; braking stops it exactly, and only the reverse gear drives it backwards."""
     base = p.entity_const[i]
     st.throttle[i] = clip(st.command_throttle[i], 0.0, 1.0)
     st.brake[i] = clip(st.command_brake[i], 0.0, 1.0)
     gain = st.throttle[i] * grip(st, p.const[base + slot.E_MAX_ACCELERATION])
     loss = st.brake[i] * grip(st, p.const[base + slot.E_MAX_DECELERATION])
-    speed = clip(st.v[i] + (gain - loss) * dt, 0.0, p.const[base + slot.E_MAX_SPEED])
+    speed = next_speed(p, st, i, gain, loss, dt)
     wanted = clip(st.command_steer[i], -1.0, 1.0) * p.const[base + slot.E_MAX_STEER]
-    st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -STEER_RATE * dt, STEER_RATE * dt)
+    st.steer[i] = st.steer[i] + clip(wanted - st.steer[i], -st.steer_rate[i] * dt, st.steer_rate[i] * dt)
     swing = speed * tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1) * dt
     middle = st.h[i] + 0.5 * swing
     st.x[i] += speed * dt * cos(middle)
@@ -244,7 +259,7 @@ def move_bicycle(p: Program, st: State, i: int, dt: float) -> None:
 
 @compiled
 def settle(n: RoadTables, st: State, i: int) -> None:
-    """Put the ego on the surface of the road below it, its body level on its springs."""
+    """Put an entity on the surface of the road below it, its body level on its springs."""
     st.pitch[i] -= st.body_pitch[i]
     road = st.road[i]
     if road < 0:
@@ -302,7 +317,10 @@ def take_stock(n: RoadTables, p: Program, st: State, dt: float) -> None:
             return
         kind = p.entity_motion[i]
         if kind >= op.MOTION_BICYCLE and kind <= op.MOTION_POSED and st.present[i] == 1:
-            locate_ego(n, p, st, i)
+            if i == p.ego[0]:
+                locate_ego(n, p, st, i)
+            else:
+                locate_free(n, st, i)
             if kind == op.MOTION_BICYCLE:
                 settle(n, st, i)
         if dt > 0.0:

@@ -7,28 +7,23 @@ from math import pi
 from scenario_compiler.engine.columns.numbers import angle_between
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.motion.entities import settle
-from scenario_compiler.engine.motion.path import leave_road, note_lane
+from scenario_compiler.engine.motion.path import locate_free
 from scenario_compiler.marker import compiled
-from scenario_compiler.roads.lanes import lane_at, lane_direction, lane_pose
-from scenario_compiler.roads.locate import track
+from scenario_compiler.roads.lanes import lane_direction, lane_pose
 from scenario_compiler.roads.tables import RoadTables
 
 
 @compiled
 def place_free(n: RoadTables, st: State, i: int) -> None:
     """Find the road and lane below an entity that moves freely, and what would lead it along the lane from here."""
-    found, road, s, t = track(n, st.x[i], st.y[i], st.road[i], st.s[i])
-    lane = 0
-    if found == 1:
-        lane = lane_at(n, road, s, t)
-    if lane == 0:
-        leave_road(st, i)
+    if locate_free(n, st, i) == 0:
         return
-    note_lane(n, st, i, road, s, t, lane)
+    road = st.road[i]
+    lane = st.lane[i]
     st.kept_lane[i] = lane
     st.kept_off[i] = st.off[i]
     st.changing[i] = 0
-    _, _, _, along, _, _ = lane_pose(n, road, lane, s, st.off[i])
+    _, _, _, along, _, _ = lane_pose(n, road, lane, st.s[i], st.off[i])
     direction = lane_direction(n, road, lane)
     away = angle_between(st.h[i], along if direction > 0 else along + pi)
     st.facing[i] = direction

@@ -209,6 +209,20 @@ def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
+def locate_free(n: RoadTables, st: State, i: int) -> int:
+    """Find the road, lane, s and offset of an entity that no path leads, from its point; return 0 off every lane."""
+    found, road, s, t = track(n, st.x[i], st.y[i], st.road[i], st.s[i])
+    lane = 0
+    if found == 1:
+        lane = lane_at(n, road, s, t)
+    if lane == 0:
+        leave_road(st, i)
+        return 0
+    note_lane(n, st, i, road, s, t, lane)
+    return 1
+
+
+@compiled
 def within_row(n: RoadTables, row: int, s: float, off: float) -> int:
     """Return 1 where an offset from the centre of a lane's row lies clearly inside the lane."""
     if row < 0:

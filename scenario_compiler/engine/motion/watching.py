@@ -59,12 +59,18 @@ def heads_at_speed(st: State, i: int) -> tuple[float, float, float]:
 
 
 @compiled
+def farthest_without_leap(v: float, dt: float) -> float:
+    """Return how far an entity of a speed moves in a step at most, unless it was put somewhere else."""
+    return LEAP * abs(v) * dt + 0.1
+
+
+@compiled
 def measure_motion(st: State, i: int, watches: int, dt: float) -> None:
     """Take an entity's velocity, and its acceleration where that is asked for."""
     x = st.x[i] - st.before_x[i]
     y = st.y[i] - st.before_y[i]
     z = st.z[i] - st.before_z[i]
-    if dt > 0.0 and sqrt(x * x + y * y) <= LEAP * abs(st.v[i]) * dt + 0.1:
+    if dt > 0.0 and sqrt(x * x + y * y) <= farthest_without_leap(st.v[i], dt):
         x = x / dt
         y = y / dt
         z = z / dt

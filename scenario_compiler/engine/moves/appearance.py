@@ -16,7 +16,26 @@ from scenario_compiler.roads.tables import RoadTables
 if TYPE_CHECKING:
     from scenario_compiler.vocabulary.actions import AnimationAction, LightAction
 
-LIGHTS = "A light of `entity`, or an animation: `cause` which, `message` what it does."
+LIGHTS = (
+    *("daytimeRunningLights", "lowBeam", "highBeam", "fogLights", "fogLightsFront", "fogLightsRear", "brakeLights"),
+    *("warningLights", "indicatorLeft", "indicatorRight", "reversingLights", "licensePlateIllumination"),
+    "specialPurposeLights",
+)
+"""Lights of vehicles that are kept in the state, by ASAM OpenSCENARIO's names."""
+
+LOGGED = "A light of `entity`, or an animation: `cause` which, `message` what it does."
+
+
+@compiled
+def start_light(n: RoadTables, p: Program, st: State, k: int) -> None:
+    """Switch a light of an entity; one of the author's own naming, which has no bit, stays in the log alone."""
+    del n
+    i = p.action_entity[k]
+    bit = p.action_mode[k]
+    lit = st.lights[i] & bit
+    st.lights[i] = st.lights[i] - lit
+    if p.action_flags[k] == 1:
+        st.lights[i] = st.lights[i] + bit
 
 
 @compiled
@@ -29,8 +48,9 @@ def step_animation(n: RoadTables, p: Program, st: State, k: int, dt: float) -> i
 
 def light_row(draft: ProgramDraft, word: LightAction, actor: int) -> ActionRow:
     """Return the row of a light that is switched."""
-    del draft, word, actor
-    return ActionRow()
+    del draft, actor
+    bit = 1 << LIGHTS.index(word.type) if word.type in LIGHTS else 0
+    return ActionRow(mode=bit, flags=0 if word.mode == "off" else 1)
 
 
 def animation_row(draft: ProgramDraft, word: AnimationAction, actor: int) -> ActionRow:
@@ -43,5 +63,5 @@ def _animation_words(word: AnimationAction) -> tuple[str, str]:
     return word.type, f"to {word.state:g}" if isinstance(word.state, float) else "moves"
 
 
-LIGHT = Entry(("light",), light_row, told=Told("light", LIGHTS, lambda word: (word.type, word.mode)))
-ANIMATION = Entry(("animation",), animation_row, step=step_animation, told=Told("light", LIGHTS, _animation_words))
+LIGHT = Entry(("light",), light_row, start_light, told=Told("light", LOGGED, lambda word: (word.type, word.mode)))
+ANIMATION = Entry(("animation",), animation_row, step=step_animation, told=Told("light", LOGGED, _animation_words))

@@ -20,6 +20,7 @@ from scenario_compiler.engine.moves import (
     speed_profiles,
     speeds,
     synchronizing,
+    takeover,
     traffic,
     trajectories,
     variables,
@@ -29,7 +30,7 @@ from scenario_compiler.engine.moves.entry import Entry
 FAMILIES: tuple[ModuleType, ...] = (
     *(speeds, speed_profiles, keeping_distance, synchronizing),
     *(lane_changes, lane_offsets, keeping_aside, follow_path, trajectories),
-    *(routing, places, control, appearance, camera, run, variables, signals, traffic),
+    *(routing, places, control, appearance, camera, run, variables, signals, traffic, takeover),
 )
 """The modules of the actions, one a family."""
 

@@ -70,6 +70,14 @@ def _towing(vehicle: Vehicle) -> tuple[float, float]:
     return rear if vehicle.hitch is None else vehicle.hitch, front if vehicle.coupler is None else vehicle.coupler
 
 
+def vehicle_numbers(vehicle: Vehicle) -> tuple[float, ...]:
+    """Return the numbers of a vehicle that an entity's block begins with, from slot E_LENGTH to E_MAX_SPEED."""
+    return (
+        *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
+        *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration, vehicle.max_speed),
+    )
+
+
 def _add_entity(draft: ProgramBuilder, entity: Entity, posed: bool, touched: set[str]) -> None:
     p, vehicle = draft.program, entity.vehicle
     motion = MOTIONS[entity.kind]
@@ -89,9 +97,12 @@ def _add_entity(draft: ProgramBuilder, entity: Entity, posed: bool, touched: set
     p.entity_seed.append(op.NONE if entity.seed is None else entity.seed)
     p.entity_const.append(
         draft.block(
-            *(vehicle.length, vehicle.width, vehicle.height, vehicle.wheelbase, vehicle.center),
-            *(radians(vehicle.max_steer), vehicle.max_acceleration, vehicle.max_deceleration),
-            *(vehicle.max_speed, entity.speed, entity.desired_speed, *follow, entity.share, *_towing(vehicle)),
+            *vehicle_numbers(vehicle),
+            entity.speed,
+            entity.desired_speed,
+            *follow,
+            entity.share,
+            *_towing(vehicle),
             radians(vehicle.pitch_gradient),
         )
     )

@@ -7,25 +7,33 @@ from statistics import NormalDist
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.moves.takeover import REQUEST_CAUSES
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
 from scenario_compiler.vocabulary.driver import Driver, DriverModel, EffectKind, Law, ReferenceName, Task
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Modality
 
-CAUSE_CODES: dict[CauseKind, int] = {
-    "controller": op.CAUSE_CONTROLLER,
-    "sensor_health": op.CAUSE_SENSOR_HEALTH,
-    "lane_confidence": op.CAUSE_LANE_CONFIDENCE,
-    "path_blocked": op.CAUSE_PATH_BLOCKED,
-    "lane_ends": op.CAUSE_LANE_ENDS,
-    "no_progress": op.CAUSE_NO_PROGRESS,
+BEHAVIOURS = {
+    "follow": op.BEHAVIOUR_FOLLOW,
+    "hold_speed": op.BEHAVIOUR_HOLD_SPEED,
+    "slow_down": op.BEHAVIOUR_SLOW_DOWN,
 }
+BUDGETS: tuple[tuple[CauseKind, str, int], ...] = (
+    ("path_blocked", "budget", slot.K_BLOCKED_BUDGET),
+    ("path_blocked", "warning_budget", slot.K_BLOCKED_WARNING),
+    ("lane_ends", "budget", slot.K_LANE_END_BUDGET),
+    ("lane_ends", "warning_budget", slot.K_LANE_END_WARNING),
+)
+"""Cause, its field, and the slot of that budget, which is negative where it has none of its own."""
+
 CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("lane_confidence", "warning_below", slot.K_CONFIDENCE_WARNING),
+    ("lane_confidence", "warning_over", slot.K_CONFIDENCE_OVER),
     ("lane_confidence", "request_below", slot.K_CONFIDENCE_REQUEST),
     ("lane_confidence", "count", slot.K_CONFIDENCE_COUNT),
     ("lane_confidence", "of", slot.K_CONFIDENCE_OF),
     ("sensor_health", "warning_below", slot.K_HEALTH_WARNING),
+    ("sensor_health", "warning_over", slot.K_HEALTH_OVER),
     ("sensor_health", "request_below", slot.K_HEALTH_REQUEST),
     ("sensor_health", "count", slot.K_HEALTH_COUNT),
     ("sensor_health", "of", slot.K_HEALTH_OF),
@@ -74,12 +82,22 @@ def add_takeover(draft: ProgramBuilder) -> None:
     p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
     k[slot.K_HAND_BACK_AFTER] = takeover.hand_back_after
     given = {cause.kind: cause for cause in takeover.causes}
-    for kind, code in CAUSE_CODES.items():
-        own = given[kind].minimum_risk_after if kind in given else None
+    for kind, code in REQUEST_CAUSES.items():
+        own = next((one.minimum_risk_after for one in takeover.causes if one.kind == kind), None)
         k[slot.K_RISK_AFTER + code] = takeover.minimum_risk_after if own is None else own
+    k[slot.K_WARNING_LEAD] = takeover.warning_lead
+    k[slot.K_WARNING_AFTER] = takeover.warning_after
+    k[slot.K_WARNING_LEAST] = takeover.warning_least
+    k[slot.K_WARNING_CLEAR] = takeover.warning_clear
+    for kind, field, place in BUDGETS:
+        value = getattr(given[kind], field) if kind in given else None
+        k[place] = -1.0 if value is None else value
+    p.before_request[0] = BEHAVIOURS[takeover.automation.before]
+    p.after_request[0] = BEHAVIOURS[takeover.automation.after]
+    k[slot.K_SLOW_DOWN] = takeover.automation.deceleration
     for kind in given or CAUSE_DEFAULTS:
-        p.cause_on[CAUSE_CODES[kind]] = 1
-        p.cause_order.append(CAUSE_CODES[kind])
+        p.cause_on[REQUEST_CAUSES[kind]] = 1
+        p.cause_order.append(REQUEST_CAUSES[kind])
     p.cause_count[0] = len(p.cause_order)
     _add_limits(draft, given)
     _add_driver(draft)

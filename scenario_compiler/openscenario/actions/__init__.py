@@ -30,6 +30,7 @@ UNSAID = {
     "failure": "the standard has no sensors that fail",
     "end_failure": "the standard has no sensors that fail",
     "message": "the standard has no messages to a driver",
+    **dict.fromkeys(("request", "warn", "hand_back"), "the standard has no takeover"),
     "stop": "the standard stops by a trigger only",
 }
 """Actions of ours that no element of OpenSCENARIO says, by tag, and why."""

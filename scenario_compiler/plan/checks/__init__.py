@@ -15,7 +15,7 @@ from scenario_compiler.plan.checks.overlap import check_overlap
 from scenario_compiler.plan.checks.paths import check_paths
 from scenario_compiler.plan.checks.plausible import check_plausible
 from scenario_compiler.plan.checks.presence import check_presence
-from scenario_compiler.plan.checks.reach import check_budget, check_reach
+from scenario_compiler.plan.checks.reach import check_budget, check_range, check_reach
 from scenario_compiler.plan.checks.restarts import check_restarts
 from scenario_compiler.plan.checks.start import check_start
 from scenario_compiler.plan.checks.triggers import check_triggers
@@ -34,6 +34,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_paths,
     check_plausible,
     check_budget,
+    check_range,
     check_reach,
     check_triggers,
     check_failures,

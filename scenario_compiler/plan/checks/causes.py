@@ -30,7 +30,8 @@ def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
     del network
     for cause in plan.takeover.causes:
         counted = set() if cause.kind == "no_progress" else {"count", "of"}
-        allowed = {"word", "kind", "minimum_risk_after", *counted, *CAUSE_DEFAULTS[cause.kind]}
+        budgets = {"budget", "warning_budget"} if cause.kind in ("path_blocked", "lane_ends") else set()
+        allowed = {"word", "kind", "minimum_risk_after", *counted, *budgets, *CAUSE_DEFAULTS[cause.kind]}
         for name, field in Cause.model_fields.items():
             spelling = spelling_of(field)
             if getattr(cause, name) is not None and name not in allowed and isinstance(spelling, AttributeSpelling):

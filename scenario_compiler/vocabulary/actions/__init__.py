@@ -41,6 +41,7 @@ from scenario_compiler.vocabulary.actions.motion import (
 from scenario_compiler.vocabulary.actions.path import FollowPathAction
 from scenario_compiler.vocabulary.actions.run import MessageAction, StopAction
 from scenario_compiler.vocabulary.actions.sensor import EndFailureAction, SensorNoiseAction
+from scenario_compiler.vocabulary.actions.takeover import HandBackAction, RequestAction, WarnAction
 from scenario_compiler.vocabulary.actions.traffic import (
     KeepsVehicles,
     SpeedRange,
@@ -104,6 +105,9 @@ Action = (
     | EndFailureAction
     | WeatherAction
     | MessageAction
+    | RequestAction
+    | WarnAction
+    | HandBackAction
     | StopAction
 )
 
@@ -127,6 +131,7 @@ __all__ = [
     "FinalSpeed",
     "FollowPathAction",
     "FollowTrajectoryAction",
+    "HandBackAction",
     "KeepsVehicles",
     "LaneChangeAction",
     "LaneChangeToAction",
@@ -143,6 +148,7 @@ __all__ = [
     "OverrideControllerAction",
     "RandomRouteAction",
     "RelativeSpeedAction",
+    "RequestAction",
     "SensorNoiseAction",
     "SetVariableAction",
     "Shape",
@@ -162,5 +168,6 @@ __all__ = [
     "TrafficSwarmAction",
     "TrajectoryTiming",
     "VisibilityAction",
+    "WarnAction",
     "WeatherAction",
 ]

@@ -1,0 +1,242 @@
+"""What stands in a world that clients share: vehicles, walkers, props, sensors, lights, signs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from scenario_compiler.carla_server.blueprints import Blueprint
+from scenario_compiler.carla_server.traffic_lights import Light
+from scenario_compiler.frames import CarlaTransform
+from scenario_compiler.perception.labels import Tag
+from scenario_compiler.vocabulary.entities import Vehicle
+
+MASS = 1000.0
+"""CARLA's public default of a vehicle's mass, kg; those of single vehicles are binary assets."""
+
+WALKER_MASS = 80.0
+MAX_STEER = 70.0
+"""Greatest angle of the front wheels, degrees: CARLA's public default."""
+
+TAGS = {
+    "car": Tag.CAR,
+    "van": Tag.TRUCK,
+    "truck": Tag.TRUCK,
+    "bus": Tag.BUS,
+    "motorbike": Tag.MOTORCYCLE,
+    "bicycle": Tag.BICYCLE,
+    "pedestrian": Tag.PEDESTRIAN,
+}
+
+
+@dataclass(eq=False)
+class Actor:
+    """An actor.
+
+    Attributes:
+        id: Its number.
+        blueprint: What it is.
+        attributes: Its attributes, as texts.
+        description: Its description as it came, for the wire.
+        transform: Where it is, CARLA's axes; of a body, where it was when it was last asked for.
+        parent: Actor that it is attached to, 0 for none.
+        relative: Its transform relative to that.
+        row: Its row in the snapshot.
+    """
+
+    id: int
+    blueprint: Blueprint
+    attributes: dict[str, str]
+    description: list[Any]
+    transform: CarlaTransform
+    parent: int = 0
+    relative: CarlaTransform | None = None
+    row: int = -1
+    children: list[int] = field(default_factory=list)
+
+    @property
+    def stream(self) -> int:
+        """Number of its stream, 0 for none."""
+        return 0
+
+    @property
+    def box(self) -> tuple[float, float, float]:
+        """Half extents of its box, m."""
+        return (0.0, 0.0, 0.0)
+
+    @property
+    def tag(self) -> int:
+        """Its semantic tag."""
+        return Tag.UNLABELED
+
+
+@dataclass(eq=False)
+class Body(Actor):
+    """What has a box and a place in the engine.
+
+    Attributes:
+        place: Its number in the engine.
+        shape: Its box and axles.
+        simulates: Whether physics moves it.
+        collides: Whether others touch it.
+        mass: kg.
+        spawned: Where it was spawned, CARLA's axes.
+    """
+
+    place: int = -1
+    shape: Vehicle = field(default_factory=lambda: Vehicle(name="", length=1, width=1, height=1, wheelbase=1, center=0))
+    simulates: bool = True
+    collides: bool = True
+    mass: float = MASS
+    spawned: CarlaTransform = field(default_factory=lambda: CarlaTransform(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+    @property
+    def box(self) -> tuple[float, float, float]:
+        """Half extents of its box, m."""
+        return (0.5 * self.shape.length, 0.5 * self.shape.width, 0.5 * self.shape.height)
+
+    @property
+    def tag(self) -> int:
+        """Its semantic tag."""
+        return TAGS.get(self.shape.category, Tag.DYNAMIC)
+
+    @property
+    def up(self) -> float:
+        """Height of its origin over the ground, m."""
+        return 0.0
+
+
+@dataclass(eq=False)
+class Car(Body):
+    """A vehicle.
+
+    Attributes:
+        control: Throttle, steer, brake, hand brake, reverse, manual gear shift, gear: as a client gave them last.
+        ackermann: Target of the Ackermann controller, or None: steer, steering speed, speed, acceleration, jerk.
+        tuning: Settings of that controller.
+        physics: The physics control that a client gave, or None.
+        lights: Bits of its lights, as CARLA counts them.
+        doors: Doors that are open.
+        constant: Speed that it keeps, m/s, or None.
+        pushed: Change of speed that waits for the next step, m/s.
+        gear: The gear it is in.
+        light: The traffic light that it is at.
+    """
+
+    control: list[Any] = field(default_factory=lambda: [0.0, 0.0, 0.0, False, False, False, 0])
+    ackermann: list[float] | None = None
+    tuning: list[float] = field(default_factory=lambda: [0.15, 0.0, 0.25, 0.01, 0.0, 0.01])
+    physics: list[Any] | None = None
+    lights: int = 0
+    doors: set[int] = field(default_factory=set)
+    constant: float | None = None
+    pushed: float = 0.0
+    gear: int = 1
+    light: Light | None = None
+
+    @property
+    def sticky(self) -> bool:
+        """Whether a control holds until the next one."""
+        return self.attributes.get("sticky_control", "true").lower() != "false"
+
+    @property
+    def two_wheeled(self) -> bool:
+        """Whether it has two wheels."""
+        return self.attributes.get("number_of_wheels") == "2" or self.shape.category in ("bicycle", "motorbike")
+
+    @property
+    def steers(self) -> float:
+        """Greatest angle of its front wheels, degrees."""
+        if self.physics is None:
+            return MAX_STEER
+        return float(max((wheel[2] for wheel in self.physics[15]), default=MAX_STEER))
+
+    @property
+    def grip(self) -> float:
+        """Share of its pedals that its tires bring to the road: all, unless their friction is set below 1."""
+        if self.physics is None:
+            return 1.0
+        return float(min([1.0, *(max(wheel[0], 0.0) for wheel in self.physics[15])]))
+
+    def physics_control(self) -> list[Any]:
+        """Return its physics control: what a client gave, else CARLA's public defaults."""
+        if self.physics is not None:
+            return self.physics
+        length, width = 0.5 * self.shape.wheelbase, 0.4 * self.shape.width
+        x, y, z, _, yaw, _ = self.transform
+        ahead = (math.cos(math.radians(yaw)), math.sin(math.radians(yaw)))
+        wheels = []
+        for along, across in ((1, -1), (1, 1), (-1, -1), (-1, 1)):  # two-wheelers have four in CARLA's physics too
+            place = [
+                100.0 * (x + along * length * ahead[0] - across * width * ahead[1]),
+                100.0 * (y + along * length * ahead[1] + across * width * ahead[0]),
+                100.0 * (z + 0.3),
+            ]
+            steered = MAX_STEER if along > 0 else 0.0
+            wheels.append([3.5, 0.25, steered, 30.0, 1500.0, 0.0 if along > 0 else 3000.0, 2.0, 17.0, 1000.0, place])
+        return [
+            *([[0.0, 500.0], [5000.0, 500.0]], 5000.0, 1.0, 0.15, 2.0, 0.35, True, 0.5, 10.0, 4.0),
+            *([[5.0, 0.5, 0.65]], self.mass, 0.3, [0.0, 0.0, 0.0], [[0.0, 1.0], [120.0, 1.0]], wheels, False),
+        ]
+
+
+@dataclass(eq=False)
+class Walker(Body):
+    """A person on foot.
+
+    Attributes:
+        control: Direction, speed and whether it jumps.
+        bones: Transforms of bones that a client gave, by their names.
+    """
+
+    mass: float = WALKER_MASS
+    control: list[Any] = field(default_factory=lambda: [[1.0, 0.0, 0.0], 0.0, False])
+    bones: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def up(self) -> float:
+        """Height of its origin over the ground, m: the middle of its box."""
+        return 0.5 * self.shape.height
+
+
+@dataclass(eq=False)
+class Sensor(Actor):
+    """A sensor; its stream's number is its own. `due` is the time of its next measurement, s."""
+
+    due: float = -math.inf
+
+    @property
+    def stream(self) -> int:
+        """Number of its stream."""
+        return self.id
+
+    def number(self, name: str) -> float:
+        """Return an attribute as a number, its default where it is none."""
+        for text in (self.attributes.get(name), self.blueprint.defaults.get(name)):
+            try:
+                value = float(text or "")
+            except ValueError:
+                continue
+            if math.isfinite(value):
+                return value
+        return 0.0
+
+
+@dataclass(eq=False)
+class LightActor(Actor):
+    """A traffic light's actor."""
+
+    light: Light | None = None
+
+
+def transform_of(wire: Sequence[Sequence[float]]) -> CarlaTransform:
+    """Return a transform as it lies on the wire: [[x, y, z], [pitch, yaw, roll]]."""
+    (x, y, z), (pitch, yaw, roll) = wire
+    return CarlaTransform(float(x), float(y), float(z), float(pitch), float(yaw), float(roll))
+
+
+def on_wire(transform: CarlaTransform) -> list[list[float]]:
+    """Return a transform as it lies on the wire."""
+    return [list(transform[:3]), list(transform[3:])]

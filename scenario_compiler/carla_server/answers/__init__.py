@@ -1,0 +1,1 @@
+"""What is done for each call; `protocol.py` says for which."""

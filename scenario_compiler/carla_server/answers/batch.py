@@ -1,0 +1,149 @@
+"""Batches: several commands in one call, each answered by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+from scenario_compiler.carla_server.actors import transform_of
+from scenario_compiler.carla_server.answers import actors, vehicles
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.host import Host
+from scenario_compiler.carla_server.layouts import (
+    ACKERMANN,
+    ANYTHING,
+    BOOL,
+    CONTROL,
+    DESCRIPTION,
+    PHYSICS,
+    REAL,
+    TEXT,
+    TRANSFORM,
+    U16,
+    U32,
+    VECTOR,
+    WALKER_CONTROL,
+    Layout,
+    optional,
+    struct,
+)
+
+MOST_AFTER = 64
+"""Commands that follow the spawning of an actor at most."""
+
+
+def nothing(host: Host, number: int, *values: Any) -> None:
+    """Do nothing but find the actor."""
+    del values
+    host.stage.get(number)
+
+
+def _destroy(host: Host, number: int) -> None:
+    actors.destroy(host, number)
+
+
+def _set_lights(host: Host, number: int, state: int) -> None:
+    vehicles.set_lights(host, number, [state])
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of a batch.
+
+    Attributes:
+        name: CARLA's name of it.
+        layouts: What it holds after the actor's id.
+        does: What carries it out.
+    """
+
+    name: str
+    layouts: tuple[Layout, ...]
+    does: Callable[..., None]
+
+
+COMMANDS = (
+    Command("SpawnActor", (), nothing),  # see `_spawn`
+    Command("DestroyActor", (), _destroy),
+    Command("ApplyVehicleControl", (CONTROL,), vehicles.control),
+    Command("ApplyVehicleAckermannControl", (ACKERMANN,), vehicles.ackermann),
+    Command("ApplyWalkerControl", (WALKER_CONTROL,), vehicles.walk),
+    Command("ApplyVehiclePhysicsControl", (PHYSICS,), vehicles.set_physics),
+    Command("ApplyTransform", (TRANSFORM,), actors.set_transform),
+    Command("ApplyWalkerState", (TRANSFORM, REAL), vehicles.walk_state),
+    Command("ApplyTargetVelocity", (VECTOR,), actors.set_velocity),
+    Command("ApplyTargetAngularVelocity", (VECTOR,), nothing),
+    Command("ApplyImpulse", (VECTOR,), actors.add_impulse),
+    Command("ApplyForce", (VECTOR,), actors.add_force),
+    Command("ApplyAngularImpulse", (VECTOR,), nothing),
+    Command("ApplyTorque", (VECTOR,), nothing),
+    Command("SetSimulatePhysics", (BOOL,), actors.simulate_physics),
+    Command("SetEnableGravity", (BOOL,), nothing),
+    Command("SetAutopilot", (BOOL, U16), nothing),
+    Command("ShowDebugTelemetry", (BOOL,), nothing),
+    Command("SetVehicleLightState", (U32,), _set_lights),
+)
+"""The commands, by their number on the wire; LibCarla's `rpc/Command.h`."""
+
+SPAWN = {
+    "0.9.15": struct(
+        "SpawnActor", DESCRIPTION, TRANSFORM, optional(U32), Layout("commands", lambda v: type(v) is list)
+    ),
+    "0.9.16": struct(
+        "SpawnActor",
+        *(DESCRIPTION, TRANSFORM, optional(U32), ANYTHING, TEXT, Layout("commands", lambda v: type(v) is list)),
+    ),
+}
+"""How the first command lies on the wire, by version; a type of attachment that is not used is not initialised."""
+
+
+def apply(host: Host, commands: list[Any], tick: bool) -> Any:
+    """Carry commands out, and do a tick where that is asked for; answer with a response for each."""
+    found = [_carry_out(host, one) for one in commands]
+    if not tick:
+        return found
+    cued = host.cue()
+    return _after(cued, found) if isinstance(cued, Awaitable) else found
+
+
+async def _after(cued: Awaitable[int], found: list[Any]) -> list[Any]:
+    await cued
+    return found
+
+
+def _carry_out(host: Host, wrapped: Any, spawned: int = 0) -> list[Any]:
+    """Carry one command out; return its response. The actor 0 of one that follows a spawning is the spawned one."""
+    try:
+        number, values = _unwrapped(wrapped)
+        if number == 0:
+            return [[1, _spawn(host, values)]]
+        command = COMMANDS[number]
+        if not values or not U32.holds(values[0]):
+            raise CallError(f"{command.name}: the command does not begin with an actor's id")
+        actor = values[0] or spawned
+        given = values[1:]
+        wanted = command.layouts[: len(given)] if command.name == "SetAutopilot" else command.layouts
+        if len(given) != len(wanted) or not all(one.holds(value) for one, value in zip(wanted, given, strict=True)):
+            raise CallError(f"{command.name}: the command does not have the layout of its version")
+        command.does(host, actor, *given)
+    except CallError as fault:
+        return [[0, [str(fault)]]]
+    return [[1, actor]]
+
+
+def _unwrapped(wrapped: Any) -> tuple[int, list[Any]]:
+    if type(wrapped) is list and len(wrapped) == 1 and type(wrapped[0]) is list and len(wrapped[0]) == 2:
+        number, values = wrapped[0]
+        if type(number) is int and 0 <= number < len(COMMANDS) and type(values) is list:
+            return number, values
+    raise CallError("the batch holds something that is no command")
+
+
+def _spawn(host: Host, values: list[Any]) -> int:
+    if not SPAWN[host.version].holds(values):
+        raise CallError("SpawnActor: the command does not have the layout of its version")
+    parent = values[2][1] if values[2][0] else 0
+    actor = actors.spawn(host, values[0], transform_of(values[1]), parent)
+    for one in values[-1][:MOST_AFTER]:
+        _carry_out(host, one, actor.id)
+    return actor.id

@@ -1,0 +1,73 @@
+"""Calls about traffic lights."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from scenario_compiler.carla_server.actors import LightActor
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.host import Host
+from scenario_compiler.carla_server.traffic_lights import Light
+
+
+def light_of(host: Host, number: int) -> Light:
+    """Return a traffic light; CallError where the actor is none."""
+    actor = host.stage.get(number)
+    if not isinstance(actor, LightActor) or actor.light is None:
+        raise CallError(f"actor {number} is {actor.blueprint.name}, not a traffic light")
+    return actor.light
+
+
+def set_state(host: Host, number: int, state: int) -> None:
+    """Let a light show a state, until its group switches."""
+    light = light_of(host, number)
+    light.group.put(light, state)
+
+
+def set_green(host: Host, number: int, seconds: float) -> None:
+    """Set how long a light is green."""
+    light_of(host, number).times[0] = max(seconds, 0.0)
+
+
+def set_yellow(host: Host, number: int, seconds: float) -> None:
+    """Set how long a light is yellow."""
+    light_of(host, number).times[1] = max(seconds, 0.0)
+
+
+def set_red(host: Host, number: int, seconds: float) -> None:
+    """Set how long all are red after a light."""
+    light_of(host, number).times[2] = max(seconds, 0.0)
+
+
+def freeze(host: Host, number: int, frozen: bool) -> None:
+    """Keep a light as it is, and with it its group, or let it go on."""
+    light_of(host, number).frozen = frozen
+
+
+def reset_group(host: Host, number: int) -> None:
+    """Let a light's group begin anew."""
+    light_of(host, number).group.reset()
+
+
+def reset_all(host: Host) -> None:
+    """Let all groups begin anew."""
+    for group in host.stage.groups:
+        group.reset()
+
+
+def freeze_all(host: Host, frozen: bool) -> None:
+    """Keep all lights as they are, or let them go on."""
+    for group in host.stage.groups:
+        for light in group.lights:
+            light.frozen = frozen
+
+
+def group_of(host: Host, number: int) -> list[int]:
+    """Answer with the lights of a light's group."""
+    return [light.actor for light in light_of(host, number).group.lights]
+
+
+def boxes(host: Host, number: int) -> list[Any]:
+    """Answer with the box about a light's lamps."""
+    transform = light_of(host, number).transform
+    return [[list(transform[:3]), [0.2, 0.2, 0.5], list(transform[3:]), number]]

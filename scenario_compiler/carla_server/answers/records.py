@@ -1,0 +1,82 @@
+"""Calls about recordings."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.host import Host
+from scenario_compiler.carla_server.recorder import Recorder, Recording, Replay, file_below
+
+FASTEST_PACE = 100.0
+"""Times as fast as it was that a recording is played at most."""
+
+
+def start(host: Host, name: str, additional: bool) -> str:
+    """Begin to record."""
+    del additional
+    path = file_below(host.files, name)
+    if host.recorder is not None:
+        host.recorder.write()
+    host.recorder = Recorder(path, host.stage.town.name)
+    return f"Recording on file: {path.name}"
+
+
+def stop(host: Host) -> None:
+    """End the recording and write it."""
+    recorder, host.recorder = host.recorder, None
+    if recorder is not None:
+        recorder.write()
+
+
+async def info(host: Host, name: str, everything: bool) -> str:
+    """Answer with what a recording holds."""
+    return (await _read(host, name)).info(everything)
+
+
+async def collisions(host: Host, name: str, first: int, second: int) -> str:
+    """Answer with the collisions of a recording between two kinds of actors."""
+    return (await _read(host, name)).collisions(chr(first & 255), chr(second & 255))
+
+
+async def blocked(host: Host, name: str, least_time: float, least_distance: float) -> str:
+    """Answer with who stood still in a recording."""
+    return (await _read(host, name)).blocked(least_time, least_distance)
+
+
+async def replay(
+    host: Host, name: str, begin: float, duration: float, follow: int, sensors: bool, offset: Any = None
+) -> str:
+    """Play a recording: its bodies appear and are posed as they were."""
+    del follow, sensors, offset
+    recording = await _read(host, name)
+    if recording.town != host.stage.town.name:
+        host.change_town(await host.load(recording.town), reset=False)
+    last = recording.frames[-1][1] if recording.frames else 0.0
+    first = recording.frames[0][1] if recording.frames else 0.0
+    start_at = first + begin if begin >= 0.0 else last + begin
+    end = start_at + duration if duration > 0.0 else last
+    host.replay = Replay(recording, 0, start_at, end)
+    return f"Replaying File: {name}\n\nReplaying from {begin:g} s, {end - start_at:g} s of {last - first:g} s."
+
+
+def stop_replay(host: Host, keep: bool) -> None:
+    """End the playing; its bodies go unless they are to be kept."""
+    playing, host.replay = host.replay, None
+    if playing is not None and not keep:
+        for number in playing.ids.values():
+            if number in host.stage.actors:
+                host.stage.destroy(number)
+
+
+def set_pace(host: Host, factor: float) -> None:
+    """Play faster or slower."""
+    if not 0.0 <= factor <= FASTEST_PACE:
+        raise CallError(f"a recording is played 0 to {FASTEST_PACE:g} times as fast as it was")
+    if host.replay is not None:
+        host.replay.pace = factor
+
+
+async def _read(host: Host, name: str) -> Recording:
+    return await asyncio.to_thread(Recording.read, host.files, name)

@@ -1,0 +1,141 @@
+"""Calls about vehicles and walkers: what drives them, their lights, doors and physics."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from scenario_compiler.carla_server.actors import Car, transform_of
+from scenario_compiler.carla_server.answers.actors import car_of, walker_of
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.host import Host
+
+STEEPEST = 80.0
+"""Greatest angle of a wheel that can be asked for, degrees."""
+
+DOORS = 6
+ALL_DOORS = 6
+"""Number of doors, and what stands for all of them."""
+
+
+def control(host: Host, number: int, wire: list[Any]) -> None:
+    """Drive a vehicle by pedals and wheel; a change of reverse changes the gear, as CARLA's does."""
+    car = car_of(host, number)
+    _, _, _, _, reverse, manual, gear = wire
+    if reverse != car.control[4]:
+        car.gear = -1 if reverse else 1
+    elif manual:
+        car.gear = gear
+    elif car.control[5]:
+        car.gear = -1 if reverse else 1
+    car.control, car.ackermann = wire, None
+    host.stage.command(car)
+
+
+def ackermann(host: Host, number: int, wire: list[float]) -> None:
+    """Drive a vehicle by a target of angle and speed."""
+    car_of(host, number).ackermann = wire
+
+
+def ackermann_settings(host: Host, number: int) -> list[float]:
+    """Answer with the settings of the controller behind that."""
+    return car_of(host, number).tuning
+
+
+def set_ackermann_settings(host: Host, number: int, wire: list[float]) -> None:
+    """Keep settings of the controller behind that; what it does follows the target directly here."""
+    car_of(host, number).tuning = wire
+
+
+def walk(host: Host, number: int, wire: list[Any]) -> None:
+    """Let a walker walk."""
+    walker = walker_of(host, number)
+    walker.control = wire
+    host.stage.walk(walker)
+
+
+def walk_state(host: Host, number: int, transform: list[Any], speed: float) -> None:
+    """Put a walker somewhere and let it walk on at a speed."""
+    walker = walker_of(host, number)
+    placed = transform_of(transform)
+    host.stage.put(walker, placed)
+    yaw = math.radians(placed.yaw)
+    walker.control = [[math.cos(yaw), math.sin(yaw), 0.0], speed, False]
+    host.stage.walk(walker)
+
+
+def bones(host: Host, number: int) -> list[Any]:
+    """Answer with the bones that a client has given a walker: their transforms three times over."""
+    return [[[name, one, one, one] for name, one in walker_of(host, number).bones.items()]]
+
+
+def set_bones(host: Host, number: int, wire: list[Any]) -> None:
+    """Keep the transforms of a walker's bones."""
+    walker = walker_of(host, number)
+    walker.bones.update({name: transform for name, transform in wire[0][:256]})
+    if len(walker.bones) > 256:
+        walker.bones.clear()
+
+
+def physics(host: Host, number: int) -> list[Any]:
+    """Answer with a vehicle's physics control; in a friction trigger its tires have the trigger's friction."""
+    car = car_of(host, number)
+    at = host.stage.transform_of(car)
+    told = car.physics_control()
+    friction = host.stage.friction_at(at)
+    if friction is None:
+        return told
+    return [*told[:15], [[friction, *wheel[1:]] for wheel in told[15]], *told[16:]]
+
+
+def set_physics(host: Host, number: int, wire: list[Any]) -> None:
+    """Take a vehicle's physics control over: greatest wheel angle and mass count, the rest is kept."""
+    car = car_of(host, number)
+    mass, wheels = wire[11], wire[15]
+    if not mass > 0.0 or any(not 0.0 <= wheel[2] <= STEEPEST for wheel in wheels):
+        raise CallError(f"a mass is positive, and a wheel turns 0 to {STEEPEST:g} degrees")
+    car.physics, car.mass = wire, mass
+    host.stage.command(car)
+
+
+def wheel_angle(host: Host, number: int, wheel: int) -> float:
+    """Answer with the angle of a wheel, degrees, positive to the right."""
+    car = car_of(host, number)
+    steers = wheel < (1 if car.two_wheeled else 2)
+    return -math.degrees(host.stage.simulation.state.steer[car.place]) if steers else 0.0
+
+
+def lights(host: Host, number: int) -> list[int]:
+    """Answer with a vehicle's lights."""
+    return [car_of(host, number).lights]
+
+
+def set_lights(host: Host, number: int, wire: list[int]) -> None:
+    """Switch a vehicle's lights."""
+    car_of(host, number).lights = wire[0]
+    host.note_lights()
+
+
+def all_lights(host: Host) -> list[list[int]]:
+    """Answer with the lights of all vehicles that have some on."""
+    return [[body.id, body.lights] for body in host.stage.bodies() if isinstance(body, Car) and body.lights]
+
+
+def open_door(host: Host, number: int, door: int) -> None:
+    """Open a door, or all."""
+    car = car_of(host, number)
+    car.doors |= set(range(DOORS)) if door == ALL_DOORS else {door}
+
+
+def close_door(host: Host, number: int, door: int) -> None:
+    """Close a door, or all."""
+    car = car_of(host, number)
+    car.doors -= set(range(DOORS)) if door == ALL_DOORS else {door}
+
+
+def telemetry(host: Host, number: int) -> list[Any]:
+    """Answer with a vehicle's telemetry: speed, pedals, wheel, gear; what no bicycle has is 0."""
+    car = car_of(host, number)
+    st = host.stage.simulation.state
+    throttle, steer, brake, *_ = car.control
+    return [st.v[car.place], steer, throttle, brake, 0.0, car.gear, 0.3, []]

@@ -1,0 +1,7 @@
+"""What a call that cannot be answered says: CARLA's clients raise it as a RuntimeError."""
+
+from __future__ import annotations
+
+
+class CallError(Exception):
+    """A call has no answer; its text is sent to the client."""

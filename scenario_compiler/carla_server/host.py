@@ -1,0 +1,309 @@
+"""The server's state beyond one map: clock, settings, weather, who listens, and what happens in a tick."""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import msgpack
+
+from scenario_compiler.carla_server.actors import Actor, Car, Sensor
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.recorder import Recorder, Replay
+from scenario_compiler.carla_server.sensors.instrument import Instrument
+from scenario_compiler.carla_server.snapshot import HEADER, LIGHTS_CHANGED, MAP_CHANGED, SENSORS
+from scenario_compiler.carla_server.stage import Stage
+from scenario_compiler.carla_server.towns import Town, load_town
+from scenario_compiler.carla_server.transport import Streams
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
+
+VERSIONS = ("0.9.15", "0.9.16")
+"""Versions of CARLA whose clients are served."""
+
+SNAPSHOTS = 1
+"""Number of the stream of snapshots."""
+
+TOKEN = struct.Struct("<IHBB16x")
+"""Stream, port, protocol (1 is TCP), and kind of address (0: that of the calls)."""
+
+FREE_STEP = 0.05
+"""Time step in asynchronous mode where none is fixed, s."""
+
+LONGEST_STEP = 10.0
+"""Longest time step, s."""
+
+ANNOUNCED = 0.3
+READY = 1.3
+DRAINED = 1.0
+"""How long a tick waits for a listener who is about to come, for a camera to be ready, for one who is behind, s."""
+
+Failed = Callable[[str], None]
+
+
+PERCENT = (
+    *("cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "fog_density", "wetness"),
+    "dust_storm",
+)
+"""Numbers of a weather that are percentages; others are as a client has given them."""
+
+
+def sky_of(numbers: Sequence[float]) -> Weather:
+    """Return the weather of CARLA's 14 numbers; -1 leaves one to the map, percentages stay from 0 to 100."""
+    names = [name for name in Weather.model_fields if name not in ("word", "preset")]
+    given = dict(zip(names, numbers, strict=True))
+    for name in PERCENT:
+        value = given[name]
+        given[name] = -1.0 if value == -1.0 and name != "dust_storm" else min(max(value, 0.0), 100.0)
+    return Weather.model_validate(given)
+
+
+@dataclass
+class Settings:
+    """The settings of an episode, in the order of the wire."""
+
+    synchronous: bool = False
+    no_rendering: bool = False
+    step: float | None = None
+    substepping: bool = True
+    substep: float = 0.01
+    substeps: int = 10
+    culling: float = 0.0
+    ragdolls: bool = True
+    tiles: float = 3000.0
+    active: float = 2000.0
+    spectator_as_ego: bool = True
+
+    def on_wire(self) -> list[Any]:
+        """Return them as they lie on the wire."""
+        step = [False] if self.step is None else [True, self.step]
+        return [
+            *(self.synchronous, self.no_rendering, step, self.substepping, self.substep, self.substeps, self.culling),
+            *(self.ragdolls, self.tiles, self.active, self.spectator_as_ego),
+        ]
+
+    @classmethod
+    def of(cls, wire: Sequence[Any]) -> Settings:
+        """Read them from the wire.
+
+        Raises:
+            CallError: The time step is out of bounds.
+        """
+        step = wire[2][1] if wire[2][0] else 0.0
+        if not 0.0 <= step <= LONGEST_STEP:
+            raise CallError(f"fixed_delta_seconds is {step:g}: 0 to {LONGEST_STEP:g} s can be served")
+        return cls(wire[0], wire[1], step if step > 0.0 else None, *wire[3:])
+
+
+@dataclass(eq=False)
+class Work:
+    """A sensor at work: its instrument, and the task that prepares it."""
+
+    instrument: Instrument
+    ready: asyncio.Future[None]
+
+
+@dataclass(eq=False)
+class Host:
+    """What is served.
+
+    Attributes:
+        version: Version of CARLA that is answered for.
+        folders: Where maps are looked for first.
+        files: Folder of recordings.
+        port: Port of the streams.
+        log: Takes what is to be told of the server's work, a line each.
+        stage: The world on the present map.
+        streams: Who listens.
+    """
+
+    version: str
+    folders: tuple[Path, ...]
+    files: Path
+    port: int
+    log: Callable[[str], None]
+    stage: Stage
+    streams: Streams = field(init=False)
+    settings: Settings = field(default_factory=Settings)
+    weather: tuple[float, ...] = WEATHER_PRESETS["ClearNoon"]
+    sky: Weather = field(default_factory=lambda: sky_of(WEATHER_PRESETS["ClearNoon"]))
+    episode: int = 1
+    frame: int = 1
+    managers: dict[int, list[Any]] = field(default_factory=dict)
+    shapes: list[Any] = field(default_factory=list)
+    generated: str = ""
+    recorder: Recorder | None = None
+    replay: Replay | None = None
+    told: set[str] = field(default_factory=set)
+    _work: dict[int, Work] = field(default_factory=dict)
+    _bits: int = 0
+    _free: asyncio.Event = field(default_factory=asyncio.Event)
+    _began: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.streams = Streams(self.knows, self.log)
+        self._free.set()
+
+    def knows(self, number: int) -> bool:
+        """Return whether there is a stream of a number."""
+        return number == SNAPSHOTS or isinstance(self.stage.actors.get(number), Sensor)
+
+    def once(self, text: str) -> None:
+        """Log a line the first time only."""
+        if text not in self.told and len(self.told) < 1000:
+            self.told.add(text)
+            self.log(text)
+
+    def token(self, number: int) -> bytes:
+        """Return the token of a stream."""
+        return TOKEN.pack(number, self.port, 1, 0)
+
+    def wire(self, actor: Actor) -> list[Any]:
+        """Return an actor as it lies on the wire."""
+        found = self.stage.wire(actor)
+        if actor.stream:
+            found[5] = self.token(actor.stream)
+        return found
+
+    def employ(self, sensor: Sensor, instrument: Instrument) -> None:
+        """Take an instrument to work; what takes long is prepared in a thread."""
+        self._work[sensor.id] = Work(instrument, asyncio.ensure_future(asyncio.to_thread(instrument.prepare)))
+
+    def dismiss(self, number: int) -> None:
+        """End a sensor's stream and work."""
+        self._work.pop(number, None)
+        self.streams.close(number)
+
+    @property
+    def step_length(self) -> float:
+        """Length of the next time step, s."""
+        return FREE_STEP if self.settings.step is None else self.settings.step
+
+    def change_settings(self, settings: Settings) -> int:
+        """Take settings over; in asynchronous mode they hold for the next snapshot, which is made at once."""
+        self.settings = settings
+        if settings.synchronous:
+            self._free.clear()
+            return self.frame
+        self._free.set()
+        return self.tick()
+
+    def change_town(self, town: Town, *, reset: bool) -> None:
+        """Begin a new episode on a map."""
+        for number in list(self._work):
+            self.dismiss(number)
+        self.stage = Stage(town, self.version)
+        self.episode += 1
+        self.shapes.clear()
+        self.recorder = self.replay = None
+        if reset:
+            self.settings = Settings()
+            self._free.set()
+        self._bits |= MAP_CHANGED
+        asyncio.get_running_loop().run_in_executor(None, town.scene)
+        self.tick()
+
+    async def load(self, name: str) -> Town:
+        """Load a map in a thread; an empty name is the present one."""
+        return self.stage.town if not name else await asyncio.to_thread(load_town, name, self.folders)
+
+    def note_lights(self) -> None:
+        """Let the next snapshot say that lights have changed."""
+        self._bits |= LIGHTS_CHANGED
+
+    def cue(self) -> int | Awaitable[int]:
+        """Do a tick for a client; wait first for who is about to listen, for cameras and for who is behind."""
+        busy = any(not work.ready.done() for number, work in self._work.items() if self.streams.heard(number))
+        if self.streams.announced or busy or self.streams.behind:
+            return self._patiently()
+        return self.tick()
+
+    async def _patiently(self) -> int:
+        await self.streams.wait_for_announced(ANNOUNCED)
+        waiting = [work.ready for number, work in self._work.items() if self.streams.heard(number)]
+        if waiting:
+            await asyncio.wait(waiting, timeout=READY)
+        loop = asyncio.get_running_loop()
+        end = loop.time() + DRAINED
+        while self.streams.behind and loop.time() < end:
+            await asyncio.sleep(0.001)
+        return self.tick()
+
+    async def run_freely(self) -> None:
+        """Tick in real time for as long as the mode is asynchronous."""
+        loop = asyncio.get_running_loop()
+        self._began = loop.time()
+        due = loop.time()
+        while True:
+            await self._free.wait()
+            due = max(due + self.step_length, loop.time() - self.step_length)
+            await asyncio.sleep(max(due - loop.time(), 0.001))
+            if not self.settings.synchronous:
+                try:
+                    self.tick()
+                except Exception as fault:  # a fault of ours does not stop the clock
+                    self.once(f"a tick failed: {type(fault).__name__}: {str(fault)[:200]}")
+
+    def tick(self) -> int:
+        """Move the world on by a step and tell who listens; return the number of the frame."""
+        dt = self.step_length
+        if self.replay is not None and not self.replay.pose(self.stage, self.version, dt):
+            self.replay = None
+        self.stage.step(dt)
+        self.frame += 1
+        for car in self.stage.bodies():
+            if isinstance(car, Car) and not car.sticky:
+                car.control = [0.0, 0.0, 0.0, False, False, False, 0]
+                self.stage.command(car)
+        if self.recorder is not None:
+            self.recorder.note(self.stage, self.frame, dt)
+        self._send(dt)
+        return self.frame
+
+    def _send(self, dt: float) -> None:
+        if self.streams.heard(SNAPSHOTS):
+            platform = asyncio.get_running_loop().time() - self._began
+            message = self.stage.rows.message(
+                self.version, self.frame, self.stage.time, self.episode, platform, dt, self._bits
+            )
+            self.streams.send(SNAPSHOTS, message)
+            self._bits = 0
+        for number, work in list(self._work.items()):
+            if self.streams.heard(number) and work.ready.done():
+                self._measure(number, work, dt)
+        self._tell_collisions()
+
+    def _measure(self, number: int, work: Work, dt: float) -> None:
+        sensor = self.stage.actors[number]
+        assert isinstance(sensor, Sensor)
+        every = sensor.number("sensor_tick")
+        if every > 0.0:
+            if self.stage.time < sensor.due - 1e-6:
+                return
+            late = sensor.due < self.stage.time - every
+            sensor.due = self.stage.time + every if late else sensor.due + every
+        fault = work.ready.exception()
+        if fault is not None:
+            self.once(f"sensor {number} ({sensor.blueprint.name}) cannot work: {fault}")
+            return
+        body = work.instrument.measure(self.stage, sensor, self.frame, dt, self.sky)
+        if body is not None:
+            self.streams.send(number, self._head(sensor) + body)
+
+    def _head(self, sensor: Sensor) -> bytes:
+        kind = SENSORS.index(sensor.blueprint.name.rpartition(".")[2])
+        return HEADER.pack(kind, self.frame, self.stage.time, *self.stage.transform_of(sensor))
+
+    def _tell_collisions(self) -> None:
+        for one, other, impulse in self.stage.collisions:
+            for body, met, sign in ((one, other, 1.0), (other, one, -1.0)):
+                for number in body.children:
+                    sensor = self.stage.actors.get(number)
+                    if not isinstance(sensor, Sensor) or sensor.blueprint.name != "sensor.other.collision":
+                        continue
+                    pushed = [sign * value for value in impulse]
+                    packed = msgpack.packb([self.wire(body), self.wire(met), pushed], use_single_float=True)
+                    self.streams.send(number, self._head(sensor) + packed)

@@ -1,0 +1,213 @@
+"""Recordings of the server: actors, poses and collisions by frame, in a format of our own, below the served folder."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import msgpack
+
+from scenario_compiler.carla_server.actors import Body, Car, Walker
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.spawning import new_body
+from scenario_compiler.carla_server.stage import Stage
+from scenario_compiler.files import MAX_BYTES
+from scenario_compiler.frames import CarlaTransform
+from scenario_compiler.outputs import write_whole
+
+MAGIC = "scenario-compiler recording 1"
+MOST_STATES = 2_000_000
+"""States of bodies in a recording at most, over all frames: what comes after them is left out."""
+
+KINDS = {"h": "hero", "v": "vehicle", "w": "walker", "t": "traffic_light", "o": "other", "a": "any"}
+"""Kinds of actors as clients ask for collisions of them."""
+
+
+def file_below(folder: Path, name: str) -> Path:
+    """Return the file of a recording.
+
+    Raises:
+        CallError: It is not below the served folder.
+    """
+    if not name or "\x00" in name:
+        raise CallError("the recording has no name")
+    path = (folder / name.replace("\\", "/")).resolve()
+    if not path.is_relative_to(folder.resolve()) or path == folder.resolve():
+        raise CallError(f"'{name}' is not below the served folder: give a name without a path")
+    return path
+
+
+@dataclass(eq=False)
+class Recorder:
+    """A recording under way.
+
+    Attributes:
+        path: Where it is written when it ends.
+        town: Name of the map.
+        actors: Bodies that have been there: id to description and kind.
+        frames: Frame, time, step, states (id, transform, speed) and collisions (ids).
+        kept: How many states have been taken down.
+    """
+
+    path: Path
+    town: str
+    actors: dict[int, list[Any]] = field(default_factory=dict)
+    frames: list[Any] = field(default_factory=list)
+    kept: int = 0
+
+    def note(self, stage: Stage, frame: int, dt: float) -> None:
+        """Take a frame down; a recording that is too long is not continued."""
+        if self.kept >= MOST_STATES:
+            return
+        states = []
+        for body in stage.bodies():
+            if body.id not in self.actors:
+                self.actors[body.id] = [body.description, _kind(body)]
+            states.append([body.id, list(stage.transform_of(body)), stage.simulation.state.v[body.place]])
+        met = [[one.id, other.id] for one, other, _ in stage.collisions]
+        self.kept += len(states) + 1
+        self.frames.append([frame, stage.time, dt, states, met])
+
+    def write(self) -> None:
+        """Write it."""
+        packed = msgpack.packb([MAGIC, self.town, self.actors, self.frames])
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(self.path, zlib.compress(packed))
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A recording that is read; see `Recorder`."""
+
+    name: str
+    town: str
+    actors: dict[int, list[Any]]
+    frames: list[Any]
+
+    @classmethod
+    def read(cls, folder: Path, name: str) -> Recording:
+        """Read a recording.
+
+        Raises:
+            CallError: There is none, or it is not one of ours.
+        """
+        path = file_below(folder, name)
+        if not path.is_file():
+            raise CallError(f"File {name} not found on server")
+        try:
+            unpacked = zlib.decompressobj().decompress(path.read_bytes(), MAX_BYTES)
+            magic, town, actors, frames = msgpack.unpackb(unpacked, strict_map_key=False)
+        except (ValueError, zlib.error, msgpack.UnpackException) as fault:
+            raise CallError(f"File {name} is no recording of this server") from fault
+        if magic != MAGIC:
+            raise CallError(f"File {name} is no recording of this server")
+        return cls(name, town, actors, frames)
+
+    def info(self, every: bool) -> str:
+        """Return what CARLA's recorder tells of a file: actors as they come, with `every` each frame's states too."""
+        lines = ["Version: 1", f"Map: {self.town}", ""]
+        known: set[int] = set()
+        for frame, time, _, states, met in self.frames:
+            new = [state[0] for state in states if state[0] not in known]
+            if new or met or every:
+                lines.append(f"Frame {frame} at {time:g} seconds")
+            for number in new:
+                (_, name, attributes), kind = self.actors[number]
+                lines.append(f" Create {number}: {name} ({kind})")
+                lines += [f"  {key} = {value}" for key, _, value in attributes]
+            known.update(new)
+            lines += [f" Collision between {one} and {other}" for one, other in met]
+            if every:
+                lines += [f"  {number}: {', '.join(f'{x:.3f}' for x in at)}" for number, at, _ in states]
+        last = self.frames[-1] if self.frames else [0, 0.0]
+        return "\n".join([*lines, "", f"Frames: {len(self.frames)}", f"Duration: {last[1]:g} seconds"])
+
+    def collisions(self, first: str, second: str) -> str:
+        """Return the collisions between two kinds of actors, in the columns of CARLA's."""
+        lines = [f"{'Time':>8}  Types     Id Actor 1                     Id Actor 2", ""]
+        touching: set[tuple[int, int]] = set()
+        for _, time, _, _, met in self.frames:
+            now = {(one, other) for one, other in met}
+            for one, other in sorted(now - touching):
+                kinds = [self._letter(number) for number in (one, other)]
+                for (a, b), wanted in (((one, other), kinds), ((other, one), kinds[::-1])):
+                    if first in ("a", wanted[0]) and second in ("a", wanted[1]):
+                        names = [self._name(number) for number in (a, b)]
+                        lines.append(f"{time:8.1f}  {wanted[0]} {wanted[1]}   {a:>6} {names[0]:<28} {b:>6} {names[1]}")
+                        break
+            touching = now
+        return "\n".join([*lines, "", f"Frames: {len(self.frames)}"])
+
+    def blocked(self, least_time: float, least_distance: float) -> str:
+        """Return who has moved less than a distance for a time, in the columns of CARLA's."""
+        lines = [f"{'Time':>8}      Id Actor                                Duration", ""]
+        since: dict[int, tuple[float, list[float]]] = {}
+        told: dict[int, float] = {}
+        for _, time, _, states, _ in self.frames:
+            for number, at, _ in states:
+                begin, where = since.get(number, (time, at))
+                apart = sum((a - b) ** 2 for a, b in zip(at[:3], where[:3], strict=True)) ** 0.5
+                if number not in since or apart > least_distance / 100.0:
+                    since[number], begin = (time, at), time
+                if time - begin >= least_time:
+                    told[number] = time - begin
+        for number, lasted in sorted(told.items()):
+            lines.append(f"{since[number][0]:8.1f}  {number:>6} {self._name(number):<36} {lasted:8.1f}")
+        return "\n".join([*lines, "", f"Frames: {len(self.frames)}"])
+
+    def _name(self, number: int) -> str:
+        name: str = self.actors[number][0][1]
+        return name
+
+    def _letter(self, number: int) -> str:
+        (_, _, attributes), kind = self.actors[number]
+        return "h" if ["role_name", "hero"] in [[one[0], one[2]] for one in attributes] else str(kind[:1])
+
+
+@dataclass(eq=False)
+class Replay:
+    """A recording that is played: its bodies are spawned anew and posed frame by frame.
+
+    Attributes:
+        recording: What is played.
+        ids: The id of each of its bodies now.
+        at: Place of the next frame.
+        end: Time at which it ends, s.
+        pace: Seconds of the recording in a second.
+    """
+
+    recording: Recording
+    at: int
+    time: float
+    end: float
+    pace: float = 1.0
+    ids: dict[int, int] = field(default_factory=dict)
+
+    def pose(self, stage: Stage, version: str, dt: float) -> bool:
+        """Put its bodies to where they were; return False where it is over."""
+        frames = self.recording.frames
+        self.time += dt * self.pace
+        while self.at < len(frames) and frames[self.at][1] < self.time - 1e-6:
+            self.at += 1
+        if self.at >= len(frames) or self.time > self.end:
+            return False
+        for number, at, speed in frames[self.at][3]:
+            if self.ids.get(number) not in stage.actors:
+                description, _ = self.recording.actors[number]
+                try:
+                    self.ids[number] = stage.add_body(new_body(version, description, CarlaTransform(*at))).id
+                except CallError:
+                    continue
+            body = stage.actors[self.ids[number]]
+            assert isinstance(body, Body)
+            stage.put(body, CarlaTransform(*at))
+            stage.set_speed(body, speed)
+            if isinstance(body, Car):
+                stage.let_simulate(body, False)
+        return True
+
+
+def _kind(body: Body) -> str:
+    return "vehicle" if isinstance(body, Car) else "walker" if isinstance(body, Walker) else "other"

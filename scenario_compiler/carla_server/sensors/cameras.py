@@ -1,0 +1,210 @@
+"""Cameras: colours, depth, kinds and instances, drawn by our own renderer wherever the camera is."""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.carla_server.actors import Body, Car, Sensor
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.stage import Stage
+from scenario_compiler.carla_server.traffic_lights import GREEN, RED, YELLOW
+from scenario_compiler.frames import pose_from_carla
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.labels import FARTHEST_DEPTH
+from scenario_compiler.perception.models import Lamp
+from scenario_compiler.perception.render import Drawing
+from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.perception.solids import Box
+from scenario_compiler.roads import Pose
+from scenario_compiler.vocabulary.weather import Weather
+
+Image = NDArray[np.uint8]
+
+IMAGE = struct.Struct("<IIf")
+"""Width, height and field of view, before the pixels."""
+
+MOST_PIXELS = 4096 * 4096
+WIDEST = 170.0
+"""Pixels of an image at most, and the widest field of view, degrees."""
+
+CLOSE = 0.3
+"""How far outside its carrier's box a camera still does not see it, m."""
+
+SEED = 1
+DEPTH_STEPS = (1 << 24) - 1
+"""Steps of the depth that three bytes hold, from 0 to 1000 m."""
+
+LAMPS = {1: Lamp.AUTOMATIC, 2: Lamp.LOW_BEAM, 4: Lamp.HIGH_BEAM, 8: Lamp.BRAKE}
+"""Lamps by the bits of CARLA's light state: position, low beam, high beam, brake."""
+
+SHOWN = {RED: "red", YELLOW: "yellow", GREEN: "green"}
+
+
+class CameraInstrument:
+    """A camera: where it is mounted decides what is prepared for it."""
+
+    def __init__(self, stage: Stage, sensor: Sensor) -> None:
+        """Read its attributes.
+
+        Raises:
+            CallError: The image would be too large or its field of view too wide.
+        """
+        self.width, self.height = (max(int(sensor.number(f"image_size_{axis}")), 1) for axis in "xy")
+        self.fov = sensor.number("fov")
+        if self.width * self.height > MOST_PIXELS or not 0.0 < self.fov <= WIDEST:
+            raise CallError(f"unable to spawn actor: an image has at most {MOST_PIXELS} pixels and {WIDEST:g} degrees")
+        self.town = stage.town
+        self._encode = ENCODINGS[sensor.blueprint.name]
+        self._camera: RoadCamera | None = None
+        self._mounted: tuple[float, ...] = ()
+        _, mounting, center = self._mounting(stage, sensor)
+        self._first = (mounting, center)
+
+    def prepare(self) -> None:
+        """Make the map's scene and the renderer."""
+        self._mount(*self._first)
+
+    def _mount(self, mounting: tuple[float, ...], center: float) -> RoadCamera:
+        """Return the drawing for a mounting: x, y, z, yaw, pitch, roll relative to what carries it."""
+        if self._camera is None or mounting != self._mounted:
+            x, y, z, yaw, pitch, roll = mounting
+            fov = math.radians(self.fov)
+            camera = Camera(self.width, self.height, fov, x, y, z, yaw, pitch, roll, windscreen=False)
+            self._camera = RoadCamera(self.town.scene(), camera, SEED, center)
+            self._mounted = mounting
+        return self._camera
+
+    def _mounting(self, stage: Stage, sensor: Sensor) -> tuple[Pose, tuple[float, ...], float]:
+        """Return what carries the camera, how it is mounted there, and how far ahead of it the mount's origin is."""
+        parent = stage.actors.get(sensor.parent)
+        if isinstance(parent, Body) and sensor.relative is not None:
+            x, y, z, pitch, yaw, roll = sensor.relative
+            turned = (-math.radians(yaw), math.radians(pitch), math.radians(roll))
+            return stage.pose_of(parent), (x, -y, z + parent.up, *turned), parent.shape.center
+        at = stage.transform_of(sensor)
+        placed = pose_from_carla(at)
+        ground = stage.town.ground_at(placed.x, placed.y)
+        below = 0.0 if ground is None else ground.z
+        pose = Pose(placed.x, placed.y, below, placed.heading, 0.0, 0.0)
+        height = round(placed.z - below, 3)
+        return pose, (0.0, 0.0, height, 0.0, -placed.pitch, placed.roll), 0.0
+
+    def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
+        """Draw the image."""
+        del dt
+        pose, mounting, center = self._mounting(stage, sensor)
+        camera = self._mount(mounting, center)
+        inside = self._is_inside(stage, sensor)
+        drawing = camera.draw(pose, boxes_of(stage, sensor.parent if inside else 0), weather, signals_of(stage))
+        pixels = self._encode(drawing, frame)
+        return IMAGE.pack(self.width, self.height, self.fov) + pixels.tobytes()
+
+    @staticmethod
+    def _is_inside(stage: Stage, sensor: Sensor) -> bool:
+        """Return whether the camera is in or close to the box of what carries it, which it then does not see."""
+        parent = stage.actors.get(sensor.parent)
+        if not isinstance(parent, Body) or sensor.relative is None:
+            return False
+        x, y, z, *_ = sensor.relative
+        length, width, height = parent.box
+        return abs(x) < length + CLOSE and abs(y) < width + CLOSE and -CLOSE < z + parent.up < 2.0 * height + CLOSE
+
+
+def boxes_of(stage: Stage, without: int) -> list[Box]:
+    """Return every body but one as the renderer draws it."""
+    boxes = []
+    for body in stage.bodies():
+        if body.id == without:
+            continue
+        pose, shape = stage.pose_of(body), body.shape
+        level = math.cos(pose.pitch) * shape.center
+        braking = False
+        lamps = Lamp.AUTOMATIC
+        if isinstance(body, Car):
+            braking = body.control[2] > 0.0
+            for bit, lamp in LAMPS.items():
+                lamps |= lamp if body.lights & bit else Lamp.NONE
+        boxes.append(
+            Box(
+                pose.x + level * math.cos(pose.heading),
+                pose.y + level * math.sin(pose.heading),
+                pose.z - math.sin(pose.pitch) * shape.center,
+                pose.heading,
+                shape.length,
+                shape.width,
+                shape.height,
+                _colour_of(body),
+                shape.category,
+                pose.pitch,
+                pose.roll,
+                lamps | Lamp.BRAKE if braking else lamps,
+                body.id,
+            )
+        )
+    return boxes
+
+
+def signals_of(stage: Stage) -> Mapping[str, str]:
+    """Return what each traffic light shows."""
+    return {
+        light.signal: SHOWN[light.state] for group in stage.groups for light in group.lights if light.state in SHOWN
+    }
+
+
+def _colour_of(body: Body) -> tuple[int, int, int]:
+    """Return a body's colour (blue, green, red): that of its attribute, else one that its id decides."""
+    parts = body.attributes.get("color", "").split(",")
+    if len(parts) == 3 and all(part.strip().isdigit() for part in parts):
+        red, green, blue = (min(int(part), 255) for part in parts)
+        return blue, green, red
+    mixed = zlib.crc32(str(body.id).encode())
+    return 60 + mixed % 160, 60 + mixed // 256 % 160, 60 + mixed // 65536 % 160
+
+
+def _with_alpha(image: Image) -> Image:
+    full = np.empty((*image.shape[:2], 4), np.uint8)
+    full[..., :3], full[..., 3] = image, 255
+    return full
+
+
+def colours(drawing: Drawing, frame: int) -> Image:
+    """Return the picture, (height, width, 4), BGRA."""
+    return _with_alpha(drawing.image(SEED, frame))
+
+
+def depth(drawing: Drawing, frame: int) -> Image:
+    """Return the depth: R + 256 G + 65536 B of 2^24 - 1 steps up to 1000 m, as CARLA encodes it."""
+    del frame
+    steps = (drawing.depth.astype(np.float64) * (DEPTH_STEPS / FARTHEST_DEPTH)).astype(np.uint32)
+    image = np.stack([steps >> 16 & 255, steps >> 8 & 255, steps & 255], axis=2)
+    return _with_alpha(image.astype(np.uint8))
+
+
+def kinds(drawing: Drawing, frame: int) -> Image:
+    """Return the semantic tag in the red channel."""
+    del frame
+    image = np.zeros((*drawing.semantic.shape, 3), np.uint8)
+    image[..., 2] = drawing.semantic
+    return _with_alpha(image)
+
+
+def instances(drawing: Drawing, frame: int) -> Image:
+    """Return the semantic tag in the red channel and the thing's number in green (low) and blue (high)."""
+    image = kinds(drawing, frame)
+    number = drawing.instance & 0xFFFF
+    image[..., 1], image[..., 0] = number & 255, number >> 8
+    return image
+
+
+ENCODINGS: dict[str, Callable[[Drawing, int], Image]] = {
+    "sensor.camera.rgb": colours,
+    "sensor.camera.depth": depth,
+    "sensor.camera.semantic_segmentation": kinds,
+    "sensor.camera.instance_segmentation": instances,
+}

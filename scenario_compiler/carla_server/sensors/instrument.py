@@ -1,0 +1,40 @@
+"""What a sensor needs to know of the world, and what it is."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from scenario_compiler.carla_server.actors import Sensor
+from scenario_compiler.carla_server.stage import Stage
+from scenario_compiler.vocabulary.weather import Weather
+
+
+class Instrument(Protocol):
+    """A sensor at work."""
+
+    def prepare(self) -> None:
+        """Do what takes long, in a thread of its own, before the first measurement."""
+        ...
+
+    def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
+        """Return the body of the message of this tick, None for no message."""
+        ...
+
+
+class Simple:
+    """An instrument that needs no preparation."""
+
+    def __init__(self, stage: Stage, sensor: Sensor) -> None:
+        """Measure for a sensor on a stage."""
+        del stage, sensor
+
+    def prepare(self) -> None:
+        """Nothing takes long."""
+
+
+def generator(sensor: Sensor, frame: int) -> np.random.Generator:
+    """Return the source of a sensor's noise in a frame: it depends on the sensor's seed, its number and the frame."""
+    seed = int(sensor.number("noise_seed"))
+    return np.random.Generator(np.random.Philox(key=[seed & (1 << 63) - 1, (sensor.id << 32) + (frame & 0xFFFFFFFF)]))

@@ -1,0 +1,233 @@
+"""Lidar, semantic lidar, radar and obstacle detection: rays that meet the road's plane and the bodies' boxes.
+
+The road is taken for the plane that the sensor's carrier stands on. What a lidar loses follows CARLA's documentation
+of `sensor.lidar.ray_cast`: intensity falls by exp(-attenuation x distance), a share of the points is dropped at random,
+and of those below an intensity more the weaker they are.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+
+import msgpack
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.carla_server.actors import Body, Sensor, Walker
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.sensors.instrument import Simple, generator
+from scenario_compiler.carla_server.stage import Stage
+from scenario_compiler.frames import carla_axes
+from scenario_compiler.perception.labels import Tag
+from scenario_compiler.vocabulary.weather import Weather
+
+Floats = NDArray[np.float64]
+
+MOST_RAYS = 2_000_000
+"""Rays in a tick at most."""
+
+GROUND = -1
+NOTHING = -2
+"""What a ray meets in place of a body's number."""
+
+
+class Rays:
+    """What rays from a point meet.
+
+    Attributes:
+        distance: (rays,) to what they meet, m; infinite for nothing.
+        target: (rays,) place in `bodies`, GROUND or NOTHING.
+        bodies: The bodies.
+        normal: (rays, 3) of the surface that is met, CARLA's axes.
+    """
+
+    def __init__(self, stage: Stage, origin: Floats, directions: Floats, reach: float, without: int) -> None:
+        """Cast rays.
+
+        Args:
+            stage: The world.
+            origin: (3,) where they begin, CARLA's axes, m.
+            directions: (rays, 3) unit vectors.
+            reach: How far they go, m.
+            without: Id of the actor that they pass through: the sensor's carrier.
+        """
+        count = len(directions)
+        self.distance = np.full(count, np.inf)
+        self.target = np.full(count, NOTHING)
+        self.normal = np.zeros((count, 3))
+        self.bodies: list[Body] = []
+        self._meet_ground(stage, origin, directions, without)
+        for body in stage.bodies():
+            if body.id != without:
+                self._meet_box(stage, body, origin, directions, reach)
+        far = self.distance > reach
+        self.distance[far], self.target[far] = np.inf, NOTHING
+
+    def _meet_ground(self, stage: Stage, origin: Floats, directions: Floats, without: int) -> None:
+        carrier = stage.actors.get(without)
+        if isinstance(carrier, Body):
+            x, y, z, pitch, yaw, roll = stage.transform_of(carrier)
+            up = np.array(carla_axes(pitch, yaw, roll)[2])
+            foot = np.array([x, y, z]) - carrier.up * up
+        else:
+            ground = stage.town.ground_at(float(origin[0]), -float(origin[1]))
+            up = np.array([0.0, 0.0, 1.0])
+            foot = np.array([origin[0], origin[1], 0.0 if ground is None else ground.z])
+        height = float(up @ (origin - foot))
+        fall = -(directions @ up)
+        meets = (fall > 1e-6) & (height > 0.0)
+        self.distance[meets] = height / fall[meets]
+        self.target[meets] = GROUND
+        self.normal[meets] = up
+
+    def _meet_box(self, stage: Stage, body: Body, origin: Floats, directions: Floats, reach: float) -> None:
+        x, y, z, pitch, yaw, roll = stage.transform_of(body)
+        axes = np.array(carla_axes(pitch, yaw, roll))
+        half = np.array(body.box)
+        middle = np.array([x, y, z]) + axes[2] * (half[2] - body.up)
+        to = middle - origin
+        if float(np.linalg.norm(to)) > reach + float(np.linalg.norm(half)):
+            return
+        here, rays = axes @ -to, directions @ axes.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, two = (-half - here) / rays, (half - here) / rays
+        near, far = np.minimum(one, two), np.maximum(one, two)
+        near, far = np.nan_to_num(near, nan=-np.inf), np.nan_to_num(far, nan=np.inf)
+        face = np.argmax(near, axis=1)
+        enters, leaves = near.max(axis=1), far.min(axis=1)
+        met = (enters <= leaves) & (enters > 0.0) & (enters < self.distance)
+        if not met.any():
+            return
+        self.distance[met] = enters[met]
+        self.target[met] = len(self.bodies)
+        self.normal[met] = axes[face[met]] * -np.sign(rays[met, face[met]])[:, None]
+        self.bodies.append(body)
+
+    def tags(self) -> NDArray[np.uint32]:
+        """Return the semantic tag of what each ray meets."""
+        tags = np.array([*(body.tag for body in self.bodies), Tag.UNLABELED, Tag.ROAD], np.uint32)
+        return np.asarray(tags[self.target], np.uint32)
+
+    def numbers(self) -> NDArray[np.uint32]:
+        """Return the id of the actor that each ray meets, 0 for none."""
+        return np.asarray(np.array([*(body.id for body in self.bodies), 0, 0], np.uint32)[self.target], np.uint32)
+
+
+class Lidar(Simple):
+    """A lidar that turns, plain or semantic."""
+
+    def __init__(self, stage: Stage, sensor: Sensor) -> None:
+        """Begin to turn.
+
+        Raises:
+            CallError: It would cast too many rays.
+        """
+        super().__init__(stage, sensor)
+        self.channels = max(int(sensor.number("channels")), 1)
+        self.semantic = sensor.blueprint.name.endswith("semantic")
+        if self.channels > 1024 or sensor.number("points_per_second") > 20 * MOST_RAYS:
+            raise CallError("unable to spawn actor: the lidar has too many channels or points")
+        self._angle = 0.0
+
+    def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
+        """Turn on and return the points of this tick, channel by channel."""
+        del weather
+        field = sensor.number("horizontal_fov")
+        turn = min(sensor.number("rotation_frequency") * field * dt, field)
+        each = min(round(sensor.number("points_per_second") * dt / self.channels), MOST_RAYS // self.channels)
+        fans = np.radians(np.linspace(sensor.number("upper_fov"), sensor.number("lower_fov"), self.channels))
+        angles = np.radians((self._angle + turn * np.arange(each) / max(each, 1)) % max(field, 1e-6) - 0.5 * field)
+        self._angle = (self._angle + turn) % max(field, 1e-6)
+        up, around = np.meshgrid(fans, angles, indexing="ij")
+        local = np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], axis=2).reshape(-1, 3)
+        at = stage.transform_of(sensor)
+        axes = np.array(carla_axes(*at[3:]))
+        reach = sensor.number("range")
+        rays = Rays(stage, np.array(at[:3]), local @ axes, reach, sensor.parent)
+        kept = np.isfinite(rays.distance)
+        if self.semantic:
+            return self._message(each, kept, self._semantic(rays, local, local @ axes, kept))
+        strength = np.exp(-sensor.number("atmosphere_attenuation_rate") * np.where(kept, rays.distance, 0.0))
+        noise = generator(sensor, frame)
+        kept &= noise.random(len(kept)) >= sensor.number("dropoff_general_rate")
+        zero, limit = sensor.number("dropoff_zero_intensity"), sensor.number("dropoff_intensity_limit")
+        weak = 0.0 if limit <= 0.0 else zero * (1.0 - strength / limit)
+        kept &= noise.random(len(kept)) >= np.where(strength < limit, weak, 0.0)
+        distance = rays.distance[kept] + sensor.number("noise_stddev") * noise.standard_normal(int(kept.sum()))
+        points = np.concatenate([local[kept] * distance[:, None], strength[kept, None]], axis=1).astype("<f4")
+        return self._message(each, kept, points)
+
+    def _semantic(self, rays: Rays, local: Floats, directions: Floats, kept: NDArray[np.bool_]) -> NDArray[np.void]:
+        names = ["x", "y", "z", "cosine", "instance", "tag"]
+        points = np.zeros(
+            int(kept.sum()), np.dtype([(name, "<f4" if k < 4 else "<u4") for k, name in enumerate(names)])
+        )
+        where = local[kept] * rays.distance[kept, None]
+        for k, name in enumerate("xyz"):
+            points[name] = where[:, k]
+        points["cosine"] = -(directions[kept] * rays.normal[kept]).sum(axis=1)
+        points["instance"], points["tag"] = rays.numbers()[kept], rays.tags()[kept]
+        return points
+
+    def _message(self, each: int, kept: NDArray[np.bool_], points: NDArray[np.generic]) -> bytes:
+        counts = kept.reshape(self.channels, each).sum(axis=1).astype("<u4")
+        head = struct.pack("<fI", math.radians(self._angle), self.channels)
+        return head + bytes(counts.tobytes()) + bytes(points.tobytes())
+
+
+class Radar(Simple):
+    """A radar: rays at random in its field; it sees boxes and the road, and how fast they come nearer."""
+
+    def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
+        """Return the detections: velocity towards the sensor is negative, azimuth, altitude, depth."""
+        del weather
+        count = min(int(sensor.number("points_per_second") * dt), MOST_RAYS)
+        noise = generator(sensor, frame)
+        radius, angle = np.sqrt(noise.random(count)), noise.random(count) * math.tau
+        azimuth = radius * np.cos(angle) * math.radians(0.5 * sensor.number("horizontal_fov"))
+        altitude = radius * np.sin(angle) * math.radians(0.5 * sensor.number("vertical_fov"))
+        level = np.cos(altitude)
+        local = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(altitude)], axis=1)
+        at = stage.transform_of(sensor)
+        directions = local @ np.array(carla_axes(*at[3:]))
+        rays = Rays(stage, np.array(at[:3]), directions, sensor.number("range"), sensor.parent)
+        met = np.isfinite(rays.distance)
+        velocities = stage.rows.every["velocity"]
+        still = np.zeros(3)
+        parent = stage.actors.get(sensor.parent)
+        own = velocities[parent.row].astype(np.float64) if parent is not None and parent.row >= 0 else still
+        others = [velocities[body.row].astype(np.float64) if body.row >= 0 else still for body in rays.bodies]
+        relative = np.array([*others, still, still])[rays.target] - own
+        speed = (relative * directions).sum(axis=1)
+        found = np.stack([speed, azimuth, altitude, np.where(met, rays.distance, 0.0)], axis=1)[met]
+        return bytes(found.astype("<f4").tobytes())
+
+
+class Obstacle(Simple):
+    """A detector of what is in the way: a sphere that is pushed ahead."""
+
+    def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:
+        """Return carrier, obstacle and distance; nothing where the way is free."""
+        del frame, dt, weather
+        at = stage.transform_of(sensor)
+        axes = np.array(carla_axes(*at[3:]))
+        radius, reach = sensor.number("hit_radius"), sensor.number("distance")
+        offsets = [(0.0, 0.0), (radius, 0.0), (-radius, 0.0), (0.0, radius), (0.0, -radius)]
+        moving = sensor.attributes.get("only_dynamics", "false") == "true"
+        best: tuple[float, Body] | None = None
+        for right, up in offsets:
+            begin = np.array(at[:3]) + right * axes[1] + up * axes[2]
+            rays = Rays(stage, begin, axes[:1], reach, sensor.parent)
+            if rays.target[0] < 0:
+                continue
+            body = rays.bodies[rays.target[0]]
+            if (not moving or isinstance(body, Walker) or body.simulates) and (
+                best is None or rays.distance[0] < best[0]
+            ):
+                best = (float(rays.distance[0]), body)
+        carrier = stage.actors.get(sensor.parent)
+        if best is None or carrier is None:
+            return None
+        packed: bytes = msgpack.packb([stage.wire(carrier), stage.wire(best[1]), best[0]], use_single_float=True)
+        return packed

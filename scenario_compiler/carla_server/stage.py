@@ -1,0 +1,481 @@
+"""The world that clients share: actors on a map, moved by the engine, one step after the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler.carla_server.actors import (
+    MAX_STEER,
+    Actor,
+    Body,
+    Car,
+    LightActor,
+    Walker,
+)
+from scenario_compiler.carla_server.blueprints import Blueprint
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.carla_server.snapshot import ACTIVE, LIGHT, SIGN, VEHICLE, WALKER, Rows
+from scenario_compiler.carla_server.towns import Town
+from scenario_compiler.carla_server.traffic_lights import GREEN, Light, groups_of, signs_of
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.program.stage import build_stage
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.frames import (
+    CarlaTransform,
+    carla_attached,
+    carla_axes,
+    carla_from_pose,
+    carla_rows,
+    pose_from_carla,
+    vector_from_carla,
+)
+from scenario_compiler.roads import Pose
+
+PLACES = 1024
+"""Bodies that can stand in a world at once."""
+
+MOST_ACTORS = 4096
+FIRST_ID = 24
+"""Actors at once, and the id of the first: CARLA counts its map's first."""
+
+FARTHEST = 1.0e6
+FASTEST = 300.0
+"""Bounds of what clients may ask for, m and m/s."""
+
+LEAP = 3.0
+"""How many times farther than its speed takes it an actor has moved that was put somewhere else."""
+
+RESTITUTION = 0.1
+"""Share of the speed at which bodies meet with which they part again."""
+
+DEFAULT_LIMIT = 30.0
+"""Speed limit where the map gives none, km/h: CARLA's."""
+
+STEER_RATE = 3.0
+"""How fast wheels are turned, rad/s: to the full angle in 0.4 s, as Unreal's wheeled vehicles do by default (not
+verified for CARLA's).
+"""
+
+NO_FAILURE = 0
+GRAVITY = 9.81
+
+COLUMNS = ("x", "y", "z", "h", "pitch", "roll")
+
+
+class Stage:
+    """Actors on a map.
+
+    Attributes:
+        town: The map.
+        actors: All actors by their id.
+        collisions: What has touched in the last step: two bodies, and the impulse on the first, N s, CARLA's axes.
+        time: Time, s.
+        version: Version of CARLA that is answered for.
+        gravity: What inertial units feel, m/s2.
+    """
+
+    def __init__(self, town: Town, version: str) -> None:
+        """Begin with the map's own actors: lights, signs and the spectator."""
+        self.town, self.version = town, version
+        self.gravity = GRAVITY
+        self.simulation = Simulation(town.network.tables, build_stage(PLACES, len(town.network.road_ids), 0.05))
+        self.simulation.reset(make_draws(1))
+        self.actors: dict[int, Actor] = {}
+        self.collisions: list[tuple[Body, Body, tuple[float, float, float]]] = []
+        self.time = 0.0
+        self.rows = Rows(0)
+        self._next = FIRST_ID
+        self._places = list(range(PLACES - 1, -1, -1))
+        self._by_place: dict[int, Body] = {}
+        self._stale = True
+        self._leapt: set[int] = set()
+        self._fresh: list[Body] = []
+        self._attached: list[Actor] = []
+        self._before = np.zeros((PLACES, 6))
+        self._bodies: list[Body] = []
+        self._place = np.empty(0, np.intp)
+        self._row = np.empty(0, np.intp)
+        self._center = np.empty(0)
+        self._up = np.empty(0)
+        self._limits: dict[tuple[int, int], float] = {}
+        self.groups = groups_of(town.network)
+        self.lights_changed = False
+        self.spectator = self.add(
+            Actor(0, Blueprint("spectator", "spectator"), {}, [0, "spectator", []], CarlaTransform(0, 0, 50, 0, 0, 0))
+        )
+        self._zones: dict[tuple[int, int], list[tuple[float, float, Light]]] = {}
+        for group in self.groups:
+            for light in group.lights:
+                self._add_light(light)
+        for sign in signs_of(town.network):
+            blueprint = Blueprint(sign.kind, sign.kind.replace(".", ","))
+            self.add(LightActor(0, blueprint, {"signal": sign.signal}, [0, sign.kind, []], sign.transform))
+
+    def _add_light(self, light: Light) -> None:
+        blueprint = Blueprint("traffic.traffic_light", "traffic,traffic_light")
+        actor = LightActor(0, blueprint, {}, [0, blueprint.name, []], light.transform, light=light)
+        light.actor = self.add(actor).id
+        for one in light.stretches:
+            self._zones.setdefault((one.road, one.lane), []).append((one.low, one.high, light))
+
+    def add(self, actor: Actor) -> Actor:
+        """Take an actor in and give it its id.
+
+        Raises:
+            CallError: There are too many.
+        """
+        if len(self.actors) >= MOST_ACTORS:
+            raise CallError(f"unable to spawn actor: there are {MOST_ACTORS} already")
+        actor.id, self._next = self._next, self._next + 1
+        self.actors[actor.id] = actor
+        if actor.parent:
+            self.actors[actor.parent].children.append(actor.id)
+        self._stale = True
+        return actor
+
+    def add_body(self, body: Body) -> Body:
+        """Take a body in; it stands on the road below it.
+
+        Raises:
+            CallError: Something stands there already, or there are too many.
+        """
+        if not self._places:
+            raise CallError(f"unable to spawn actor: there are {PLACES} bodies already")
+        place = self._places.pop()
+        body.place, body.spawned = place, body.transform
+        shape = body.shape.model_copy(update={"max_steer": min(MAX_STEER, 80.0), "max_speed": FASTEST})
+        pose = Pose(*pose_from_carla(body.transform, shape.center, body.up))
+        posed = not isinstance(body, Car | Walker)
+        self.simulation.spawn(place, shape, pose, posed=posed, steer_rate=STEER_RATE)
+        if not isinstance(body, Car | Walker):
+            self.simulation.pose(place, pose, 0.0)
+        elif self.simulation.state.road[place] < 0:
+            ground = self.town.ground_at(pose.x, pose.y)
+            self.simulation.pose(place, Pose(pose.x, pose.y, ground.z if ground else 0.0, pose.heading, 0, 0), 0.0)
+        touched = self.simulation.touched(place)
+        if touched is not None and touched in self._by_place:
+            self.simulation.remove(place)
+            self._places.append(place)
+            raise CallError("Spawn failed because of collision at spawn position")
+        try:
+            self.add(body)
+        except CallError:
+            self.simulation.remove(place)
+            self._places.append(place)
+            raise
+        self._by_place[place] = body
+        self._leapt.add(place)
+        self._fresh.append(body)
+        return body
+
+    def get(self, number: int) -> Actor:
+        """Return an actor; CallError where there is none."""
+        actor = self.actors.get(number)
+        if actor is None:
+            raise CallError(f"unable to find actor: actor not found (id {number})")
+        return actor
+
+    def destroy(self, number: int) -> None:
+        """Take an actor out; what is attached to it stays where it is.
+
+        Raises:
+            CallError: There is none, or it belongs to the map.
+        """
+        actor = self.get(number)
+        if isinstance(actor, LightActor) or actor is self.spectator:
+            raise CallError(f"unable to destroy actor: {actor.blueprint.name} belongs to the map")
+        del self.actors[number]
+        if isinstance(actor, Body):
+            self.simulation.remove(actor.place)
+            del self._by_place[actor.place]
+            self._places.append(actor.place)
+        for child in actor.children:
+            if child in self.actors:
+                self.actors[child].parent = 0
+        if actor.parent in self.actors:
+            self.actors[actor.parent].children.remove(number)
+        self._stale = True
+
+    def bodies(self) -> Iterator[Body]:
+        """Yield all bodies."""
+        yield from self._by_place.values()
+
+    def pose_of(self, body: Body) -> Pose:
+        """Return the pose of a body's reference point, OpenDRIVE axes."""
+        st, place = self.simulation.state, body.place
+        return Pose(*(getattr(st, name)[place] for name in COLUMNS))
+
+    def transform_of(self, actor: Actor) -> CarlaTransform:
+        """Return where an actor is now, CARLA's axes."""
+        if isinstance(actor, Body):
+            pose = self.pose_of(actor)
+            if isinstance(actor, Walker):
+                pose = pose._replace(pitch=0.0, roll=0.0)
+            actor.transform = carla_from_pose(pose, actor.shape.center, actor.up)
+        elif actor.parent in self.actors and actor.relative is not None:
+            actor.transform = carla_attached(self.transform_of(self.actors[actor.parent]), actor.relative)
+        return actor.transform
+
+    def put(self, actor: Actor, transform: CarlaTransform) -> None:
+        """Put an actor somewhere; one with a parent relative to it.
+
+        Raises:
+            CallError: That is too far away.
+        """
+        if max(abs(value) for value in transform[:3]) > FARTHEST or max(abs(value) for value in transform[3:]) > 1e6:
+            raise CallError("the transform is out of bounds")
+        if not isinstance(actor, Body):
+            if actor.parent in self.actors:
+                actor.relative = transform
+            else:
+                actor.transform = transform
+            if not self._stale:
+                self.rows.every["transform"][actor.row] = self.transform_of(actor)
+            return
+        pose = Pose(*pose_from_carla(transform, actor.shape.center, actor.up))
+        self.simulation.pose(actor.place, pose, self.simulation.state.v[actor.place])
+        self._leapt.add(actor.place)
+
+    def let_simulate(self, body: Body, simulates: bool) -> None:
+        """Say whether physics moves a body."""
+        if simulates == body.simulates:
+            return
+        body.simulates = simulates
+        self.simulation.let_pose(body.place, posed=not simulates)
+        self.simulation.state.v[body.place] = 0.0
+
+    def friction_at(self, at: CarlaTransform) -> float | None:
+        """Return the friction of a friction trigger about a point, None where there is none; its extents are in cm."""
+        for actor in self.actors.values():
+            if actor.blueprint.name != "static.trigger.friction":
+                continue
+            away = [a - b for a, b in zip(at[:3], self.transform_of(actor)[:3], strict=True)]
+            axes = carla_axes(*actor.transform[3:])
+            try:
+                half = [float(actor.attributes[f"extent_{axis}"]) / 100.0 for axis in "xyz"]
+                friction = float(actor.attributes["friction"])
+            except ValueError:
+                continue
+            inside = [abs(sum(a * b for a, b in zip(axis, away, strict=True))) for axis in axes]
+            if all(one <= most for one, most in zip(inside, half, strict=True)) and math.isfinite(friction):
+                return friction
+        return None
+
+    def ahead_of(self, body: Body) -> tuple[float, float, float]:
+        """Return the direction in which a body faces, CARLA's axes."""
+        pose = self.pose_of(body)
+        level = math.cos(pose.pitch)
+        return (level * math.cos(pose.heading), -level * math.sin(pose.heading), -math.sin(pose.pitch))
+
+    def set_speed(self, body: Body, speed: float) -> None:
+        """Give a body a speed along its heading, m/s."""
+        self.simulation.state.v[body.place] = min(max(speed, -FASTEST), FASTEST)
+
+    def command(self, car: Car) -> None:
+        """Hand a vehicle's control to the engine."""
+        throttle, steer, brake, hand, reverse, _, _ = car.control
+        brake = 1.0 if hand else min(max(brake, 0.0), 1.0)
+        scale = car.steers / MAX_STEER
+        self.simulation.command(
+            car.place,
+            min(max(throttle, 0.0), 1.0) * car.grip,
+            -min(max(steer, -1.0), 1.0) * scale,
+            brake * car.grip,
+            reverse=bool(reverse) or car.gear < 0,
+        )
+
+    def walk(self, walker: Walker) -> None:
+        """Hand a walker's control to the engine: it goes straight on into its direction."""
+        (x, y, _), speed, _ = walker.control
+        length = math.hypot(x, y)
+        if speed > 0.0 and length > 1e-6:
+            dx, dy, _ = vector_from_carla(x, y, 0.0)
+            self.simulation.state.h[walker.place] = math.atan2(dy, dx) % math.tau
+            self.set_speed(walker, speed)
+        else:
+            self.set_speed(walker, 0.0)
+
+    def step(self, dt: float) -> None:
+        """Move time and all bodies on, and take down what touches."""
+        self._drive(dt)
+        self.simulation.set_step(dt)
+        self.simulation.step()
+        self._collide()
+        for group in self.groups:
+            group.step(dt)
+        self.time += dt
+        self.measure(dt)
+
+    def _drive(self, dt: float) -> None:
+        st = self.simulation.state
+        for body in self._by_place.values():
+            if not isinstance(body, Car):
+                continue
+            if body.ackermann is not None:
+                self._follow_target(body, body.ackermann, dt)
+            if body.pushed:
+                self.set_speed(body, st.v[body.place] + body.pushed)
+                body.pushed = 0.0
+            if body.constant is not None:
+                self.set_speed(body, body.constant)
+                self.simulation.command(body.place, 0.0, st.command_steer[body.place], 0.0)
+
+    def _follow_target(self, car: Car, target: list[float], dt: float) -> None:
+        """Steer and accelerate for an Ackermann controller's target."""
+        steer, steer_speed, speed, acceleration, _ = target
+        st, place = self.simulation.state, car.place
+        most = math.radians(MAX_STEER)
+        wanted, now = -steer, st.steer[place]
+        if steer_speed > 0.0:
+            wanted = now + min(max(wanted - now, -steer_speed * dt), steer_speed * dt)
+        gain = (speed - st.v[place]) / max(dt, 0.2)
+        if acceleration > 0.0:
+            gain = min(max(gain, -acceleration), acceleration)
+        pushes = gain if speed >= 0.0 else -gain
+        throttle = min(max(pushes / car.shape.max_acceleration, 0.0), 1.0) if car.shape.max_acceleration > 0 else 0.0
+        brake = min(max(-pushes / car.shape.max_deceleration, 0.0), 1.0) if car.shape.max_deceleration > 0 else 0.0
+        self.simulation.command(place, throttle, min(max(wanted / most, -1.0), 1.0), brake, reverse=speed < 0.0)
+
+    def _collide(self) -> None:
+        """Find what touches; bodies that run into each other lose the speed at which they meet."""
+        self.collisions = []
+        st = self.simulation.state
+        for i, j in self.simulation.contacts():
+            one, other = self._by_place.get(i), self._by_place.get(j)
+            if one is None or other is None or not (one.collides and other.collides):
+                continue
+            dx, dy = st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i]
+            apart = math.hypot(dx, dy)
+            nx, ny = (dx / apart, dy / apart) if apart > 1e-6 else (1.0, 0.0)
+            along = [math.cos(st.h[k]) * nx + math.sin(st.h[k]) * ny for k in (i, j)]
+            meets = st.v[i] * along[0] - st.v[j] * along[1]
+            impulse = 0.0
+            if meets > 0.0:
+                share = [1.0 / body.mass if body.simulates else 0.0 for body in (one, other)]
+                impulse = (1.0 + RESTITUTION) * meets / max(sum(share), 1e-9) if sum(share) > 0.0 else 0.0
+                self.set_speed(one, st.v[i] - impulse * share[0] * along[0])
+                self.set_speed(other, st.v[j] + impulse * share[1] * along[1])
+            x, y, z = vector_from_carla(-impulse * nx, -impulse * ny, 0.0)
+            self.collisions.append((one, other, (x, y, z)))
+
+    def _arrange(self) -> None:
+        """Give every actor its row anew."""
+        before = self.rows
+        rows = Rows(len(self.actors))
+        for row, actor in enumerate(self.actors.values()):
+            if actor.row >= 0:
+                rows.copy_row(row, before, actor.row)
+            actor.row = row
+        rows.every["id"] = list(self.actors)
+        rows.every["state"] = ACTIVE
+        for actor in self.actors.values():
+            if not isinstance(actor, Body):
+                rows.every["transform"][actor.row] = self.transform_of(actor)
+            if isinstance(actor, LightActor) and actor.light is None:
+                rows.put(SIGN, actor.row, actor.attributes["signal"].encode()[:31])
+        self.rows = rows
+        self._attached = [actor for actor in self.actors.values() if actor.parent and not isinstance(actor, Body)]
+        self._bodies = list(self._by_place.values())
+        self._place = np.array([body.place for body in self._bodies], np.intp)
+        self._row = np.array([body.row for body in self._bodies], np.intp)
+        self._center = np.array([body.shape.center for body in self._bodies])
+        self._up = np.array([body.up for body in self._bodies])
+        self._stale = False
+
+    def measure(self, dt: float) -> None:
+        """Write every actor's state into its row, `dt` s after the last time."""
+        if self._stale:
+            self._arrange()
+        if self._bodies:
+            self._measure_bodies(dt)
+        transforms = self.rows.every["transform"]
+        for actor in self._attached:
+            transforms[actor.row] = self.transform_of(actor)
+        for group in self.groups:
+            for light in group.lights:
+                row = self.actors[light.actor].row
+                name = light.signal.encode()[:31]
+                self.rows.put(LIGHT, row, name, *light.times, light.elapsed, light.pole, light.frozen, light.state)
+
+    def _measure_bodies(self, dt: float) -> None:
+        every, place, row = self.rows.every, self._place, self._row
+        column = self.simulation.column
+        pose = [column(name)[place] for name in COLUMNS]
+        now = carla_rows(np.stack(pose), self._center, self._up)
+        fresh, self._fresh = self._fresh, []
+        for body in fresh:  # as in CARLA, one has not come to rest on the road in its first tick
+            if isinstance(body, Car) and self._by_place.get(body.place) is body:
+                now[self._bodies.index(body), [3, 5]] = body.spawned.pitch, body.spawned.roll
+        before = self._before[place]
+        self._before[place] = now
+        speed, ahead = column("v")[place], _ahead(now)
+        moved = now[:, :3] - before[:, :3]
+        turned = (now[:, 4] - before[:, 4] + 180.0) % 360.0 - 180.0
+        leapt = np.sqrt((moved * moved).sum(axis=1)) > LEAP * np.abs(speed) * dt + 1.0
+        if self._leapt:
+            leapt |= np.isin(place, list(self._leapt))
+            self._leapt.clear()
+        velocity = moved / dt
+        velocity[leapt] = (ahead * speed[:, None])[leapt]
+        turning = np.zeros_like(velocity)
+        turning[:, 2] = np.where(leapt, 0.0, turned / dt)
+        gained = (velocity - every["velocity"][row]) / dt
+        gained[leapt] = 0.0
+        every["transform"][row] = now
+        every["velocity"][row] = velocity
+        every["angular"][row] = turning
+        every["acceleration"][row] = gained
+        self._measure_controls()
+
+    def _measure_controls(self) -> None:
+        st, rows = self.simulation.state, self.rows
+        for body in self._bodies:
+            if isinstance(body, Car):
+                throttle, steer, brake, hand, reverse, manual, _ = body.control
+                self._note_light(body)
+                light = body.light
+                where = (st.road[body.place], st.lane[body.place])
+                limit = self._limits.get(where)
+                if limit is None:
+                    limit = self._limits[where] = self._limit_at(*where, st.s[body.place])
+                at = (GREEN, False, 0) if light is None else (light.state, True, light.actor)
+                rows.put(
+                    VEHICLE, body.row, throttle, steer, brake, hand, reverse, manual, body.gear, limit, *at, NO_FAILURE
+                )
+            elif isinstance(body, Walker):
+                rows.put(WALKER, body.row, *body.control[0], body.control[1], body.control[2])
+
+    def _note_light(self, car: Car) -> None:
+        if not self._zones:
+            return
+        st, place = self.simulation.state, car.place
+        zones = self._zones.get((st.road[place], st.lane[place]), ())
+        s = st.s[place]
+        car.light = next((light for low, high, light in zones if low <= s <= high), None)
+
+    def _limit_at(self, road: int, lane: int, s: float) -> float:
+        if road < 0:
+            return DEFAULT_LIMIT
+        limit = self.town.network.speed_limit(self.town.network.road_ids[road], lane, s)
+        return DEFAULT_LIMIT if limit is None or not math.isfinite(limit) else limit * 3.6
+
+    def wire(self, actor: Actor) -> list[Any]:
+        """Return an actor as it lies on the wire, its token left out."""
+        half = list(actor.box)
+        middle = [0.0, 0.0, 0.0 if isinstance(actor, Walker) else half[2]]
+        if isinstance(actor, LightActor) and actor.light is not None:
+            middle, half = actor.light.trigger()
+        tags = bytes([actor.tag]) if actor.tag else b""
+        return [actor.id, actor.parent, actor.description, [middle, half, [0.0, 0.0, 0.0], actor.id], tags, b""]
+
+
+def _ahead(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the directions in which transforms of CARLA's face."""
+    pitch, yaw = np.radians(rows[:, 3]), np.radians(rows[:, 4])
+    level = np.cos(pitch)
+    return np.stack([level * np.cos(yaw), level * np.sin(yaw), np.sin(pitch)], axis=1)

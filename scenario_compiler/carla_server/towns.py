@@ -1,0 +1,165 @@
+"""Maps as the server holds them: roads, OpenDRIVE text for clients, spawn points, the scene that cameras draw."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Lock
+from typing import TYPE_CHECKING
+
+from scenario_compiler.carla_server.failures import CallError
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.document import read_document
+from scenario_compiler.frames import CarlaTransform, carla_from_pose
+from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
+from scenario_compiler.roads import Network, Pose, load_network
+from scenario_compiler.roads.export_carla import export_for_carla
+from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.spawn_points import read_spawn_points
+
+if TYPE_CHECKING:
+    from scenario_compiler.perception.scene import Scene
+
+GENERATED = "OpenDriveMap"
+"""Name of a world that is generated from a client's own OpenDRIVE file, as CARLA calls it."""
+
+OPTIONAL = "_Opt"
+"""What CARLA appends to the name of a town whose layers can be switched: here the same town."""
+
+APART = 11.5
+"""Distance between spawn points at least, m: the half diagonals of two of CARLA's longest vehicle, 10.3 m by 3.9 m."""
+
+SPACING = 12.0
+LIFTED = 0.5
+"""Distance along a lane at which spawn points are tried, and their height over the road, m."""
+
+MOST_POINTS = 400
+NARROWEST = 2.5
+"""Spawn points of a map at most, and the width of a lane with one at least, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Town:
+    """A map that is loaded.
+
+    Attributes:
+        name: Its name, as clients know it, without folders.
+        network: Its roads.
+        text: Its OpenDRIVE, such that CARLA's clients load it.
+        spawn_points: Where vehicles can start, CARLA's axes; two of the longest vehicles fit on any two of them.
+    """
+
+    name: str
+    network: Network
+    text: str
+    spawn_points: tuple[CarlaTransform, ...]
+    _lock: Lock = field(default_factory=Lock, repr=False)
+
+    @cached_property
+    def _scene(self) -> Scene:
+        from scenario_compiler.perception.road_camera import scene_of
+
+        return scene_of(self.network)
+
+    def scene(self) -> Scene:
+        """Return the scene that cameras draw; made once, whoever asks first."""
+        with self._lock:
+            return self._scene
+
+    def ground_at(self, x: float, y: float) -> Pose | None:
+        """Return the pose of the road's surface at a point in OpenDRIVE's axes, or at the nearest lane's."""
+        for place in self.network.locate(x, y, nearest=True)[:1]:
+            return self.network.lane_pose(place.road, place.lane, place.s, place.offset)
+        return None
+
+
+def known_towns(folders: Sequence[Path]) -> list[str]:
+    """Return the names of the maps on the search path."""
+    return sorted({Path(name).stem for name in known_maps(folders)})
+
+
+def town_name(name: str) -> str:
+    """Return the bare name of a map, of a path as CARLA writes it (`/Game/Carla/Maps/Town01`) too."""
+    return name.replace("\\", "/").rstrip("/").rpartition("/")[2]
+
+
+def load_town(name: str, folders: Sequence[Path]) -> Town:
+    """Load a map by its name.
+
+    Raises:
+        CallError: There is no such map, or its file cannot be used.
+    """
+    bare = town_name(name)
+    if bare not in known_towns(folders) and bare.removesuffix(OPTIONAL) not in known_towns(folders):
+        raise CallError(f"map '{bare}' not found; there are {', '.join(known_towns(folders))}")
+    try:
+        path = find_map(bare, folders=folders)
+    except MapNotFoundError:
+        path = find_map(bare.removesuffix(OPTIONAL), folders=folders)
+    return _town(bare, path)
+
+
+def generate_town(text: str) -> Town:
+    """Make a map of a client's own OpenDRIVE text.
+
+    Raises:
+        CallError: It cannot be used as OpenDRIVE.
+    """
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / f"{GENERATED}.xodr"
+        path.write_text(text, encoding="utf-8", errors="surrogateescape")
+        return _town(GENERATED, path)
+
+
+def _town(name: str, path: Path) -> Town:
+    sink = Diagnostics()
+    network = load_network(path, sink=sink)
+    document = read_document(path, sink)
+    if network is None or document is None or not network.road_ids:
+        why = next((one.message for one in sink.found), "it has no road")
+        raise CallError(f"map '{name}' cannot be used: {why}")
+    network.model()
+    text = export_for_carla(document, network).decode(document.root.getroottree().docinfo.encoding or "utf-8")
+    return Town(name, network, text, tuple(_spawn_points(network, path)))
+
+
+def _spawn_points(network: Network, path: Path) -> list[CarlaTransform]:
+    """Return the map's named points, then points along the driving lanes outside junctions, free of each other."""
+    taken: dict[tuple[int, int], list[tuple[float, float]]] = {}
+    found: list[CarlaTransform] = []
+
+    def try_at(road: str, lane: int, s: float) -> None:
+        pose = _driving(network, road, lane, s)
+        cell = (math.floor(pose.x / APART), math.floor(pose.y / APART))
+        near = [
+            point for dx in (-1, 0, 1) for dy in (-1, 0, 1) for point in taken.get((cell[0] + dx, cell[1] + dy), ())
+        ]
+        if len(found) < MOST_POINTS and all(math.dist(point, pose[:2]) >= APART for point in near):
+            taken.setdefault(cell, []).append(pose[:2])
+            found.append(carla_from_pose(pose)._replace(z=pose.z + LIFTED))
+
+    for point in read_spawn_points(str(path), Diagnostics()).values():
+        try_at(point.road, point.lane, point.s)
+    for road in network.road_ids:
+        described = network.road(road)
+        if described.junction is not None:
+            continue
+        s = min(6.0, 0.5 * described.length)
+        while s < described.length:
+            for one in network.lanes_at(road, s):
+                if one.type == "driving" and one.t_left - one.t_right >= NARROWEST:
+                    try_at(road, one.lane, s)
+            s += SPACING
+    return found
+
+
+def _driving(network: Network, road: str, lane: int, s: float) -> Pose:
+    """Return the pose in the middle of a lane, in its direction of travel."""
+    pose = network.lane_pose(road, lane, s)
+    if lane_direction(network.tables, network.road_index(road), lane) > 0:
+        return pose
+    return Pose(pose.x, pose.y, pose.z, (pose.heading + math.pi) % math.tau, -pose.pitch, -pose.roll)

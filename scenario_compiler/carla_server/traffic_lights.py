@@ -1,0 +1,259 @@
+"""Traffic lights and signs of a map as CARLA has them: actors in groups that switch by times.
+
+A light is a signal of type 1000001 in the OpenDRIVE file. The lights of one controller of the file show the same; the
+controllers of a junction take turns: green, yellow, then red for all before the next one's green. Times are CARLA's
+defaults and can be set. A vehicle is at a light while its reference point lies in the stretch of lane before the stop
+line, which is found from where the signal, or a reference to it on another road, lies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from scenario_compiler.frames import CarlaTransform, carla_from_pose
+from scenario_compiler.roads import LanePosition, Network
+from scenario_compiler.roads.lanes import lane_direction
+from scenario_compiler.roads.model import Signal
+
+LIGHT, STOP, YIELD, LIMIT = "1000001", "206", "205", "274"
+"""Types of signals (the German catalogue of signs, as CARLA's maps use it)."""
+
+RED, YELLOW, GREEN = 0, 1, 2
+"""States as CARLA counts them; 3 is off and 4 unknown."""
+
+UNKNOWN = 4
+
+GREEN_TIME, YELLOW_TIME, RED_TIME = 10.0, 3.0, 2.0
+"""CARLA's default times, s."""
+
+BEFORE, AFTER = 16.0, 1.0
+"""Where a vehicle's reference point is at a light: from so far before the stop line to so far before it, m."""
+
+BOX = (1.5, 1.5, 2.0)
+"""Half extents of the box about a point on the stop line: along the line, across it and up, m."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A piece of a lane: road index, lane, and from which to which s."""
+
+    road: int
+    lane: int
+    low: float
+    high: float
+
+
+@dataclass(eq=False)
+class Light:
+    """A traffic light.
+
+    Attributes:
+        signal: Id of its signal.
+        transform: Where it stands, CARLA's axes.
+        stops: Where vehicles wait for it: points before stop lines, CARLA's axes.
+        stretches: Where a vehicle's reference point is at it.
+        group: The lights of its junction, it among them.
+        actor: Id of its actor.
+        pole: Its number in the group.
+        state: RED, YELLOW or GREEN.
+        times: Green, yellow and red time, s.
+        elapsed: How long it has had its state, s.
+        frozen: Whether it keeps it.
+    """
+
+    signal: str
+    transform: CarlaTransform
+    stops: tuple[CarlaTransform, ...]
+    stretches: tuple[Stretch, ...]
+    group: Group = field(repr=False)
+    actor: int = 0
+    pole: int = 0
+    state: int = RED
+    times: list[float] = field(default_factory=lambda: [GREEN_TIME, YELLOW_TIME, RED_TIME])
+    elapsed: float = 0.0
+    frozen: bool = False
+
+    def trigger(self) -> tuple[list[float], list[float]]:
+        """Return the middle, in its own axes, and the half extents of the box about its stop line, m."""
+        if not self.stops:
+            return [0.0, 0.0, 0.0], list(BOX)
+        yaw = math.radians(self.transform.yaw)
+        c, s = math.cos(yaw), math.sin(yaw)
+        away = [[at - own for at, own in zip(stop[:3], self.transform[:3], strict=True)] for stop in self.stops]
+        x, y, z = ([x * c + y * s for x, y, _ in away], [y * c - x * s for x, y, _ in away], [one[2] for one in away])
+        middle = [0.5 * (min(one) + max(one)) for one in (x, y, z)]
+        return middle, [0.5 * (max(one) - min(one)) + half for one, half in zip((x, y, z), BOX, strict=True)]
+
+
+@dataclass(eq=False)
+class Group:
+    """The lights of a junction: phases take turns, each the lights of one controller."""
+
+    phases: list[list[Light]] = field(default_factory=list)
+    phase: int = 0
+    stage: int = GREEN
+    since: float = 0.0
+
+    @property
+    def lights(self) -> list[Light]:
+        """All of them."""
+        return [light for phase in self.phases for light in phase]
+
+    def reset(self) -> None:
+        """Begin anew with the first phase's green."""
+        self.phase, self.stage, self.since = 0, GREEN, 0.0
+        self._show()
+
+    def step(self, dt: float) -> None:
+        """Let time pass; a group with a frozen light keeps its states."""
+        phase = self.phases[self.phase]
+        if any(light.frozen for light in self.lights):
+            return
+        self.since += dt
+        for light in self.lights:
+            light.elapsed += dt
+        first = phase[0]
+        lasts = {GREEN: first.times[0], YELLOW: first.times[1], RED: first.times[2]}[self.stage]
+        if self.since < lasts - 1e-9:
+            return
+        self.since = 0.0
+        if self.stage == RED:
+            self.phase = (self.phase + 1) % len(self.phases)
+        self.stage = {GREEN: YELLOW, YELLOW: RED, RED: GREEN}[self.stage]
+        self._show()
+
+    def _show(self) -> None:
+        for number, phase in enumerate(self.phases):
+            for light in phase:
+                self.put(light, self.stage if number == self.phase else RED)
+
+    def put(self, light: Light, state: int) -> None:
+        """Let a light show a state."""
+        if light.state != state:
+            light.state, light.elapsed = state, 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Sign:
+    """A sign: type id of its actor, id of its signal, and where it stands, CARLA's axes."""
+
+    kind: str
+    signal: str
+    transform: CarlaTransform
+
+
+def signs_of(network: Network) -> list[Sign]:
+    """Return the stop signs, yield signs and speed limits of a map."""
+    found = []
+    for signal in network.model().signals:
+        if signal.reference:
+            continue
+        if signal.type in (STOP, YIELD):
+            found.append(
+                Sign("traffic.stop" if signal.type == STOP else "traffic.yield", signal.id, _stands(network, signal))
+            )
+        elif signal.type == LIMIT and (signal.value or signal.subtype):
+            limit = signal.value or signal.subtype
+            number = limit.partition(".")[0]
+            if number.isdigit():
+                found.append(Sign(f"traffic.speed_limit.{number}", signal.id, _stands(network, signal)))
+    return found
+
+
+def groups_of(network: Network) -> list[Group]:
+    """Return the groups of a map's lights, each with its first phase green."""
+    model = network.model()
+    signals = [one for one in model.signals if not one.reference and one.type == LIGHT]
+    controllers = {group.id: [signal for signal, _ in group.controls] for group in model.controllers}
+    left = {one.id: one for one in signals}
+    groups = []
+    for junction in model.junctions:
+        phases = [[left.pop(one) for one in controllers.get(name, ()) if one in left] for name in junction.controllers]
+        groups.append([phase for phase in phases if phase])
+    for members in controllers.values():
+        groups.append([[left.pop(one) for one in members if one in left]])
+    groups += [[[one]] for one in left.values()]
+    made = []
+    for phases in groups:
+        if not any(phases):
+            continue
+        group = Group()
+        for phase in phases:
+            group.phases.append([_light(network, one, group) for one in phase])
+        for pole, light in enumerate(group.lights):
+            light.pole = pole
+        group.reset()
+        made.append(group)
+    return made
+
+
+def _light(network: Network, signal: Signal, group: Group) -> Light:
+    stops: list[CarlaTransform] = []
+    stretches: list[Stretch] = []
+    for stop in _stop_lines(network, signal):
+        pose = network.lane_pose(stop.road, stop.lane, stop.s)
+        road = network.road_index(stop.road)
+        turned = 0.0 if lane_direction(network.tables, road, stop.lane) > 0 else math.pi
+        stops.append(carla_from_pose(pose._replace(heading=(pose.heading + turned) % math.tau)))
+        stretches += _before(network, stop)
+    return Light(signal.id, _stands(network, signal), tuple(stops), tuple(stretches), group)
+
+
+def _stands(network: Network, signal: Signal) -> CarlaTransform:
+    """Return where a signal stands; CARLA turns its actor by 90 degrees (MapBuilder, TrafficLightManager)."""
+    pose = network.road_pose(signal.road, signal.s, signal.t)
+    facing = pose.heading + signal.heading_offset - 0.5 * math.pi
+    return carla_from_pose(pose._replace(z=pose.z + signal.z_offset, heading=facing % math.tau))
+
+
+def _stop_lines(network: Network, signal: Signal) -> Iterator[LanePosition]:
+    """Yield where lanes that a light is for meet its stop line: outside the junction."""
+    places = [one for one in network.model().signals if one.id == signal.id]
+    seen: set[tuple[str, int]] = set()
+    for place in places:
+        s = min(max(place.s, 0.0), network.road(place.road).length)
+        for one in network.lanes_at(place.road, s):
+            if one.type != "driving" or not _is_meant(network, place, one.lane):
+                continue
+            stop = _outside(network, LanePosition(place.road, one.lane, s, 0.0))
+            if stop is not None and (stop.road, stop.lane) not in seen:
+                seen.add((stop.road, stop.lane))
+                yield stop
+
+
+def _is_meant(network: Network, place: Signal, lane: int) -> bool:
+    """Return whether a signal is for a lane: by its validity, which CARLA's maps have, else by its orientation."""
+    if place.lanes:
+        return any(min(pair) <= lane <= max(pair) for pair in place.lanes)
+    along = lane_direction(network.tables, network.road_index(place.road), lane) > 0
+    return {"+": along, "-": not along}.get(place.orientation, True)
+
+
+def _outside(network: Network, place: LanePosition) -> LanePosition | None:
+    """Return the last place before a junction on the way to a place, the place itself where it lies in none."""
+    at: LanePosition | None = place
+    for _ in range(200):
+        if at is None or network.road(at.road).junction is None:
+            return at
+        at = network.previous(at, 0.5)
+    return None
+
+
+def _before(network: Network, stop: LanePosition) -> Iterator[Stretch]:
+    """Yield the stretches of lane before a stop line in which a vehicle is at it."""
+    low_high = []
+    step = 1.0
+    count = round((BEFORE - AFTER) / step)
+    at = network.previous(stop, AFTER)
+    for _ in range(count):
+        if at is None:
+            break
+        low_high.append((network.road_index(at.road), at.lane, at.s))
+        at = network.previous(at, step)
+    found: dict[tuple[int, int], list[float]] = {}
+    for road, lane, s in low_high:
+        found.setdefault((road, lane), []).append(s)
+    for (road, lane), places in found.items():
+        yield Stretch(road, lane, min(places) - 0.5 * step, max(places) + 0.5 * step)

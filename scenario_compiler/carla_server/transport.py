@@ -1,0 +1,260 @@
+"""The two ports of the protocol: calls as msgpack on the first, streams of sensors on the second.
+
+Whatever does not follow the protocol ends its connection with one line in the log, and nothing else.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import msgpack
+
+REQUEST, RESPONSE, NOTIFICATION = 0, 1, 2
+"""Kinds of messages in msgpack-rpc."""
+
+MOST_BYTES = 64 << 20
+"""Bytes of a request at most."""
+
+LONGEST_ARRAY = 1 << 20
+"""Elements of an array at most; maps and extensions are no part of the protocol."""
+
+MOST_CONNECTIONS = 256
+"""Connections to a port at once."""
+
+WAITING = 4096
+"""Requests of one connection that wait for an answer before it is read no further."""
+
+SLOW = 128 << 20
+"""Bytes that a consumer of a stream may be behind before messages are left out."""
+
+PATIENCE = 4 << 20
+"""Bytes that it may be behind before a tick waits for it."""
+
+SIZE = struct.Struct("<I")
+
+Answer = Callable[[str, list[Any]], Any]
+"""Answers a call: its name and arguments in, what is sent back out, or something to wait for that."""
+
+
+class Calls(asyncio.Protocol):
+    """A client's connection for calls: they are answered in order, one after the other."""
+
+    def __init__(self, answer: Answer, open_ones: set[asyncio.BaseTransport], log: Callable[[str], None]) -> None:
+        """Take who answers, the set of all connections, and where a fault is logged."""
+        self._answer, self._open, self._log = answer, open_ones, log
+        self._transport: asyncio.Transport | None = None
+        self._unpacker = msgpack.Unpacker(
+            raw=False,
+            unicode_errors="surrogateescape",
+            max_buffer_size=MOST_BYTES,
+            max_array_len=LONGEST_ARRAY,
+            max_map_len=0,
+            max_ext_len=0,
+        )
+        self._packer = msgpack.Packer(use_bin_type=True, unicode_errors="surrogateescape")
+        self._waiting: deque[Any] = deque()
+        self._task: asyncio.Task[None] | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take a connection up, unless there are too many."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        if len(self._open) >= MOST_CONNECTIONS:
+            self._refuse(f"there are {MOST_CONNECTIONS} connections already")
+            return
+        self._open.add(transport)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget what waits."""
+        del exc
+        if self._transport is not None:
+            self._open.discard(self._transport)
+        self._waiting.clear()
+        self._transport = None
+
+    def data_received(self, data: bytes) -> None:
+        """Answer what has come in whole."""
+        try:
+            self._unpacker.feed(data)
+            for message in self._unpacker:
+                self._waiting.append(message)
+        except (msgpack.UnpackException, ValueError) as fault:
+            self._refuse(f"the message is not msgpack: {type(fault).__name__} {fault}".strip())
+            return
+        except RecursionError:
+            self._refuse("the message is nested too deeply")
+            return
+        if self._task is None:
+            self._go_on()
+        elif len(self._waiting) > WAITING and self._transport is not None:
+            self._transport.pause_reading()
+
+    def _refuse(self, why: str) -> None:
+        if self._transport is None:
+            return
+        peer = self._transport.get_extra_info("peername")
+        self._log(f"connection of {peer[0]}:{peer[1]} ended: {why}" if peer else f"connection ended: {why}")
+        self._waiting.clear()
+        self._transport.abort()
+
+    def _go_on(self) -> None:
+        """Answer what waits, until an answer has to be waited for."""
+        while self._waiting and self._transport is not None:
+            message = self._waiting.popleft()
+            if type(message) is not list or len(message) not in (3, 4) or message[0] not in (REQUEST, NOTIFICATION):
+                self._refuse("the message is no call")
+                return
+            if message[0] == NOTIFICATION:
+                number, (name, arguments) = None, message[1:3]
+            else:
+                number, name, arguments = message[1], message[2], message[-1]
+            if len(message) == (4 if message[0] == NOTIFICATION else 3) or type(number) not in (int, type(None)):
+                self._refuse("the message is no call")
+                return
+            if type(name) is not str or type(arguments) is not list:
+                self._refuse("the message is no call")
+                return
+            found = self._answer(name, arguments)
+            if isinstance(found, Awaitable):
+                self._task = asyncio.ensure_future(self._wait_for(found, number))
+                return
+            self._send(number, found)
+
+    async def _wait_for(self, found: Awaitable[Any], number: int | None) -> None:
+        try:
+            self._send(number, await found)
+        finally:
+            self._task = None
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.resume_reading()
+            self._go_on()
+
+    def _send(self, number: int | None, found: Any) -> None:
+        if number is not None and self._transport is not None:
+            self._transport.write(self._packer.pack([RESPONSE, number, None, found]))
+
+
+class Streams:
+    """Who listens to which stream."""
+
+    def __init__(self, knows: Callable[[int], bool], log: Callable[[str], None]) -> None:
+        """Take what says whether there is a stream of a number, and where a fault is logged."""
+        self._knows, self._log = knows, log
+        self._listeners: dict[int, set[asyncio.Transport]] = {}
+        self._arrivals: dict[int, asyncio.Event] = {}
+        self.open: set[asyncio.BaseTransport] = set()
+
+    def connection(self) -> Stream:
+        """Return what takes a connection up."""
+        return Stream(self, self._log)
+
+    def heard(self, number: int) -> bool:
+        """Return whether somebody listens to a stream."""
+        return number in self._listeners
+
+    def announce(self, number: int) -> None:
+        """Note that a client is about to listen to a stream."""
+        if number not in self._listeners:
+            self._arrivals.setdefault(number, asyncio.Event())
+
+    async def wait_for_announced(self, seconds: float) -> None:
+        """Wait until those who are about to listen do so, no longer than some seconds."""
+        waiting = [asyncio.ensure_future(event.wait()) for event in self._arrivals.values()]
+        if waiting:
+            _, late = await asyncio.wait(waiting, timeout=seconds)
+            for one in late:
+                one.cancel()
+            self._arrivals.clear()
+
+    @property
+    def announced(self) -> bool:
+        """Whether somebody is about to listen."""
+        return bool(self._arrivals)
+
+    def join(self, number: int, transport: asyncio.Transport) -> bool:
+        """Let a connection listen to a stream; return whether there is one of that number."""
+        if not self._knows(number):
+            return False
+        self._listeners.setdefault(number, set()).add(transport)
+        arrived = self._arrivals.pop(number, None)
+        if arrived is not None:
+            arrived.set()
+        return True
+
+    def leave(self, transport: asyncio.Transport) -> None:
+        """Forget a connection."""
+        for number in [one for one, listening in self._listeners.items() if transport in listening]:
+            self._listeners[number].discard(transport)
+            if not self._listeners[number]:
+                del self._listeners[number]
+
+    def close(self, number: int) -> None:
+        """End a stream and its connections."""
+        for transport in self._listeners.pop(number, set()):
+            transport.close()
+
+    def send(self, number: int, message: bytes) -> None:
+        """Send a message to all who listen; one who is far behind does without it."""
+        size = SIZE.pack(len(message))
+        for transport in self._listeners.get(number, ()):
+            if transport.get_write_buffer_size() < SLOW:
+                transport.writelines((size, message))
+
+    @property
+    def behind(self) -> bool:
+        """Whether somebody is so far behind that a tick should wait."""
+        return any(
+            transport.get_write_buffer_size() > PATIENCE
+            for listening in self._listeners.values()
+            for transport in listening
+        )
+
+
+class Stream(asyncio.Protocol):
+    """A client's connection for one stream: it sends the stream's number and then only listens."""
+
+    def __init__(self, streams: Streams, log: Callable[[str], None]) -> None:
+        """Take the streams, and where a fault is logged."""
+        self._streams, self._log = streams, log
+        self._transport: asyncio.Transport | None = None
+        self._begun = b""
+        self._joined = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take a connection up, unless there are too many."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        if len(self._streams.open) >= MOST_CONNECTIONS:
+            self._refuse(f"there are {MOST_CONNECTIONS} connections already")
+            return
+        self._streams.open.add(transport)
+
+    def data_received(self, data: bytes) -> None:
+        """Read the number of the stream; nothing may follow."""
+        if self._transport is None or self._transport.is_closing():
+            return
+        self._begun += data[: SIZE.size + 1]
+        if self._joined or len(self._begun) > SIZE.size:
+            self._refuse("a listener sends nothing but the number of its stream")
+        elif len(self._begun) == SIZE.size:
+            self._joined = self._streams.join(SIZE.unpack(self._begun)[0], self._transport)
+            if not self._joined:
+                self._refuse(f"there is no stream {SIZE.unpack(self._begun)[0]}")
+
+    def _refuse(self, why: str) -> None:
+        if self._transport is not None:
+            peer = self._transport.get_extra_info("peername")
+            self._log(f"stream of {peer[0]}:{peer[1]} ended: {why}" if peer else f"stream ended: {why}")
+            self._transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Listen no more."""
+        del exc
+        if self._transport is not None:
+            self._streams.open.discard(self._transport)
+            self._streams.leave(self._transport)
+        self._transport = None

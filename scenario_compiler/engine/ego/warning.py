@@ -1,0 +1,128 @@
+"""When the automation warns: a cause is foreseen, or its reason is weak.
+
+Entering and leaving have thresholds and least durations of their own, so that no warning flickers: a reason must hold
+for `warning_after`; a warning lasts `warning_least` and until no reason has been there for `warning_clear`. A camera
+that fails altogether cannot be foreseen and is not warned of: while its health is below the request's threshold,
+neither it nor the lane that it does not see is a reason to warn.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.limits import CLOSE, budget_of, control_period
+from scenario_compiler.marker import compiled
+
+
+@compiled
+def warning_distance(p: Program, st: State, i: int, own: int, budget: int) -> float:
+    """Return the distance within which a limit ahead is warned of, m.
+
+    Without a budget of its own the warning leads the request by `warning_lead`, whatever it takes to enter it.
+    """
+    time = p.const[own]
+    if time < 0.0:
+        time = budget_of(p, budget) + p.const[slot.K_WARNING_LEAD] + p.const[slot.K_WARNING_AFTER] + control_period(p)
+    return max(time * st.v[i], CLOSE)
+
+
+@compiled
+def warns_of_camera(p: Program, st: State, shown: int) -> int:
+    """Return 1 where the camera's health is low but not gone; `shown` is 1 while a warning is shown."""
+    limit = p.const[slot.K_HEALTH_OVER] if shown == 1 else p.const[slot.K_HEALTH_WARNING]
+    return 1 if st.health[0] < limit and st.health[0] >= p.const[slot.K_HEALTH_REQUEST] else 0
+
+
+@compiled
+def warns_of_lane(p: Program, st: State, shown: int) -> int:
+    """Return 1 where a side of the lane is seen badly by a camera that works; `shown` as above."""
+    limit = p.const[slot.K_CONFIDENCE_OVER] if shown == 1 else p.const[slot.K_CONFIDENCE_WARNING]
+    if st.health[0] < p.const[slot.K_HEALTH_REQUEST]:
+        return 0
+    return 1 if min(st.conf_left[0], st.conf_right[0]) < limit else 0
+
+
+@compiled
+def warns_of_standing(p: Program, st: State) -> int:
+    """Return 1 where the vehicle will soon have stood for too long."""
+    if st.held_up_since[0] < 0.0:
+        return 0
+    early = p.const[slot.K_WARNING_LEAD] + p.const[slot.K_WARNING_AFTER] + control_period(p)
+    stood = st.clock[0] - st.held_up_since[0]
+    return 1 if stood >= p.const[slot.K_NO_PROGRESS_AFTER] - early else 0
+
+
+@compiled
+def warning_cause(p: Program, st: State, i: int, ending: int) -> int:
+    """Return the cause that there is a reason to warn of, CAUSE_NONE without one.
+
+    `ending` is 1 where the lane ends within the warning's distance and no gap beside it is free.
+    """
+    shown = 1 if st.takeover_state[0] == op.TAKEOVER_WARNING else 0
+    if p.cause_on[op.CAUSE_SENSOR_HEALTH] == 1 and warns_of_camera(p, st, shown) == 1:
+        return op.CAUSE_SENSOR_HEALTH
+    if p.cause_on[op.CAUSE_LANE_CONFIDENCE] == 1 and warns_of_lane(p, st, shown) == 1:
+        return op.CAUSE_LANE_CONFIDENCE
+    if p.cause_on[op.CAUSE_PATH_BLOCKED] == 1:
+        reach = warning_distance(p, st, i, slot.K_BLOCKED_WARNING, slot.K_BLOCKED_BUDGET)
+        if st.blocked_distance[0] <= reach:
+            return op.CAUSE_PATH_BLOCKED
+    if p.cause_on[op.CAUSE_LANE_ENDS] == 1 and ending == 1:
+        return op.CAUSE_LANE_ENDS
+    if p.cause_on[op.CAUSE_NO_PROGRESS] == 1 and warns_of_standing(p, st) == 1:
+        return op.CAUSE_NO_PROGRESS
+    return op.CAUSE_NONE
+
+
+@compiled
+def warn(st: State, cause: int) -> None:
+    """Begin a warning."""
+    st.takeover_state[0] = op.TAKEOVER_WARNING
+    st.cause[0] = cause
+    st.warning_since[0] = st.clock[0]
+    if st.time_warning[0] < 0.0:
+        st.time_warning[0] = st.clock[0]
+    log_event(st, op.EVENT_WARNING, 1.0 * cause)
+
+
+@compiled
+def note_reason(st: State, cause: int) -> None:
+    """Keep since when there is a reason to warn, or none."""
+    if cause != op.CAUSE_NONE:
+        st.warning_clear_since[0] = -1.0
+        if st.warning_reason_since[0] < 0.0:
+            st.warning_reason_since[0] = st.clock[0]
+    else:
+        st.warning_reason_since[0] = -1.0
+        if st.warning_clear_since[0] < 0.0:
+            st.warning_clear_since[0] = st.clock[0]
+
+
+@compiled
+def step_warning(p: Program, st: State, cause: int) -> None:
+    """Begin or end the warning, for the cause that there is a reason to warn of now."""
+    now = st.clock[0]
+    note_reason(st, cause)
+    if st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
+        held = now - st.warning_reason_since[0]
+        if cause != op.CAUSE_NONE and held >= p.const[slot.K_WARNING_AFTER] - op.TOLERANCE:
+            warn(st, cause)
+    elif cause == op.CAUSE_NONE:
+        lasted = now - st.warning_since[0] >= p.const[slot.K_WARNING_LEAST] - op.TOLERANCE
+        if lasted and now - st.warning_clear_since[0] >= p.const[slot.K_WARNING_CLEAR] - op.TOLERANCE:
+            st.takeover_state[0] = op.TAKEOVER_AUTOMATED
+            st.cause[0] = op.CAUSE_NONE
+            log_event(st, op.EVENT_WARNING_OVER, 0.0)
+
+
+@compiled
+def warned_long_enough(p: Program, st: State) -> int:
+    """Return 1 where a warning has been shown for as long as it is to lead a request."""
+    if p.const[slot.K_WARNING_LEAD] <= 0.0:
+        return 1
+    if st.takeover_state[0] != op.TAKEOVER_WARNING:
+        return 0
+    return 1 if st.clock[0] - st.warning_since[0] >= p.const[slot.K_WARNING_LEAD] - op.TOLERANCE else 0

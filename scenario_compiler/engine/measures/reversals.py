@@ -1,0 +1,91 @@
+"""Steering reversals: how often the wheel turns back by at least a gap, after a low-pass filter.
+
+Markkula and Engstrom 2006 count them with a cut-off of 0.6 Hz and a gap of 3 degrees, and with 2 Hz and 0.1 degrees
+for the small corrections of a loaded driver (not verified). The filter here runs forwards alone, so that it knows
+nothing of what is still to come: a Butterworth filter of second order by the bilinear transform.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.marker import compiled
+
+ROOT = 1.4142135623730951
+"""Square root of 2: the filter's damping."""
+
+DEGREE = 0.017453292519943295
+"""A degree, rad."""
+
+
+@compiled
+def cut_off(k: int) -> float:
+    """Return the filter's cut-off of a variant of the measure, Hz."""
+    return 0.6 if k == 0 else 2.0
+
+
+@compiled
+def least_gap(k: int) -> float:
+    """Return the least angle of the steering wheel between two reversals of a variant of the measure, rad."""
+    return 3.0 * DEGREE if k == 0 else 0.1 * DEGREE
+
+
+@compiled
+def filtered(m: Totals, k: int, angle: float, step: float) -> float:
+    """Return the filtered angle of this row; before the first row the wheel stood as in it."""
+    if m.driven_rows[0] == 0:
+        m.wheel_before[k] = angle
+        m.wheel_long_before[k] = angle
+        m.smooth_before[k] = angle
+        m.smooth_long_before[k] = angle
+    turn = pi * cut_off(k) * step
+    warped = sin(turn) / cos(turn) if cos(turn) > 0.0 else 0.0
+    square = warped * warped
+    norm = 1.0 / max(1.0 + ROOT * warped + square, 1.0)
+    weight = square * norm
+    fed = weight * angle + 2.0 * weight * m.wheel_before[k] + weight * m.wheel_long_before[k]
+    back = 2.0 * (square - 1.0) * norm * m.smooth_before[k]
+    smooth = fed - back - (1.0 - ROOT * warped + square) * norm * m.smooth_long_before[k]
+    m.wheel_long_before[k] = m.wheel_before[k]
+    m.wheel_before[k] = angle
+    m.smooth_long_before[k] = m.smooth_before[k]
+    m.smooth_before[k] = smooth
+    return smooth
+
+
+@compiled
+def count_reversal(m: Totals, k: int, smooth: float) -> None:
+    """Follow the filtered angle; it is reversed where it has come back by the gap from its last farthest value.
+
+    The first way that is as long as the gap gives the direction and is no reversal.
+    """
+    gap = least_gap(k)
+    if m.driven_rows[0] == 0:
+        m.wheel_high[k] = smooth
+        m.wheel_low[k] = smooth
+    m.wheel_high[k] = max(m.wheel_high[k], smooth)
+    m.wheel_low[k] = min(m.wheel_low[k], smooth)
+    if m.wheel_sense[k] != -1 and m.wheel_high[k] - smooth >= gap:
+        m.wheel_count[k] += 1.0 if m.wheel_sense[k] == 1 else 0.0
+        m.wheel_sense[k] = -1
+        m.wheel_low[k] = smooth
+    elif m.wheel_sense[k] != 1 and smooth - m.wheel_low[k] >= gap:
+        m.wheel_count[k] += 1.0 if m.wheel_sense[k] == -1 else 0.0
+        m.wheel_sense[k] = 1
+        m.wheel_high[k] = smooth
+
+
+@compiled
+def add_steering(p: Program, m: Totals) -> None:
+    """Add the last row, where the driver drives who took over first."""
+    if m.driving[0] != 1 or m.row_present[0] == 0:
+        return
+    angle = m.row_steer[0] * p.const[slot.K_STEERING_RATIO]
+    for k in range(2):
+        count_reversal(m, k, filtered(m, k, angle, p.const[slot.K_STEP]))
+    m.driven_rows[0] += 1
+    m.coarse_reversals[0] = m.wheel_count[0]
+    m.fine_reversals[0] = m.wheel_count[1]

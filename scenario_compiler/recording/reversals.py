@@ -1,0 +1,96 @@
+"""The steering reversal rate of recordings, and of what the engine added up; `engine.measures.reversals` says how."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from scenario_compiler.recording.recording import Floats
+from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.recording.traces import Traces
+
+COARSE = (0.6, math.radians(3.0))
+"""Cut-off, Hz, and gap, rad, of the usual variant."""
+
+FINE = (2.0, math.radians(0.1))
+"""Cut-off, Hz, and gap, rad, of the variant for small corrections."""
+
+LEAST = 5.0
+"""Least time that a rate is stated for, s: our own choice."""
+
+
+def coarse_rate(traces: Traces) -> Floats:
+    """Return the steering reversals a minute of the usual variant, (...)."""
+    return _rate(traces, *COARSE)
+
+
+def fine_rate(traces: Traces) -> Floats:
+    """Return the steering reversals a minute of the variant for small corrections, (...)."""
+    return _rate(traces, *FINE)
+
+
+def coarse_total(totals: RunTotals) -> Floats:
+    """Return the same as `coarse_rate`, (runs,)."""
+    return _a_minute(totals.raw("coarse_reversals"), totals.raw("driven_rows"), totals.step)
+
+
+def fine_total(totals: RunTotals) -> Floats:
+    """Return the same as `fine_rate`, (runs,)."""
+    return _a_minute(totals.raw("fine_reversals"), totals.raw("driven_rows"), totals.step)
+
+
+def _rate(traces: Traces, cut_off: float, gap: float) -> Floats:
+    wheel = traces.steer[..., 0] * traces.inputs.steering_ratio
+    shape = traces.t.shape[:-1]
+    angles = [wheel[index][traces.driven[index]].tolist() for index in np.ndindex(*shape)]
+    found = [reversals(smoothed(one, cut_off, traces.step), gap) for one in angles]
+    counts, rows = (np.array(each, dtype=np.float64).reshape(shape) for each in (found, [len(one) for one in angles]))
+    return _a_minute(counts, rows, traces.step)
+
+
+def _a_minute(counts: Floats, rows: Floats, step: float) -> Floats:
+    lasts = rows * step
+    return np.where(lasts >= LEAST - 1e-6, counts / np.where(rows > 0, lasts, 1.0) * 60.0, np.nan)
+
+
+def smoothed(angles: Sequence[float], cut_off: float, step: float) -> list[float]:
+    """Return angles after a Butterworth low-pass of second order that runs forwards from rest at the first of them.
+
+    Args:
+        angles: The angles, one a step.
+        cut_off: The filter's cut-off, Hz; below half the rate of the steps.
+        step: Length of a step, s.
+    """
+    turn = math.pi * cut_off * step
+    warped = math.sin(turn) / math.cos(turn) if math.cos(turn) > 0.0 else 0.0
+    square, root = warped * warped, math.sqrt(2.0)
+    norm = 1.0 / max(1.0 + root * warped + square, 1.0)
+    weight = square * norm
+    found: list[float] = []
+    one = two = before = long_before = angles[0] if angles else 0.0
+    for angle in angles:
+        fed = weight * angle + 2.0 * weight * one + weight * two
+        smooth = fed - 2.0 * (square - 1.0) * norm * before - (1.0 - root * warped + square) * norm * long_before
+        one, two, before, long_before = angle, one, smooth, before
+        found.append(smooth)
+    return found
+
+
+def reversals(angles: Sequence[float], gap: float) -> int:
+    """Return how often angles come back by at least a gap from the farthest value since they last did.
+
+    The first way as long as the gap gives the direction and is no reversal.
+    """
+    turning, sense = [], 0
+    low = high = angles[0] if angles else 0.0
+    for angle in angles:
+        low, high = min(low, angle), max(high, angle)
+        if sense >= 0 and high - angle >= gap:
+            turning.append(sense)
+            sense, low = -1, angle
+        elif sense <= 0 and angle - low >= gap:
+            turning.append(sense)
+            sense, high = 1, angle
+    return sum(before != 0 for before in turning)

@@ -1,0 +1,44 @@
+"""A run's events with repeats folded, so that a page shows at a glance what happened."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scenario_compiler.recording.events import EventRow
+
+LONGEST = 8
+"""Number of events in a row that may repeat together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Folded:
+    """An event that stands for `times` of its kind, the last of them at `until`, s."""
+
+    event: EventRow
+    times: int
+    until: float
+
+
+def folded(events: Sequence[EventRow]) -> tuple[Folded, ...]:
+    """Return events in order; where a few in a row repeat, alike but for their times, they stand there once."""
+    found: list[Folded] = []
+    at = 0
+    while at < len(events):
+        length, times = _repeat_at(events, at)
+        last = at + (times - 1) * length
+        found += [Folded(events[at + k], times, events[last + k].t) for k in range(length)]
+        at += times * length
+    return tuple(found)
+
+
+def _repeat_at(events: Sequence[EventRow], at: int) -> tuple[int, int]:
+    """Return the length of the shortest group that is repeated from here on and how often it stands there; (1, 1)."""
+    alike = [one.model_copy(update={"t": 0.0}) for one in events[at : at + 64 * LONGEST]]
+    for length in range(1, LONGEST + 1):
+        times = 1
+        while alike[times * length : (times + 1) * length] == alike[:length] and len(alike) >= (times + 1) * length:
+            times += 1
+        if times > 1:
+            return length, times
+    return 1, 1

@@ -1,0 +1,541 @@
+"""CARLA as a world: its cameras see, its physics moves the ego vehicle, and all others are mirrored from the engine.
+
+The client runs in synchronous mode. In a step the others are put where the engine has them at its end, the ego gets its
+command, the server ticks, and its ego comes back. Settings are put back and actors destroyed however a run ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import queue
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from pydantic import Field
+from typing_extensions import Self
+
+from scenario_compiler.controllers.model import SensorData
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.document import read_document
+from scenario_compiler.frames import carla_from_pose, pose_from_carla
+from scenario_compiler.plan.model import Entity, Plan
+from scenario_compiler.roads import Network, Pose
+from scenario_compiler.roads.export_carla import export_for_carla
+from scenario_compiler.vocabulary.entities import Category
+from scenario_compiler.vocabulary.weather import Weather, weather_numbers
+from scenario_compiler.worlds.kinematic import KinematicWorld, degradation_of
+from scenario_compiler.worlds.model import (
+    EgoCommand,
+    EgoState,
+    EntityState,
+    Snapshot,
+    WorldError,
+    WorldEvent,
+    WorldFinding,
+    WorldOptions,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from scenario_compiler.perception.degradation import Sensor
+
+CANNOT_OPEN = Code(
+    "SC524",
+    "carla-cannot-be-used",
+    "CARLA cannot be used for this run: its client is not installed, nobody answers at the address, the server has "
+    "another version than the client, or its map is another one than the plan's. Versions have to be equal because "
+    "their layouts differ."
+    "\n\n    pip install 'scenario-compiler[carla]'"
+    "\n    scenario-compiler serve-carla &            or CarlaUE4.sh"
+    "\n    scenario-compiler run obstacle_ahead --world carla --carla-port 2000",
+)
+
+OTHER_BLUEPRINT = Code(
+    "SC525",
+    "no-such-blueprint",
+    "The server's library has no blueprint of the entity's model, so another one of its category stands in for it: its "
+    "box and its looks differ, its motion does not, as the engine moves it."
+    '\n\n    <static id="blocker" model="vehicle.audi.tt">     a blueprint that CARLA has',
+    Severity.WARNING,
+)
+
+BUILT_IN_CAMERA = Code(
+    "SC526",
+    "built-in-camera-for-paint",
+    "The scenario changes the paint of the road, which CARLA's own pictures cannot show: a run that depends on it "
+    "would see fresh marks. So the built-in renderer draws on CARLA's poses. `--camera carla` takes CARLA's pictures "
+    "all the same."
+    "\n\n    scenario-compiler run markings_missing --world carla --camera built-in",
+    Severity.WARNING,
+)
+
+STAND_INS: dict[Category, str] = {
+    "car": "vehicle.tesla.model3",
+    "van": "vehicle.mercedes.sprinter",
+    "truck": "vehicle.carlamotors.carlacola",
+    "bus": "vehicle.mitsubishi.fusorosa",
+    "motorbike": "vehicle.yamaha.yzf",
+    "bicycle": "vehicle.diamondback.century",
+    "pedestrian": "walker.pedestrian.0001",
+    "cone": "static.prop.constructioncone",
+    "barrier": "static.prop.streetbarrier",
+    "sign": "static.prop.trafficwarning",
+    "prop": "static.prop.barrel",
+}
+"""Blueprint that stands in for one that the server's library lacks, by category."""
+
+LONGEST_STEP = 0.1
+"""Longest time step that CARLA's physics takes, s."""
+
+LIFTED = 0.3
+"""How far above its start the ego is spawned, so that it does not touch the road, m."""
+
+ASIDE = 5000.0
+"""Where others are spawned before they are put to their places, m: nothing is there to be touched."""
+
+SAME_PLACE = 0.25
+"""How far the server's lanes may be from the plan's, m."""
+
+HAZARD = ("indicatorLeft", "indicatorRight")
+LIGHTS = {
+    "lowBeam": 0x2,
+    "highBeam": 0x4,
+    "brakeLights": 0x8,
+    "indicatorRight": 0x10,
+    "indicatorLeft": 0x20,
+    "reversingLights": 0x40,
+    "fogLights": 0x80,
+    "warningLights": 0x30,
+    "specialPurposeLights": 0x200,
+}
+"""Bits of CARLA's light state by ASAM OpenSCENARIO's names."""
+
+SIGNALS = {"red": "Red", "yellow": "Yellow", "green": "Green", "off": "Off"}
+"""CARLA's states of traffic lights by the words of scenarios."""
+
+YELLOW = (255, 200, 0)
+"""Colour of the route, red, green, blue."""
+
+
+class CarlaOptions(WorldOptions):
+    """Options of the world `carla`."""
+
+    host: str = Field(default="127.0.0.1", description="Where the server is.")
+    port: int = Field(default=2000, ge=1, le=65535, description="Its port.")
+    timeout: float = Field(default=10.0, gt=0.0, description="How long an answer may take, s.")
+    ego: Literal["physics", "kinematic"] = Field(
+        default="physics", description="Whether CARLA's physics moves the ego, or the engine."
+    )
+    camera: Literal["carla", "built-in"] | None = Field(
+        default=None, description="Whose pictures the automation sees; CARLA's unless the paint is changed."
+    )
+    recording: str = Field(default="", description="Name of a recording that the server makes; none where empty.")
+
+
+class CarlaWorld:
+    """A world in a CARLA server; see `World`."""
+
+    name: ClassVar[str] = "carla"
+    Options: ClassVar[type[WorldOptions]] = CarlaOptions
+
+    def __init__(self, plan: Plan, network: Network, options: WorldOptions | None = None) -> None:
+        """Connect, load the map and take the clock over.
+
+        Raises:
+            WorldError: CARLA cannot be used for the plan; the code's page says why.
+        """
+        self.plan, self.network = plan, network
+        self.options = options if isinstance(options, CarlaOptions) else CarlaOptions()
+        self.moves_ego = self.options.ego == "physics"
+        self.findings: list[WorldFinding] = []
+        self.versions: dict[str, str] = {}
+        self._built_in = KinematicWorld(plan, network)
+        self._carla_sees = self._choose_camera()
+        self._actors: dict[int, Any] = {}
+        self._sensors: list[Any] = []
+        self._images: queue.Queue[Any] = queue.Queue()
+        self._told: queue.Queue[WorldEvent] = queue.Queue()
+        self._image: NDArray[np.uint8] | None = None
+        self._degradation: Sensor | None = None
+        self._lights: dict[int, int] = {}
+        self._shown: dict[str, str] = {}
+        self._weather: Weather | None = None
+        self._open = False
+        self._connect()
+
+    def _choose_camera(self) -> bool:
+        """Return whether the automation sees CARLA's pictures."""
+        if self.plan.perception != "camera":
+            return False
+        if self.options.camera is not None:
+            return self.options.camera == "carla"
+        if self.plan.markings or self.plan.secondary_markings:
+            self.findings.append(
+                WorldFinding(
+                    BUILT_IN_CAMERA,
+                    "the scenario changes the paint of the road, so the built-in renderer draws what the camera sees",
+                    "scenario",
+                )
+            )
+            return False
+        return True
+
+    # Opening and closing.
+
+    def _connect(self) -> None:
+        try:
+            import carla
+        except ModuleNotFoundError:
+            raise WorldError(
+                "CARLA's client is not installed: pip install 'scenario-compiler[carla]'", CANNOT_OPEN
+            ) from None
+        self._carla = carla
+        place = f"{self.options.host}:{self.options.port}"
+        if self.plan.step > LONGEST_STEP:
+            raise WorldError(
+                f"the time step is {self.plan.step:g} s; CARLA takes {LONGEST_STEP:g} s at most", CANNOT_OPEN
+            )
+        try:
+            self._client = carla.Client(self.options.host, self.options.port)
+            self._client.set_timeout(self.options.timeout)
+            client, server = self._client.get_client_version(), self._client.get_server_version()
+            if client.split("-")[0] != server.split("-")[0]:
+                raise WorldError(f"the client is CARLA {client}, the server at {place} is {server}", CANNOT_OPEN)
+            self._world = self._client.get_world()
+            self._before = self._world.get_settings()
+            self._before.synchronous_mode = False
+            self._open = True
+            self._load_map()
+            self._take_the_clock()
+        except RuntimeError as fault:
+            self.close()
+            raise WorldError(f"CARLA at {place}: {fault}", CANNOT_OPEN) from None
+        except BaseException:
+            self.close()
+            raise
+        self.versions |= {"carla_client": client, "carla_server": server, "carla_map": self._world.get_map().name}
+
+    def _load_map(self) -> None:
+        name = Path(self.plan.map.name).stem
+        known = {one.rpartition("/")[2] for one in self._client.get_available_maps()}
+        if name in known:
+            self._world = self._client.load_world(name)
+            if self._is_same_map():
+                return
+        document = read_document(Path(self.plan.map.file), Diagnostics())
+        if document is None:
+            raise WorldError(f"the map '{self.plan.map.file}' cannot be read", CANNOT_OPEN)
+        encoding = document.root.getroottree().docinfo.encoding or "utf-8"
+        text = export_for_carla(document, self.network).decode(encoding)
+        self._world = self._client.generate_opendrive_world(text)
+        if not self._is_same_map():
+            raise WorldError("the server's map has its lanes elsewhere than the plan's", CANNOT_OPEN)
+
+    def _is_same_map(self) -> bool:
+        """Return whether the entities' starts lie on lanes where the plan has them."""
+        map_ = self._world.get_map()
+        for start in self.plan.derived.values():
+            for place in self.network.locate(start.x, start.y)[:1]:
+                pose = self.network.lane_pose(place.road, place.lane, place.s)
+                there = carla_from_pose(pose)
+                at = self._carla.Location(*there[:3])
+                found = map_.get_waypoint(at, project_to_road=True, lane_type=self._carla.LaneType.Any)
+                if (
+                    found is None
+                    or math.dist((found.transform.location.x, found.transform.location.y), there[:2]) > SAME_PLACE
+                ):
+                    return False
+        return True
+
+    def _take_the_clock(self) -> None:
+        settings = self._world.get_settings()
+        settings.synchronous_mode, settings.fixed_delta_seconds = True, self.plan.step
+        self._world.apply_settings(settings)
+        self._library = self._world.get_blueprint_library()
+        if self.options.recording:
+            self._client.start_recorder(self.options.recording)
+
+    def close(self) -> None:
+        """Destroy the actors and put the settings back; a server that does not answer is left as it is."""
+        if not self._open:
+            return
+        self._open = False
+        with contextlib.suppress(RuntimeError):
+            self._client.set_timeout(min(self.options.timeout, 2.0))
+            self._clear()
+            if self.options.recording:
+                self._client.stop_recorder()
+            self._world.apply_settings(self._before)
+        self._built_in.close()
+
+    def __enter__(self) -> Self:
+        """Return the world."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the world."""
+        self.close()
+
+    def _clear(self) -> None:
+        for sensor in self._sensors:
+            sensor.stop()
+            sensor.destroy()
+        gone = reversed(list(self._actors.values()))
+        self._client.apply_batch_sync([self._carla.command.DestroyActor(one) for one in gone], False)
+        self._sensors, self._actors, self._lights, self._shown = [], {}, {}, {}
+
+    @contextlib.contextmanager
+    def _answering(self) -> Iterator[None]:
+        """Make what the client raises a WorldError."""
+        try:
+            yield
+        except RuntimeError as fault:
+            raise WorldError(f"CARLA at {self.options.host}:{self.options.port}: {fault}") from None
+
+    # A run.
+
+    def reset(self, snapshot: Snapshot, seed: int) -> None:
+        """Spawn everybody, and tick once with nobody moving, so that there is a picture of t = 0."""
+        from scenario_compiler.perception.degradation import Sensor
+
+        self._built_in.reset(snapshot, seed)
+        self._degradation = Sensor(seed)
+        self._drain()
+        with self._answering():
+            self._clear()
+            self._set_weather(self.plan.weather if snapshot.weather is None else snapshot.weather)
+            self._spawn_ego(snapshot.entities[0])
+            self._mirror(snapshot)
+            self._world.tick(self.options.timeout)
+            self._look()
+            if self.moves_ego:
+                self._give_speed(snapshot.entities[0].speed)
+            self._draw_route()
+            self._follow_with_spectator()
+
+    def _drain(self) -> None:
+        for one in (self._images, self._told):
+            while not one.empty():
+                one.get_nowait()
+
+    def _spawn_ego(self, state: EntityState) -> None:
+        carla, ego = self._carla, self.plan.entities[0]
+        blueprint = self._blueprint(ego)
+        blueprint.set_attribute("role_name", "hero")
+        x, y, z, *turned = carla_from_pose(state.pose, ego.vehicle.center)
+        actor = self._world.spawn_actor(
+            blueprint, carla.Transform(carla.Location(x, y, z + LIFTED), carla.Rotation(*turned))
+        )
+        self._actors[0] = actor
+        actor.set_simulate_physics(self.moves_ego)
+        if not self.moves_ego:
+            actor.set_transform(self._transform(0, state.pose))
+        wheels = actor.get_physics_control().wheels
+        self._max_steer = math.radians(max((wheel.max_steer_angle for wheel in wheels), default=70.0))
+        self._attach("sensor.other.collision", self._note_collision)
+        self._attach("sensor.other.lane_invasion", self._note_lane)
+        if self._carla_sees:
+            camera = self.plan.camera
+            mounted = carla.Transform(
+                carla.Location(camera.x, -camera.y, camera.z), carla.Rotation(camera.pitch, -camera.yaw, camera.roll)
+            )
+            given = {"image_size_x": camera.width, "image_size_y": camera.height, "fov": camera.fov}
+            self._attach("sensor.camera.rgb", self._images.put, mounted, given)
+
+    def _attach(self, name: str, listen: Any, mounted: Any = None, given: dict[str, float] | None = None) -> None:
+        blueprint = self._library.find(name)
+        for key, value in (given or {}).items():
+            blueprint.set_attribute(key, str(value))
+        where = self._carla.Transform() if mounted is None else mounted
+        sensor = self._world.spawn_actor(blueprint, where, attach_to=self._actors[0])
+        self._sensors.append(sensor)
+        sensor.listen(listen)
+
+    def _note_collision(self, event: Any) -> None:
+        other = event.other_actor.id
+        number = next((k for k, actor in self._actors.items() if actor.id == other), -1)
+        entity = self.plan.entities[number].id if number > 0 else ""
+        self._told.put(WorldEvent("world_collision", self._clock, entity, event.other_actor.type_id))
+
+    def _note_lane(self, event: Any) -> None:
+        kinds = ", ".join(sorted({str(mark.type) for mark in event.crossed_lane_markings}))
+        self._told.put(WorldEvent("lane_invasion", self._clock, message=kinds))
+
+    _clock = 0.0
+
+    def _blueprint(self, entity: Entity) -> Any:
+        wanted = entity.vehicle.name
+        known = {one.id for one in self._library.filter(wanted)}
+        if wanted in known:
+            return self._library.find(wanted)
+        stand_in = STAND_INS[entity.vehicle.category]
+        if not self._library.filter(stand_in):
+            raise WorldError(f"CARLA's library has neither '{wanted}' nor '{stand_in}'")
+        told = f"CARLA's library has no '{wanted}', '{stand_in}' stands in for it"
+        if all(one.message != told for one in self.findings):
+            self.findings.append(WorldFinding(OTHER_BLUEPRINT, told, f"entities/{entity.id}"))
+        return self._library.find(stand_in)
+
+    def _transform(self, number: int, pose: Pose) -> Any:
+        """Return CARLA's transform of an entity at a pose; a walker's origin is the middle of its box."""
+        entity = self.plan.entities[number]
+        up = 0.0
+        if entity.vehicle.category == "pedestrian" and number in self._actors:
+            up = self._actors[number].bounding_box.extent.z
+        x, y, z, *turned = carla_from_pose(pose, entity.vehicle.center, up)
+        return self._carla.Transform(self._carla.Location(x, y, z), self._carla.Rotation(*turned))
+
+    def _mirror(self, snapshot: Snapshot) -> None:
+        """Put the others where the engine has them; who is new is spawned, who has vanished destroyed."""
+        command, orders = self._carla.command, []
+        new = [k for k, one in enumerate(snapshot.entities) if k > 0 and one.shown and k not in self._actors]
+        if new:
+            self._spawn_others(new)
+        for number, state in enumerate(snapshot.entities):
+            actor = self._actors.get(number)
+            if actor is None:
+                continue
+            if number > 0 and not state.shown:
+                orders.append(command.DestroyActor(self._actors.pop(number)))
+                continue
+            if number > 0 or not self.moves_ego:
+                orders.append(command.ApplyTransform(actor, self._transform(number, state.pose)))
+            self._switch_lights(number, state, hazard=number == 0 and snapshot.hazard_lights)
+        self._client.apply_batch_sync(orders, False)
+        self._show_signals(snapshot.signals)
+
+    def _spawn_others(self, numbers: Sequence[int]) -> None:
+        carla, command, orders = self._carla, self._carla.command, []
+        for number in numbers:
+            blueprint = self._blueprint(self.plan.entities[number])
+            if blueprint.has_attribute("role_name"):
+                blueprint.set_attribute("role_name", "scenario")
+            aside = carla.Transform(carla.Location(ASIDE + 30.0 * (number % 100), ASIDE + 30.0 * (number // 100), 1.0))
+            still = command.SetSimulatePhysics(command.FutureActor, False)
+            orders.append(command.SpawnActor(blueprint, aside).then(still))
+        answers = self._client.apply_batch_sync(orders, False)
+        for number, answer in zip(numbers, answers, strict=True):
+            if answer.error:
+                raise WorldError(f"CARLA cannot spawn '{self.plan.entities[number].id}': {answer.error}")
+        self._actors |= {
+            number: self._world.get_actor(answer.actor_id) for number, answer in zip(numbers, answers, strict=True)
+        }
+
+    def _switch_lights(self, number: int, state: EntityState, *, hazard: bool) -> None:
+        if not self.plan.entities[number].vehicle.name.startswith("vehicle."):
+            return
+        bits = LIGHTS["brakeLights"] if state.braking else 0
+        for name in (*state.lights, *(HAZARD if hazard else ())):
+            bits |= LIGHTS.get(name, 0)
+        if bits != self._lights.get(number, 0):
+            self._lights[number] = bits
+            self._actors[number].set_light_state(self._carla.VehicleLightState(bits))
+
+    def _show_signals(self, signals: Sequence[tuple[str, str]]) -> None:
+        for name, state in signals:
+            known = SIGNALS.get(state.lower())
+            if known is None or self._shown.get(name) == known:
+                continue
+            self._shown[name] = known
+            light = self._world.get_traffic_light_from_opendrive_id(name)
+            if light is not None:
+                light.freeze(True)
+                light.set_state(getattr(self._carla.TrafficLightState, known))
+
+    def _set_weather(self, weather: Weather) -> None:
+        if weather != self._weather:
+            self._weather = weather
+            self._world.set_weather(self._carla.WeatherParameters(*weather_numbers(weather)))
+
+    def _give_speed(self, speed: float) -> None:
+        ahead = self._actors[0].get_transform().get_forward_vector()
+        self._actors[0].set_target_velocity(self._carla.Vector3D(ahead.x * speed, ahead.y * speed, ahead.z * speed))
+
+    def _draw_route(self) -> None:
+        carla = self._carla
+        for leg in self.plan.route:
+            count = max(math.ceil(abs(leg.s_to - leg.s_from) / 10.0), 1)
+            places = [leg.s_from + (leg.s_to - leg.s_from) * k / count for k in range(count + 1)]
+            points = [carla_from_pose(self.network.lane_pose(leg.road, leg.lane, s)) for s in places]
+            for one, two in pairwise(points):
+                begin, end = (carla.Location(at.x, at.y, at.z + 0.3) for at in (one, two))
+                self._world.debug.draw_line(begin, end, 0.1, carla.Color(*YELLOW), 0.0)
+
+    def _follow_with_spectator(self) -> None:
+        at = self._actors[0].get_transform()
+        behind = at.transform(self._carla.Location(x=-8.0, z=4.0))
+        self._world.get_spectator().set_transform(
+            self._carla.Transform(behind, self._carla.Rotation(-15.0, at.rotation.yaw, 0.0))
+        )
+
+    def step(self, snapshot: Snapshot, command: EgoCommand) -> EgoState | None:
+        """Mirror the others, command the ego, tick, and return what the ego has become."""
+        self._clock = snapshot.t
+        ego = self.plan.entities[0]
+        with self._answering():
+            if snapshot.weather is not None:
+                self._set_weather(snapshot.weather)
+            if self.moves_ego:
+                steer = -command.steer * math.radians(ego.vehicle.max_steer) / self._max_steer
+                self._actors[0].apply_control(
+                    self._carla.VehicleControl(command.throttle, min(max(steer, -1.0), 1.0), command.brake)
+                )
+            self._mirror(snapshot)
+            self._world.tick(self.options.timeout)
+            self._look()
+            self._follow_with_spectator()
+            return self._ego_state(ego) if self.moves_ego else None
+
+    def _ego_state(self, ego: Entity) -> EgoState:
+        actor = self._actors[0]
+        at, velocity, control = actor.get_transform(), actor.get_velocity(), actor.get_control()
+        place, turned = at.location, at.rotation
+        numbers = (place.x, place.y, place.z, turned.pitch, turned.yaw, turned.roll)
+        pose = Pose(*pose_from_carla(numbers, ego.vehicle.center))
+        ahead = at.get_forward_vector()
+        speed = velocity.x * ahead.x + velocity.y * ahead.y + velocity.z * ahead.z
+        steering = -math.radians(actor.get_wheel_steer_angle(self._carla.VehicleWheelLocation.FL_Wheel))
+        return EgoState(pose, speed, steering, control.throttle, control.brake)
+
+    def _look(self) -> None:
+        """Take the picture of the tick."""
+        if not self._carla_sees:
+            return
+        import numpy as np
+
+        frame = self._world.get_snapshot().frame
+        while True:
+            try:
+                image = self._images.get(timeout=self.options.timeout)
+            except queue.Empty:
+                raise WorldError(f"CARLA's camera has sent no image of frame {frame}") from None
+            if image.frame >= frame:
+                break
+        pixels = np.frombuffer(image.raw_data, np.uint8).reshape(image.height, image.width, 4)
+        self._image = np.ascontiguousarray(pixels[..., :3])
+
+    def observe(self, snapshot: Snapshot) -> SensorData:
+        """Return what the camera sees: CARLA's last picture through our degradation, or one that is drawn here."""
+        if self._image is None or self._degradation is None or not self._carla_sees:
+            return self._built_in.observe(snapshot)
+        image = self._degradation.deliver(self._image.copy(), degradation_of(snapshot), snapshot.frame)
+        return SensorData(snapshot.t, image, self._built_in.mounting)
+
+    def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:
+        """Draw what the driver sees."""
+        return self._built_in.picture(snapshot)
+
+    def events(self) -> Sequence[WorldEvent]:
+        """Return what the ego's collision and lane sensors have told since the last call."""
+        found = []
+        while not self._told.empty():
+            found.append(self._told.get_nowait())
+        return found

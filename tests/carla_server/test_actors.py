@@ -1,0 +1,361 @@
+"""CARLA's own client spawns, drives and moves actors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tests.carla_server.conftest import STEP, Served
+
+Spawn = Callable[..., Any]
+
+
+def ticks(world: Any, count: int) -> None:
+    for _ in range(count):
+        world.tick()
+
+
+def test_the_library_has_carlas_vehicles_with_their_attributes(world: Any) -> None:
+    library = world.get_blueprint_library()
+    assert len(library.filter("vehicle.*")) == 41
+    assert len(library.filter("walker.pedestrian.*")) >= 51
+    model = library.find("vehicle.tesla.model3")
+    assert model.get_attribute("base_type").as_str() == "car"
+    assert model.get_attribute("number_of_wheels").as_int() == 4
+    assert model.get_attribute("color").recommended_values
+    assert not model.get_attribute("generation").is_modifiable
+    for blueprint in library:
+        assert all(attribute.recommended_values for attribute in blueprint)
+
+
+def test_a_vehicle_stands_where_it_was_spawned(world: Any, spawn: Spawn) -> None:
+    car = spawn("vehicle.tesla.model3", role_name="hero", color="10,20,30")
+    world.tick()
+    there, wanted = car.get_transform(), world.get_map().get_spawn_points()[0]
+    assert there.location.distance(wanted.location) < 0.6
+    assert there.location.z == pytest.approx(0.0, abs=1e-3)
+    assert there.rotation.yaw == pytest.approx(wanted.rotation.yaw, abs=1e-3)
+    assert (car.attributes["role_name"], car.attributes["color"]) == ("hero", "10,20,30")
+    assert car.bounding_box.extent.x == pytest.approx(4.792 / 2)
+    assert world.get_actor(car.id).type_id == "vehicle.tesla.model3"
+
+
+def test_a_blocked_place_is_refused(world: Any, spawn: Spawn) -> None:
+    spawn("vehicle.tesla.model3")
+    blueprint = world.get_blueprint_library().find("vehicle.audi.tt")
+    point = world.get_map().get_spawn_points()[0]
+    assert world.try_spawn_actor(blueprint, point) is None
+    with pytest.raises(RuntimeError, match="collision at spawn position"):
+        world.spawn_actor(blueprint, point)
+
+
+def test_throttle_steer_and_brake_have_carlas_signs(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    begin = car.get_transform()
+    car.apply_control(carla.VehicleControl(throttle=0.6, steer=0.1))
+    ticks(world, 40)
+    now = car.get_transform()
+    away = now.location - begin.location
+    right, ahead = begin.get_right_vector(), begin.get_forward_vector()
+    assert away.x * ahead.x + away.y * ahead.y > 2.0
+    assert away.x * right.x + away.y * right.y > 0.1  # positive steers to the right
+    assert (now.rotation.yaw - begin.rotation.yaw + 180.0) % 360.0 - 180.0 > 0.5
+    assert car.get_angular_velocity().z > 0.0
+    speed = car.get_velocity().length()
+    assert speed == pytest.approx(0.6 * 3.5 * 2.0, rel=0.05)
+    assert car.get_control().throttle == pytest.approx(0.6)
+    car.apply_control(carla.VehicleControl(brake=1.0))
+    ticks(world, 40)
+    assert car.get_velocity().length() == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_hand_brake_stops_and_reverse_goes_back(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    car.apply_control(carla.VehicleControl(throttle=0.5, reverse=True))
+    ticks(world, 20)
+    velocity, ahead = car.get_velocity(), car.get_transform().get_forward_vector()
+    assert velocity.x * ahead.x + velocity.y * ahead.y < -1.0
+    assert car.get_control().gear == -1
+    car.apply_control(carla.VehicleControl(throttle=0.5, hand_brake=True))
+    ticks(world, 20)
+    assert car.get_velocity().length() < 0.01
+    assert car.get_control().gear == 1
+    car.apply_control(carla.VehicleControl(manual_gear_shift=True, gear=3))
+    world.tick()
+    assert car.get_control().gear == 3
+
+
+def test_a_control_that_does_not_stick_is_forgotten(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt", sticky_control="false")
+    car.apply_control(carla.VehicleControl(throttle=1.0))
+    world.tick()
+    world.tick()
+    assert car.get_control().throttle == 0.0
+    assert car.get_velocity().length() == pytest.approx(3.5 * STEP, rel=0.05)
+
+
+def test_velocities_and_impulses(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    ahead = car.get_transform().get_forward_vector()
+    car.set_target_velocity(carla.Vector3D(ahead.x * 7.0, ahead.y * 7.0, 0.0))
+    ticks(world, 2)
+    assert car.get_velocity().length() == pytest.approx(7.0, abs=0.01)
+    car.add_impulse(carla.Vector3D(ahead.x * 2000.0, ahead.y * 2000.0, 0.0))
+    ticks(world, 2)
+    assert car.get_velocity().length() == pytest.approx(7.0 + 2000.0 / car.get_physics_control().mass, abs=0.01)
+    car.enable_constant_velocity(carla.Vector3D(3.0, 0.0, 0.0))
+    ticks(world, 5)
+    assert car.get_velocity().length() == pytest.approx(3.0, abs=0.01)
+    car.disable_constant_velocity()
+    car.apply_control(carla.VehicleControl(brake=1.0))
+    ticks(world, 20)
+    assert car.get_velocity().length() < 0.01
+
+
+def test_ackermann_control_reaches_speed_and_angle(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    car.apply_ackermann_control(carla.VehicleAckermannControl(steer=0.05, speed=5.0, acceleration=3.0))
+    ticks(world, 80)
+    assert car.get_velocity().length() == pytest.approx(5.0, abs=0.1)
+    assert car.get_angular_velocity().z == pytest.approx(math.degrees(5.0 * math.tan(0.05) / 2.653), rel=0.05)
+
+
+def test_physics_control_is_read_and_applied(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    physics = car.get_physics_control()
+    assert max(wheel.max_steer_angle for wheel in physics.wheels) == 70.0
+    assert len(physics.wheels) == 4
+    physics.mass = 2000.0
+    wheels = physics.wheels
+    for wheel in wheels:
+        wheel.max_steer_angle = min(wheel.max_steer_angle, 35.0)
+    physics.wheels = wheels
+    car.apply_physics_control(physics)
+    assert car.get_physics_control().mass == 2000.0
+    car.apply_control(carla.VehicleControl(steer=1.0))
+    ticks(world, 20)
+    assert car.get_wheel_steer_angle(carla.VehicleWheelLocation.FL_Wheel) == pytest.approx(35.0, abs=0.5)
+
+
+def test_a_transform_moves_it_and_physics_can_be_switched_off(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    car.set_simulate_physics(False)
+    point = world.get_map().get_spawn_points()[5]
+    raised = carla.Transform(point.location + carla.Location(z=2.0), point.rotation)
+    car.set_transform(raised)
+    ticks(world, 3)
+    assert car.get_location().distance(raised.location) < 1e-3
+    assert car.get_velocity().length() < 1e-3
+    car.set_simulate_physics(True)
+    ticks(world, 2)
+    assert car.get_location().z == pytest.approx(0.0, abs=0.01)
+
+
+def test_cars_that_meet_collide_and_lose_speed(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    rear = spawn("vehicle.audi.tt")
+    world.tick()
+    at = rear.get_transform()
+    ahead = at.get_forward_vector()
+    before = carla.Transform(at.location + carla.Location(ahead.x * 12.0, ahead.y * 12.0, 0.2), at.rotation)
+    front = spawn("vehicle.tesla.model3", before)
+    sensor = spawn("sensor.other.collision", carla.Transform(), rear)
+    met: list[Any] = []
+    sensor.listen(met.append)
+    rear.set_target_velocity(carla.Vector3D(ahead.x * 10.0, ahead.y * 10.0, 0.0))
+    for _ in range(60):
+        frame = world.tick()
+    for _ in range(200):
+        if met:
+            break
+        world.tick()
+    assert met
+    first = met[0]
+    assert first.frame <= frame + 200
+    assert (first.actor.id, first.other_actor.id) == (rear.id, front.id)
+    pushed = first.normal_impulse
+    assert pushed.x * ahead.x + pushed.y * ahead.y < -1000.0
+    sensor.stop()
+    sensor.destroy()
+    assert front.get_velocity().length() > 1.0
+    assert rear.get_velocity().length() < 7.0
+
+
+def test_a_walker_walks_where_it_is_told(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    point = world.get_map().get_spawn_points()[3]
+    walker = spawn("walker.pedestrian.0005", point)
+    world.tick()
+    begin = walker.get_location()
+    assert begin.z == pytest.approx(0.93, abs=0.01)  # a walker's origin is its middle
+    walker.apply_control(carla.WalkerControl(direction=carla.Vector3D(0.0, 1.0, 0.0), speed=1.5))
+    ticks(world, 40)
+    moved = walker.get_location() - begin
+    assert (moved.x, moved.y) == pytest.approx((0.0, 3.0), abs=0.1)
+    assert walker.get_transform().rotation.yaw == pytest.approx(90.0, abs=0.1)
+    assert walker.get_control().speed == pytest.approx(1.5)
+    assert walker.get_velocity().length() == pytest.approx(1.5, abs=0.01)
+
+
+def test_batches_answer_each_command_by_itself(server: Served, world: Any, spawn: Spawn) -> None:
+    import carla
+
+    client, car = server.client(), spawn("vehicle.audi.tt", 20)
+    blueprint = world.get_blueprint_library().find("vehicle.tesla.model3")
+    points = world.get_map().get_spawn_points()
+    control = carla.VehicleControl(throttle=1.0)
+    spawning = [
+        carla.command.SpawnActor(blueprint, points[k]).then(
+            carla.command.ApplyVehicleControl(carla.command.FutureActor, control)
+        )
+        for k in (1, 1, 2)
+    ]
+    found = client.apply_batch_sync(spawning, True)
+    assert [bool(one.error) for one in found] == [False, True, False]
+    assert "collision" in found[1].error
+    first = world.get_actor(found[0].actor_id)
+    ticks(world, 5)
+    assert first.get_velocity().length() > 0.5
+    there = points[7]
+    command = carla.command
+    orders = [
+        command.ApplyTransform(car, there),
+        command.ApplyTargetVelocity(car, carla.Vector3D(1.0, 0.0, 0.0)),
+        command.SetSimulatePhysics(car, True),
+        command.SetVehicleLightState(car, carla.VehicleLightState.Position),  # all the client sends is 0 or 1
+        command.ApplyImpulse(car, carla.Vector3D(0.0, 0.0, 0.0)),
+        command.ApplyForce(car, carla.Vector3D(0.0, 0.0, 0.0)),
+        command.ApplyAngularImpulse(car, carla.Vector3D()),
+        command.ApplyTorque(car, carla.Vector3D()),
+        command.SetEnableGravity(car, True),
+        command.ApplyTargetAngularVelocity(car, carla.Vector3D()),
+        command.ApplyVehicleAckermannControl(car, carla.VehicleAckermannControl()),
+        command.ApplyVehiclePhysicsControl(car, car.get_physics_control()),
+        command.DestroyActor(found[0].actor_id),
+        command.DestroyActor(999_999),
+    ]
+    answers = client.apply_batch_sync(orders, True)
+    assert [one.error for one in answers[:-1]] == [""] * (len(orders) - 1)
+    assert "not found" in answers[-1].error
+    assert car.get_location().distance(there.location) < 1.0
+    assert car.get_light_state() == carla.VehicleLightState.Position
+    assert not world.get_snapshot().has_actor(found[0].actor_id)
+
+
+def test_calls_about_the_dead_do_no_harm(server: Served, world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    again = server.client().get_world().get_actor(car.id)
+    assert car.destroy()
+    again.apply_control(carla.VehicleControl(throttle=1.0))
+    again.set_simulate_physics(False)
+    world.tick()
+    assert not world.get_snapshot().has_actor(car.id)
+
+
+def test_what_is_attached_goes_along(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    mounted = carla.Transform(carla.Location(1.0, 0.5, 2.0), carla.Rotation(pitch=-10.0, yaw=30.0))
+    sensor = spawn("sensor.other.imu", mounted, car)
+    car.apply_control(carla.VehicleControl(throttle=0.5, steer=0.2))
+    ticks(world, 30)
+    expected = car.get_transform().transform(mounted.location)
+    assert sensor.get_location().distance(expected) < 0.01
+    assert sensor.parent.id == car.id
+    turned = sensor.get_transform().rotation.yaw - car.get_transform().rotation.yaw
+    assert (turned + 180.0) % 360.0 - 180.0 == pytest.approx(30.0, abs=0.01)
+
+
+def test_lights_and_doors_are_kept(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.dodge.charger_2020")
+    state = carla.VehicleLightState(carla.VehicleLightState.LowBeam | carla.VehicleLightState.Brake)
+    car.set_light_state(state)
+    assert car.get_light_state() == state
+    assert world.get_vehicles_light_states()[car.id] == state
+    car.open_door(carla.VehicleDoor.FL)
+    car.close_door(carla.VehicleDoor.All)
+
+
+@pytest.mark.parametrize("name", ["sensor.camera.dvs", "sensor.camera.normals", "sensor.camera.optical_flow"])
+def test_what_cannot_be_sensed_is_refused_by_name(spawn: Spawn, name: str) -> None:
+    import carla
+
+    with pytest.raises(RuntimeError, match=f"{name} is not served"):
+        spawn(name, carla.Transform())
+
+
+def test_tires_without_friction_neither_drive_nor_brake(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    physics = car.get_physics_control()
+    wheels = physics.wheels
+    for wheel in wheels:
+        wheel.tire_friction = 0.0
+    physics.wheels = wheels
+    car.apply_physics_control(physics)
+    ahead = car.get_transform().get_forward_vector()
+    car.set_target_velocity(carla.Vector3D(ahead.x * 20.0, ahead.y * 20.0, 0.0))
+    car.apply_control(carla.VehicleControl(brake=1.0))
+    ticks(world, 20)
+    assert car.get_velocity().length() == pytest.approx(20.0, abs=1e-3)
+
+
+def test_a_friction_trigger_gives_its_friction_to_whom_it_holds(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    here = carla.Transform(car.get_location())
+    trigger = spawn("static.trigger.friction", here, friction=5.0, extent_x=300, extent_y=300, extent_z=300)
+    assert car.get_physics_control().wheels[0].tire_friction == 5.0
+    trigger.destroy()
+    assert car.get_physics_control().wheels[0].tire_friction == pytest.approx(3.5)
+
+
+def test_sticky_control_is_read_as_clients_write_it(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt", sticky_control="False")
+    car.apply_control(carla.VehicleControl(throttle=1.0))
+    ticks(world, 3)
+    assert car.get_velocity().length() == pytest.approx(3.5 * STEP, rel=0.05)
+
+
+def test_who_is_gone_before_the_first_tick_leaves_nothing(server: Served, world: Any, spawn: Spawn) -> None:
+    import carla
+
+    for _ in range(3):
+        gone = carla.command.DestroyActor(spawn("vehicle.audi.tt").id)
+        assert server.client().apply_batch_sync([gone], False)[0].error == ""
+    car = spawn("vehicle.tesla.model3")
+    world.tick()
+    assert world.get_snapshot().has_actor(car.id)

@@ -1,0 +1,120 @@
+"""Several clients at once, one that is slow, and one that dies in the middle of a tick."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from tests.carla_server.conftest import Served
+
+Spawn = Callable[..., Any]
+
+ASKING = """
+import carla, sys
+client = carla.Client("127.0.0.1", int(sys.argv[1]))
+client.set_timeout(20.0)
+world = client.get_world()
+for _ in range(int(sys.argv[2])):
+    snapshot = world.wait_for_tick(20.0)
+print(snapshot.frame, len(world.get_actors().filter("vehicle.*")))
+"""
+
+DYING = """
+import carla, os, signal, sys
+client = carla.Client("127.0.0.1", int(sys.argv[1]))
+client.set_timeout(20.0)
+world = client.get_world()
+world.wait_for_tick(20.0)
+vehicle = world.get_actors().filter("vehicle.*")[0]
+camera = world.get_blueprint_library().find("sensor.camera.rgb")
+sensor = world.spawn_actor(camera, carla.Transform(), attach_to=vehicle)
+sensor.listen(lambda image: os.kill(os.getpid(), signal.SIGKILL))
+print("ready", flush=True)
+signal.pause()
+"""
+
+SLOW = """
+import carla, sys, time
+client = carla.Client("127.0.0.1", int(sys.argv[1]))
+client.set_timeout(20.0)
+world = client.get_world()
+world.wait_for_tick(20.0)
+vehicle = world.get_actors().filter("vehicle.*")[0]
+camera = world.get_blueprint_library().find("sensor.camera.rgb")
+sensor = world.spawn_actor(camera, carla.Transform(), attach_to=vehicle)
+sensor.listen(lambda image: time.sleep(0.5))
+print("ready", flush=True)
+time.sleep(60)
+"""
+
+
+def program(text: str, *arguments: object) -> subprocess.Popen[str]:
+    command = [sys.executable, "-c", text, *map(str, arguments)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+
+
+def tick_until_ready(world: Any, client: subprocess.Popen[str]) -> None:
+    """Tick until a client says that it is ready."""
+    assert client.stdout is not None
+    said: list[str] = []
+    listening = threading.Thread(target=lambda: said.append(client.stdout.readline() if client.stdout else ""))
+    listening.start()
+    while listening.is_alive():
+        world.tick()
+        time.sleep(0.02)
+    client.stdout.close()
+    assert said == ["ready\n"]
+
+
+def test_five_clients_see_the_same_world(server: Served, world: Any, spawn: Spawn) -> None:
+    for k in range(3):
+        spawn("vehicle.audi.tt", k)
+    clients = [program(ASKING, server.port, 20) for _ in range(4)]
+    deadline = time.monotonic() + 60.0
+    while any(one.poll() is None for one in clients) and time.monotonic() < deadline:
+        world.tick()
+        time.sleep(0.01)
+    told = [one.communicate()[0].split() for one in clients]
+    assert [one.returncode for one in clients] == [0] * 4
+    assert [one[1] for one in told] == ["3"] * 4
+
+
+def test_a_client_that_dies_in_a_tick_takes_nobody_along(server: Served, world: Any, spawn: Spawn) -> None:
+    spawn("vehicle.audi.tt")
+    world.tick()
+    dying = program(DYING, server.port)
+    tick_until_ready(world, dying)
+    for _ in range(200):
+        if dying.poll() is not None:
+            break
+        world.tick()
+        time.sleep(0.02)
+    assert dying.returncode == -signal.SIGKILL
+    frames = [world.tick() for _ in range(20)]
+    assert frames[-1] - frames[0] == 19
+
+
+def test_a_slow_consumer_does_not_stop_the_others(server: Served, world: Any, spawn: Spawn) -> None:
+    spawn("vehicle.audi.tt")
+    world.tick()
+    slow = program(SLOW, server.port)
+    tick_until_ready(world, slow)
+    memory = resident(server.process.pid)
+    for _ in range(60):
+        world.tick()
+    assert resident(server.process.pid) - memory < 300 << 20
+    slow.kill()
+    slow.wait()
+    world.tick()
+
+
+def resident(process: int) -> int:
+    """Return how much memory a process has, bytes."""
+    with open(f"/proc/{process}/statm", encoding="ascii") as file:  # noqa: PTH123
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")

@@ -1,0 +1,91 @@
+"""Recordings: made, told of, played, and kept below the served folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tests.carla_server.conftest import Served
+
+Spawn = Callable[..., Any]
+
+
+def record(server: Served, world: Any, spawn: Spawn, name: str) -> tuple[Any, list[Any]]:
+    """Record a car that runs into another; return it and where it was."""
+    import carla
+
+    client = server.client()
+    car = spawn("vehicle.audi.tt", role_name="hero")
+    world.tick()
+    at = car.get_transform()
+    way = at.get_forward_vector()
+    place = carla.Transform(at.location + carla.Location(way.x * 12.0, way.y * 12.0, 0.2), at.rotation)
+    spawn("vehicle.tesla.model3", place)
+    assert name in client.start_recorder(name)
+    car.set_target_velocity(carla.Vector3D(way.x * 8.0, way.y * 8.0, 0.0))
+    where = []
+    for _ in range(40):
+        world.tick()
+        where.append(car.get_transform())
+    client.stop_recorder()
+    world.tick()
+    return car, where
+
+
+def test_a_recording_tells_who_was_there_and_who_met(server: Served, world: Any, spawn: Spawn) -> None:
+    car, _ = record(server, world, spawn, "met.log")
+    client = server.client()
+    told = client.show_recorder_file_info("met.log", False)
+    assert "Map: town_grid" in told
+    assert f"Create {car.id}: vehicle.audi.tt" in told
+    assert "role_name = hero" in told
+    frames = int(told.partition("Frames: ")[2].split()[0])
+    assert frames in (40, 41)  # nobody waits for the answer to the call that ends it
+    met = client.show_recorder_collisions("met.log", "h", "v")
+    assert "vehicle.audi.tt" in met
+    assert "vehicle.tesla.model3" in met
+    assert "vehicle" not in client.show_recorder_collisions("met.log", "w", "a")
+    assert "vehicle.tesla.model3" in client.show_recorder_actors_blocked("met.log", 0.5, 10.0)
+
+
+def test_a_recording_is_played_where_it_was(server: Served, world: Any, spawn: Spawn) -> None:
+    car, where = record(server, world, spawn, "played.log")
+    for actor in world.get_actors().filter("vehicle.*"):
+        actor.destroy()
+    world.tick()
+    client = server.client()
+    assert "Replaying" in client.replay_file("played.log", 0.0, 0.0, 0)
+    for k in range(10):
+        world.tick()
+        played = world.get_actors().filter("vehicle.audi.tt")[0]
+        assert played.get_transform().location.distance(where[k + 1].location) < 0.05
+    client.stop_replayer(False)
+    for _ in range(50):  # nobody waits for the answer to that call
+        world.tick()
+        if not world.get_actors().filter("vehicle.*"):
+            break
+    assert list(world.get_actors().filter("vehicle.*")) == []
+    del car
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../away.log", "a/../../away.log", ""])
+def test_nothing_is_written_or_read_outside_the_served_folder(server: Served, name: str) -> None:
+    client = server.client()
+    refused = r"not below the served folder|has no name"
+    with pytest.raises(RuntimeError, match=refused):
+        client.start_recorder(name)
+    with pytest.raises(RuntimeError, match=refused):
+        client.show_recorder_file_info(name, False)
+    with pytest.raises(RuntimeError, match=refused):
+        client.replay_file(name, 0.0, 0.0, 0)
+    assert not (server.files.parent / "away.log").exists()
+
+
+def test_what_is_no_recording_is_refused(server: Served) -> None:
+    (server.files / "text.log").write_text("nothing of ours")
+    with pytest.raises(RuntimeError, match="no recording of this server"):
+        server.client().show_recorder_file_info("text.log", False)
+    with pytest.raises(RuntimeError, match="not found"):
+        server.client().show_recorder_file_info("absent.log", False)

@@ -1,0 +1,243 @@
+"""What sensors deliver to CARLA's own client, in step with the ticks."""
+
+from __future__ import annotations
+
+import math
+import queue
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from scenario_compiler.perception.labels import Tag
+
+Spawn = Callable[..., Any]
+
+AHEAD = 15.0
+"""Distance between the two cars' origins, m."""
+
+
+class Listening:
+    """A sensor whose messages are kept."""
+
+    def __init__(self, sensor: Any) -> None:
+        self.sensor = sensor
+        self._came: queue.Queue[Any] = queue.Queue()
+        sensor.listen(self._came.put)
+
+    def next(self) -> Any:
+        """Return the next message."""
+        return self._came.get(timeout=10.0)
+
+    def nothing(self) -> bool:
+        """Return whether no message waits."""
+        return self._came.empty()
+
+
+@pytest.fixture
+def scene(world: Any, spawn: Spawn) -> Iterator[tuple[Any, Any, Callable[..., Listening]]]:
+    """A car, another one ahead of it, and what attaches sensors to the first."""
+    import carla
+
+    rear = spawn("vehicle.tesla.model3")
+    world.tick()
+    at = rear.get_transform()
+    way = at.get_forward_vector()
+    place = carla.Transform(at.location + carla.Location(way.x * AHEAD, way.y * AHEAD, 0.2), at.rotation)
+    front = spawn("vehicle.audi.tt", place, color="255,0,0")
+    world.tick()
+    made: list[Listening] = []
+
+    def attach(
+        name: str, x: float = 0.0, z: float = 0.0, pitch: float = 0.0, yaw: float = 0.0, **given: object
+    ) -> Listening:
+        mounted = carla.Transform(carla.Location(x=x, z=z), carla.Rotation(pitch=pitch, yaw=yaw))
+        made.append(Listening(spawn(name, mounted, rear, **given)))
+        return made[-1]
+
+    yield rear, front, attach
+    for one in made:
+        one.sensor.stop()
+        one.sensor.destroy()
+
+
+def pixels(image: Any) -> NDArray[np.uint8]:
+    return np.frombuffer(image.raw_data, np.uint8).reshape(image.height, image.width, 4)
+
+
+SMALL = {"image_size_x": 320, "image_size_y": 240}
+
+
+def test_a_cameras_first_image_comes_in_the_next_tick(world: Any, scene: Any) -> None:
+    _, _, attach = scene
+    camera = attach("sensor.camera.rgb", x=1.5, z=1.6, **SMALL)
+    for _ in range(5):
+        frame = world.tick()
+        image = camera.next()
+        assert (image.frame, image.width, image.height) == (frame, 320, 240)
+    assert image.fov == 90.0
+    shown = pixels(image)
+    assert (shown[..., 3] == 255).all()
+    assert shown[..., :3].std() > 10.0
+    red = (shown[..., 2] > 100) & (shown[..., 1] < 60)
+    assert red.sum() > 100  # the car ahead
+
+
+def test_a_camera_shows_what_carries_it_from_outside(world: Any, scene: Any) -> None:
+    _, _, attach = scene
+    inside = attach("sensor.camera.instance_segmentation", x=0.3, z=1.2, **SMALL)
+    behind = attach("sensor.camera.instance_segmentation", x=-6.0, z=3.0, pitch=-15.0, **SMALL)
+    rear, front, _ = scene
+    world.tick()
+    ids = []
+    for one in (inside, behind):
+        shown = pixels(one.next()).astype(int)
+        ids.append(set(np.unique(shown[..., 1] + 256 * shown[..., 0]).tolist()))
+    assert front.id in ids[0]
+    assert rear.id not in ids[0]
+    assert rear.id in ids[1]
+
+
+def test_depth_and_kinds_are_of_the_same_scene(world: Any, scene: Any) -> None:
+    rear, front, attach = scene
+    depth = attach("sensor.camera.depth", x=2.0, z=0.8, **SMALL)
+    kinds = attach("sensor.camera.semantic_segmentation", x=2.0, z=0.8, **SMALL)
+    world.tick()
+    raw = pixels(depth.next()).astype(np.float64)
+    metres = (raw[..., 2] + 256.0 * raw[..., 1] + 65536.0 * raw[..., 0]) / (2.0**24 - 1) * 1000.0
+    tags = pixels(kinds.next())[..., 2]
+    car = tags == Tag.CAR
+    gap = AHEAD - 2.0 - front.bounding_box.extent.x
+    assert np.median(metres[car]) == pytest.approx(gap, abs=0.6)
+    assert {Tag.CAR, Tag.ROAD, Tag.ROAD_LINE, Tag.SKY} <= set(np.unique(tags).tolist())
+    assert metres[tags == Tag.SKY].min() > 900.0
+    del rear
+
+
+def test_a_sensor_with_a_tick_of_its_own_delivers_seldom(world: Any, scene: Any) -> None:
+    _, _, attach = scene
+    slow = attach("sensor.other.imu", sensor_tick=0.2)
+    frames: list[int] = []
+    for _ in range(17):
+        world.tick()
+    while len(frames) < 4:
+        frames.append(slow.next().frame)
+    assert np.diff(frames).tolist() == [4, 4, 4]
+
+
+def test_lidar_sees_road_and_car_where_they_are(world: Any, scene: Any) -> None:
+    rear, front, attach = scene
+    lidar = attach("sensor.lidar.ray_cast", z=2.0, range=60, points_per_second=400_000, rotation_frequency=20)
+    world.tick()
+    measured = lidar.next()
+    points = np.frombuffer(measured.raw_data, np.float32).reshape(-1, 4)
+    assert measured.channels == 32
+    assert sum(measured.get_point_count(k) for k in range(32)) == len(points)
+    road = points[np.abs(points[:, 2] + 2.0) < 0.02]
+    assert len(road) > 0.5 * len(points)
+    ahead = points[(np.abs(points[:, 1]) < 0.9) & (points[:, 0] > 8.0) & (points[:, 0] < 16.0) & (points[:, 2] > -1.8)]
+    assert ahead[:, 0].min() == pytest.approx(AHEAD - front.bounding_box.extent.x, abs=0.05)
+    distance = np.linalg.norm(points[:, :3], axis=1)
+    assert np.allclose(points[:, 3], np.exp(-0.004 * distance), atol=1e-3)
+    del rear
+
+
+def test_semantic_lidar_names_what_it_meets(world: Any, scene: Any) -> None:
+    _, front, attach = scene
+    lidar = attach("sensor.lidar.ray_cast_semantic", z=2.0, range=60, points_per_second=400_000, rotation_frequency=20)
+    world.tick()
+    found = [(one.object_idx, one.object_tag, one.cos_inc_angle) for one in lidar.next()]
+    assert {(front.id, int(Tag.CAR)), (0, int(Tag.ROAD))} == {one[:2] for one in found}
+    assert all(0.0 <= cosine <= 1.0 for _, _, cosine in found)
+
+
+def test_radar_measures_how_fast_it_comes_nearer(world: Any, scene: Any) -> None:
+    import carla
+
+    rear, front, attach = scene
+    radar = attach("sensor.other.radar", x=2.5, z=0.7, horizontal_fov=10, vertical_fov=4, points_per_second=20_000)
+    rear.enable_constant_velocity(carla.Vector3D(8.0, 0.0, 0.0))
+    world.tick()
+    radar.next()
+    world.tick()
+    found = list(radar.next())
+    gap = AHEAD - 2.5 - front.bounding_box.extent.x - 2 * 8.0 * 0.05
+    car = [one for one in found if abs(one.depth - gap) < 0.6]
+    assert car
+    assert np.median([one.velocity for one in car]) == pytest.approx(-8.0, abs=0.1)
+    assert max(abs(one.azimuth) for one in found) <= math.radians(5.0) + 1e-6
+
+
+def test_an_obstacle_ahead_is_told_with_its_distance(world: Any, scene: Any) -> None:
+    _, front, attach = scene
+    near = attach("sensor.other.obstacle", x=2.4, z=0.8, distance=30)
+    far = attach("sensor.other.obstacle", x=2.4, z=0.8, distance=5)
+    world.tick()
+    event = near.next()
+    assert event.other_actor.id == front.id
+    assert event.distance == pytest.approx(AHEAD - 2.4 - front.bounding_box.extent.x, abs=0.05)
+    world.tick()
+    assert far.nothing()
+
+
+def test_gnss_agrees_with_the_clients_own_map(world: Any, scene: Any) -> None:
+    rear, _, attach = scene
+    gnss = attach("sensor.other.gnss")
+    world.tick()
+    told = gnss.next()
+    expected = world.get_map().transform_to_geolocation(rear.get_location())
+    assert (told.latitude, told.longitude) == pytest.approx((expected.latitude, expected.longitude), abs=1e-8)
+
+
+def test_imu_feels_gravity_acceleration_and_turns(world: Any, scene: Any) -> None:
+    import carla
+
+    rear, _, attach = scene
+    imu = attach("sensor.other.imu")
+    rear.apply_control(carla.VehicleControl(throttle=0.5, steer=0.1))
+    for _ in range(10):
+        world.tick()
+        told = imu.next()
+    assert told.accelerometer.z == pytest.approx(9.81, abs=1e-3)
+    assert told.accelerometer.x == pytest.approx(1.75, abs=0.15)
+    assert told.gyroscope.z == pytest.approx(math.radians(rear.get_angular_velocity().z), abs=1e-4)
+    assert told.gyroscope.z > 0.0
+    compass = math.radians(rear.get_transform().rotation.yaw + 90.0) % math.tau  # north is -y
+    assert told.compass == pytest.approx(compass, abs=1e-3)
+
+
+def test_leaving_the_lane_is_told(world: Any, scene: Any) -> None:
+    import carla
+
+    rear, _, attach = scene
+    invasion = attach("sensor.other.lane_invasion")
+    world.tick()
+    at = rear.get_transform()
+    right = at.get_right_vector()
+    world.tick()
+    rear.set_transform(carla.Transform(at.location - carla.Location(right.x * 2.5, right.y * 2.5, 0.0), at.rotation))
+    for _ in range(3):
+        world.tick()
+    assert invasion.next().crossed_lane_markings
+
+
+def test_a_camera_of_nobody_sees_too(world: Any, spawn: Spawn, scene: Any) -> None:
+    import carla
+
+    rear, _, _ = scene
+    at = rear.get_location()
+    above = carla.Transform(at + carla.Location(z=25.0), carla.Rotation(pitch=-90.0))
+    camera = Listening(spawn("sensor.camera.semantic_segmentation", above, **SMALL))
+    world.tick()
+    tags = pixels(camera.next())[..., 2]
+    camera.sensor.stop()
+    assert tags[118:123, 158:163].tolist() == [[int(Tag.CAR)] * 5] * 5
+
+
+def test_too_large_an_image_is_refused(spawn: Spawn) -> None:
+    import carla
+
+    with pytest.raises(RuntimeError, match="pixels"):
+        spawn("sensor.camera.rgb", carla.Transform(), image_size_x=100_000, image_size_y=100_000)

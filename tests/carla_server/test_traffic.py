@@ -1,0 +1,177 @@
+"""Traffic lights of a map, and CARLA's own Traffic Manager, which drives through the server."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from lxml import etree
+
+from tests.carla_server.conftest import STEP, Served, served
+
+MAPS = Path(__file__).parents[2] / "maps"
+MANAGER = 8650
+
+
+def lit_town() -> bytes:
+    """Return town_grid with a light for each arm of each junction of four arms, each arm a controller of its own."""
+    root = etree.parse(MAPS / "town_grid" / "town_grid.xodr").getroot()
+    roads = {str(road.get("id")): road for road in root.iterfind("road")}
+    first = next(root.iterfind("junction"))
+    numbers = iter(range(9000, 9999))
+    for junction in root.iterfind("junction"):
+        arms = sorted({str(connection.get("incomingRoad")) for connection in junction.iterfind("connection")})
+        if len(arms) != 4:
+            continue
+        for arm in arms:
+            road, number = roads[arm], str(next(numbers))
+            after = road.find("link/successor")
+            ends = after is not None and after.get("elementId") == junction.get("id")
+            s, side = (float(str(road.get("length"))) - 1.0, -1) if ends else (1.0, 1)
+            signals = road.find("signals")
+            signals = etree.SubElement(road, "signals") if signals is None else signals
+            signal = etree.SubElement(
+                signals, "signal", id=number, name="light", s=str(s), t=str(4.0 * side), dynamic="yes",
+                orientation="+" if ends else "-", zOffset="3", country="OpenDRIVE", type="1000001", subtype="-1",
+                value="-1", hOffset="0", pitch="0", roll="0", height="1", width="0.5",
+            )  # fmt: skip
+            etree.SubElement(signal, "validity", fromLane=str(side), toLane=str(side))
+            controller = etree.Element("controller", id=f"1{number}", name=f"arm {arm}", sequence="0")
+            etree.SubElement(controller, "control", signalId=number, type="0")
+            first.addprevious(controller)
+            etree.SubElement(junction, "controller", id=f"1{number}", type="0")
+    return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8"))
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Iterator[Served]:
+    folder = tmp_path_factory.mktemp("lit")
+    (folder / "lit_town.xodr").write_bytes(lit_town())
+    arguments = ("--carla-version", client_version, "--maps", str(folder), "--map", "lit_town")
+    with served(folder, *arguments) as running:
+        yield running
+
+
+def test_lights_stand_in_groups_and_switch_by_their_times(world: Any) -> None:
+    import carla
+
+    lights = list(world.get_actors().filter("traffic.traffic_light"))
+    assert len(lights) == 8
+    one = lights[0]
+    group = one.get_group_traffic_lights()
+    assert len(group) == 4
+    assert {light.get_opendrive_id() for light in lights} == {str(9000 + k) for k in range(8)}
+    for light in lights:
+        light.set_green_time(1.0)
+        light.set_yellow_time(0.5)
+        light.set_red_time(0.5)
+    world.reset_all_traffic_lights()
+    shown = []
+    for _ in range(4 * 40):
+        world.tick()
+        shown.append(tuple(light.state for light in group))
+    greens = [sum(state == carla.TrafficLightState.Green for state in states) for states in shown]
+    assert max(greens) == 1
+    assert {k for states in shown for k, state in enumerate(states) if state == carla.TrafficLightState.Green} == {
+        0, 1, 2, 3
+    }  # fmt: skip
+    assert greens.count(1) == pytest.approx(80, abs=4)
+
+
+def test_a_light_can_be_set_and_frozen(world: Any) -> None:
+    import carla
+
+    one = world.get_actors().filter("traffic.traffic_light")[0]
+    world.freeze_all_traffic_lights(True)
+    one.set_state(carla.TrafficLightState.Yellow)
+    for _ in range(100):
+        world.tick()
+    assert one.state == carla.TrafficLightState.Yellow
+    assert one.is_frozen()
+    world.freeze_all_traffic_lights(False)
+    world.reset_all_traffic_lights()
+
+
+def test_a_car_before_a_light_is_at_it(world: Any, spawn: Any) -> None:
+    import carla
+
+    one = world.get_actors().filter("traffic.traffic_light")[0]
+    way = one.get_stop_waypoints()[0].previous(6.0)[0].transform
+    car = spawn("vehicle.audi.tt", carla.Transform(way.location + carla.Location(z=0.3), way.rotation))
+    world.freeze_all_traffic_lights(True)
+    one.set_state(carla.TrafficLightState.Red)
+    world.tick()
+    world.tick()
+    assert car.is_at_traffic_light()
+    assert car.get_traffic_light().id == one.id
+    assert car.get_traffic_light_state() == carla.TrafficLightState.Red
+    assert car.get_speed_limit() == pytest.approx(50.0)
+    world.freeze_all_traffic_lights(False)
+
+
+def crossed(one: Any, before: Any, now: Any) -> bool:
+    """Return whether a car's middle has gone over the stop line of a light in a step."""
+    for stop in one.get_stop_waypoints():
+        at, ahead = stop.transform.location, stop.transform.get_forward_vector()
+        along = [(p.x - at.x) * ahead.x + (p.y - at.y) * ahead.y for p in (before, now)]
+        if along[0] < 0.0 <= along[1] and now.distance(at) < 2.5:
+            return True
+    return False
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cars", [20])
+def test_the_traffic_manager_drives_for_a_minute(server: Served, world: Any, cars: int) -> None:
+    import carla
+
+    client = server.client()
+    manager = client.get_trafficmanager(MANAGER)
+    manager.set_synchronous_mode(True)
+    manager.set_random_device_seed(7)
+    library, points = world.get_blueprint_library(), world.get_map().get_spawn_points()
+    command = carla.command
+    autopilot = command.SetAutopilot(command.FutureActor, True, MANAGER)
+    spawning = [
+        command.SpawnActor(library.find("vehicle.tesla.model3"), points[k * len(points) // cars]).then(autopilot)
+        for k in range(cars)
+    ]
+    ids = [one.actor_id for one in client.apply_batch_sync(spawning, True)]
+    assert all(ids)
+    driven, off, ran = dict.fromkeys(ids, 0.0), 0, []
+    lights = list(world.get_actors().filter("traffic.traffic_light"))
+    before: dict[int, Any] = {}
+    red = {light.id: False for light in lights}
+    for tick in range(int(60.0 / STEP)):
+        world.tick()
+        snapshot = world.get_snapshot()
+        for number in ids:
+            at = snapshot.find(number).get_transform().location
+            if number in before:
+                driven[number] += at.distance(before[number])
+                ran += [number for light in lights if red[light.id] and crossed(light, before[number], at)]
+            before[number] = at
+            if tick % 20 == 0:
+                off += world.get_map().get_waypoint(at, project_to_road=False) is None
+        red = {light.id: light.state == carla.TrafficLightState.Red for light in lights}
+    manager.set_synchronous_mode(False)
+    manager.shut_down()
+    assert sum(driven.values()) / cars > 100.0
+    assert off == 0
+    assert ran == []
+
+
+def test_cars_stand_as_their_spawn_points_do(server: Served, world: Any) -> None:
+    import carla
+
+    points = world.get_map().get_spawn_points()
+    model = world.get_blueprint_library().find("vehicle.tesla.model3")
+    answers = server.client().apply_batch_sync([carla.command.SpawnActor(model, one) for one in points], True)
+    snapshot = world.get_snapshot()
+    for answer, point in zip(answers, points, strict=True):
+        at = snapshot.find(answer.actor_id).get_transform()
+        for axis in ("x", "y"):
+            assert getattr(at.location, axis) == pytest.approx(getattr(point.location, axis), abs=0.01)
+        for angle in ("pitch", "yaw", "roll"):
+            assert getattr(at.rotation, angle) == pytest.approx(getattr(point.rotation, angle), abs=0.01)

@@ -1,0 +1,98 @@
+"""The experimenter decides when the car asks, warns and takes back, and what it does before and after."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenario_compiler import Outcome, Recording
+from tests.studies.study import compiled, row_at, runs, time_of
+
+CONFLICT = """<scenarios version="1"><scenario name="button" map="motorway" duration="{duration}" control_every="2">
+<ego speed="20"><start><spawn_point name="middle_lane"/></start></ego>{body}</scenario></scenarios>"""
+
+
+def played(folder: Path, body: str, duration: float = 12.0) -> tuple[Recording, Outcome]:
+    return next(runs(compiled(folder, CONFLICT.format(body=body, duration=duration)), range(1, 2)))
+
+
+def test_a_request_a_warning_and_a_hand_back_come_when_their_triggers_say(tmp_path: Path) -> None:
+    buttons = "".join(
+        f'<when><time after="{at}"/><do>{what}</do></when>'
+        for at, what in ((1, "<warn/>"), (3, "<request/>"), (8, "<hand_back/>"))
+    )
+    recording, outcome = played(tmp_path, buttons + '<takeover><driver takeover_time="2"/></takeover>')
+    times = {event.kind: event.t for event in reversed(recording.events)}
+    assert outcome.cause == "scheduled"
+    assert times["warning"] == pytest.approx(1.0, abs=0.1501)
+    assert times["request"] == pytest.approx(3.0, abs=0.1501)
+    assert times["response"] == pytest.approx(times["request"] + 2.0, abs=0.1001)
+    assert times["hand_back"] == pytest.approx(8.0, abs=0.1501)
+    assert times["activation"] == pytest.approx(times["hand_back"] + 0.1, abs=1e-6)
+
+
+def test_a_request_may_be_given_any_cause_and_asks_whatever_is_switched_on(tmp_path: Path) -> None:
+    body = (
+        '<when><time after="2"/><do><request cause="sensor_health"/></do></when>'
+        '<takeover><cause kind="path_blocked" range="200"/><driver takeover_time="2"/></takeover>'
+        '<criteria><requested cause="sensor_health"/></criteria>'
+    )
+    _, outcome = played(tmp_path, body, 4.0)
+    assert (outcome.cause, outcome.result) == ("sensor_health", "pass")
+
+
+def test_buttons_do_nothing_where_they_have_no_meaning(tmp_path: Path) -> None:
+    body = (
+        '<when><time after="1"/><do><hand_back/></do></when><when><time after="2"/><do><request/></do></when>'
+        '<when><time after="6"/><do><request/><warn/></do></when><takeover><driver takeover_time="2"/></takeover>'
+    )
+    recording, _ = played(tmp_path, body, 9.0)
+    kinds = [event.kind for event in recording.events]
+    assert kinds.count("request") == 1
+    assert "hand_back" not in kinds
+    assert "warning" not in kinds
+
+
+AHEAD = '<dynamic id="slow" speed="12"><start><ahead_of entity="ego" distance="70"/></start></dynamic>'
+BLOCKED = '<static id="parked"><at><ahead_of entity="ego" distance="{}"/></at></static>'
+POLICY = """<when><time after="4"/><do><request/></do></when>
+<takeover budget="5" minimum_risk_after="30"><driver preset="absent"/>{}</takeover>"""
+
+
+@pytest.mark.parametrize(
+    ("automation", "before", "after"),
+    [
+        ("", "slower", "slower"),
+        ('<automation before="hold_speed"/>', "same", "slower"),
+        ('<automation before="hold_speed" after="hold_speed"/>', "same", "same"),
+        ('<automation before="hold_speed" after="slow_down" deceleration="1.5"/>', "same", "slower"),
+    ],
+)
+def test_what_the_automation_does_before_and_after_a_request(
+    automation: str, before: str, after: str, tmp_path: Path
+) -> None:
+    recording, _ = played(tmp_path, AHEAD + POLICY.format(automation), 7.0)
+    v = recording.v[:, 0]
+    asked = row_at(recording, time_of(recording, "request"))
+    assert {"same": abs(v[asked] - 20.0) < 0.2, "slower": v[asked] < 19.0}[before]
+    assert {"same": abs(v[-1] - v[asked]) < 0.2, "slower": v[-1] < v[asked] - 0.5}[after]
+
+
+def test_slowing_down_has_the_deceleration_that_is_given(tmp_path: Path) -> None:
+    recording, _ = played(tmp_path, POLICY.format('<automation after="slow_down" deceleration="1.5"/>'), 8.0)
+    at = [row_at(recording, time) for time in (5.0, 7.0)]
+    assert np.diff(recording.v[at, 0])[0] / 2.0 == pytest.approx(-1.5, rel=0.05)
+
+
+@pytest.mark.parametrize("budget", [4.0, 6.0])
+def test_the_budget_is_the_time_to_the_limit_at_unchanged_speed(budget: float, tmp_path: Path) -> None:
+    body = BLOCKED.format(250) + (
+        f'<takeover><cause kind="path_blocked" range="300" budget="{budget}" warning_budget="{budget + 3}"/>'
+        '<driver preset="absent"/></takeover>'
+    )
+    recording, outcome = played(tmp_path, body, 14.0)
+    assert outcome.measures["time_budget"].value == pytest.approx(budget, abs=0.1001)
+    assert recording.v[row_at(recording, time_of(recording, "request")), 0] == pytest.approx(20.0, rel=0.01)
+    assert time_of(recording, "request") - time_of(recording, "warning") == pytest.approx(3.0 - 0.3, abs=0.2001)

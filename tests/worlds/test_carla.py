@@ -1,0 +1,174 @@
+"""The world `carla`, with CARLA's own client against our server: the same conflicts come to the same."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from scenario_compiler import Plan, Recording, compile_scenario, judge, load_network, open_world, run
+from scenario_compiler.compiler import Overrides
+from scenario_compiler.worlds import WorldError
+from tests.carla_server.conftest import Served, client_version, served
+
+__all__ = ["client_version"]
+
+CONFLICTS = Path(__file__).parents[2] / "library" / "conflicts"
+FLAGSHIPS = ("obstacle_ahead", "markings_missing", "ramp_blocked", "road_narrows", "sensor_failure")
+NEAR = 0.05
+"""How far mirrored actors may be from where the engine has them, m."""
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Iterator[Served]:
+    with served(tmp_path_factory.mktemp("carla"), "--carla-version", client_version) as running:
+        yield running
+
+
+def ideal(name: str, **arguments: Any) -> Plan:
+    return compile_scenario(CONFLICTS / f"{name}.xml", overrides=Overrides(perception="ideal"), **arguments)
+
+
+def recorded(plan: Plan, server: Served, **options: object) -> Recording:
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port, **options) as world:
+        return run(plan, world)
+
+
+def built_in(plan: Plan) -> Recording:
+    with open_world("kinematic", plan, load_network(plan.map.file)) as world:
+        return run(plan, world)
+
+
+def course(recording: Recording) -> list[tuple[str, str]]:
+    """Return the takeover's states and causes in their order."""
+    states = recording.takeover_state
+    changes = [int(states[0]), *(int(b) for a, b in pairwise(states) if a != b)]
+    causes = [(one.kind, one.cause) for one in recording.events if one.cause and one.kind != "light"]
+    return [*(("state", str(one)) for one in changes), *causes]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FLAGSHIPS)
+def test_a_flagship_comes_to_the_same_in_carla(server: Served, name: str) -> None:
+    plan = ideal(name)
+    ours, theirs = built_in(plan), recorded(plan, server)
+    assert theirs.header.world == "carla"
+    assert course(theirs) == course(ours)
+    there, here = judge(plan, theirs), judge(plan, ours)
+    assert (there.resolution, there.cause, there.result) == (here.resolution, here.cause, here.result)
+    for measure, most in (("request_time", 1.0), ("takeover_time", 0.2)):
+        one, two = there.measures[measure].value, here.measures[measure].value
+        assert (one is None) == (two is None)
+        assert one is None or two is None or abs(one - two) <= most
+    rows = min(len(ours.t), len(theirs.t))
+    scripted = [k for k, entity in enumerate(plan.entities) if entity.kind == "static"]
+    for column in ("x", "y"):
+        apart = np.abs(getattr(theirs, column)[:rows, scripted] - getattr(ours, column)[:rows, scripted])
+        assert apart.max(initial=0.0) < NEAR
+
+
+def test_obstacle_ahead_comes_to_the_same_in_carla(server: Served) -> None:
+    plan = ideal("obstacle_ahead", distance=90)
+    ours, theirs = built_in(plan), recorded(plan, server)
+    assert course(theirs) == course(ours)
+    rows = min(len(ours.t), len(theirs.t))
+    assert abs(len(ours.t) - len(theirs.t)) <= 2
+    assert np.hypot(theirs.x[:rows] - ours.x[:rows], theirs.y[:rows] - ours.y[:rows]).max() < NEAR
+    assert theirs.header.versions["carla_server"] == theirs.header.versions["carla_client"]
+
+
+def test_a_kinematic_ego_drives_as_it_does_in_the_built_in_world(server: Served) -> None:
+    plan = ideal("obstacle_ahead", distance=90).model_copy(update={"duration": 8.0})
+    ours, theirs = built_in(plan), recorded(plan, server, ego="kinematic")
+    assert len(ours.t) == len(theirs.t)
+    assert np.abs(theirs.x - ours.x).max() < 1e-6
+    assert np.abs(theirs.y - ours.y).max() < 1e-6
+
+
+def test_carlas_camera_sees_and_asks(server: Served) -> None:
+    plan = compile_scenario(CONFLICTS / "obstacle_ahead.xml", distance=60).model_copy(update={"duration": 2.5})
+    camera = plan.camera.model_copy(update={"width": 512, "height": 256})
+    plan = plan.model_copy(update={"camera": camera})
+    theirs = recorded(plan, server, camera="carla")
+    assert theirs.stop_reason == "duration"
+    assert np.median(theirs.confidence_left[20:]) > 0.5
+    assert np.abs(theirs.off[:, 0]).max() < 0.6
+    assert any(one.kind == "request" for one in theirs.events)
+
+
+def test_changed_paint_takes_the_built_in_camera_unless_told_otherwise(server: Served) -> None:
+    plan = compile_scenario(CONFLICTS / "markings_missing.xml")
+    network = load_network(plan.map.file)
+    with open_world("carla", plan, network, port=server.port) as world:
+        assert [(one.code.id, one.part) for one in world.findings] == [("SC526", "scenario")]
+    with open_world("carla", plan, network, port=server.port, camera="built-in") as world:
+        assert list(world.findings) == []
+
+
+def test_who_has_no_blueprint_gets_another_and_it_is_told(server: Served) -> None:
+    plan = ideal("obstacle_ahead").model_copy(update={"duration": 0.2})
+    blocker = plan.entities[1]
+    strange = blocker.model_copy(update={"vehicle": blocker.vehicle.model_copy(update={"name": "vehicle.our.own"})})
+    plan = plan.model_copy(update={"entities": (plan.entities[0], strange, *plan.entities[2:])})
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port) as world:
+        run(plan, world)
+        (found,) = world.findings
+    assert (found.code.id, found.part) == ("SC525", f"entities/{blocker.id}")
+    assert "'vehicle.our.own'" in found.message
+
+
+def test_it_leaves_the_server_as_it_found_it(server: Served) -> None:
+    plan = ideal("obstacle_ahead").model_copy(update={"duration": 0.5})
+    network = load_network(plan.map.file)
+
+    def interrupt(t: float) -> None:
+        if t > 0.2:
+            raise KeyboardInterrupt
+
+    with open_world("carla", plan, network, port=server.port) as world, pytest.raises(KeyboardInterrupt):
+        run(plan, world, progress=interrupt)
+    there = server.client().get_world()
+    there.wait_for_tick()
+    assert not there.get_settings().synchronous_mode
+    assert [one for one in there.get_actors() if one.type_id.startswith(("vehicle", "sensor"))] == []
+
+
+def test_a_server_that_ends_loses_the_world_and_keeps_the_recording(tmp_path: Path, client_version: str) -> None:
+    plan = ideal("obstacle_ahead").model_copy(update={"duration": 20.0})
+    with served(tmp_path, "--carla-version", client_version) as dying:
+        with open_world("carla", plan, load_network(plan.map.file), port=dying.port, timeout=1.0) as world:
+            killed = run(plan, world, progress=lambda t: dying.process.send_signal(signal.SIGINT) if t > 1.0 else None)
+        assert killed.stop_reason == "world_lost"
+        assert 1.0 < killed.t[-1] < 5.0
+        broken = next(one for one in killed.events if one.kind == "broken_off")
+        assert broken.cause == "SC520"
+        assert f"127.0.0.1:{dying.port}" in broken.message
+        dying.process.wait(10)
+
+
+def test_another_version_is_refused_with_both_numbers(tmp_path: Path, client_version: str) -> None:
+    other = "0.9.15" if client_version == "0.9.16" else "0.9.16"
+    plan = ideal("obstacle_ahead")
+    with served(tmp_path, "--carla-version", other) as running:
+        with pytest.raises(WorldError, match=f"the client is CARLA {client_version}, the server .* is {other}") as told:
+            open_world("carla", plan, load_network(plan.map.file), port=running.port)
+        assert told.value.code.id == "SC524"
+
+
+def test_where_nobody_answers_the_command_says_so(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "scenario_compiler", "run", "obstacle_ahead", "--perception", "ideal"]
+    carla = [*command, "--world", "carla", "--carla-port", "2"]
+    done = subprocess.run(carla, capture_output=True, text=True, timeout=120, check=False, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "SC524" in done.stderr
+    assert "Traceback" not in done.stderr
+    wrong = subprocess.run([*command, "--carla-port", "2"], capture_output=True, text=True, timeout=60, check=False)
+    assert wrong.returncode == 2
+    assert "--carla-port: only with --world carla" in wrong.stderr
