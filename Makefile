@@ -8,12 +8,15 @@ FRESH := $(wildcard tests/test_layers.py tests/forms/test_translation.py tests/t
 	tests/roads/test_unread.py)
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
+# Byte code is kept, also where the environment says otherwise: the tests start hundreds of processes.
+export PYTHONDONTWRITEBYTECODE =
+
 # The first Python that starts, is new enough and can make environments.
 FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate wheel-test clean
+.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate site wheel-test clean
 
 setup: .venv/.stamp
 	@$(BIN)/python -m scenario_compiler.forms.making
@@ -62,10 +65,15 @@ format: setup
 	$(BIN)/ruff format .
 
 # Rewrites what is made from the code: the maps from their descriptions, the schemas from the models, and of docs/ the pages
-# carla-calls, commands, coverage, language, opendrive and run-folder.
+# carla-calls, commands, controllers, coverage, language, names, opendrive and run-folder.
 generate: setup
 	for build in $(wildcard maps/*/build.py); do $(BIN)/python $$build || exit 1; done
 	$(BIN)/pytest -q --update -m "not slow" $(wildcard tests/test_schemas.py tests/roads/test_unread.py)
+
+# Builds the documentation site into build/site; a link or an anchor that leads nowhere is an error.
+site: setup
+	@$(BIN)/python -m pip install --quiet --constraint constraints.txt --no-build-isolation --editable '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 # Builds the source archive and from it the wheel, and runs the wheel from an empty environment and another folder.
 wheel-test: setup

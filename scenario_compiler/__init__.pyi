@@ -1,6 +1,8 @@
 """What programs import from `scenario_compiler`; see `scenario_compiler.public`."""
 
 from scenario_compiler.batch.execute import run_sweep as run_sweep
+from scenario_compiler.batch.many import Runs as Runs
+from scenario_compiler.batch.many import run_many as run_many
 from scenario_compiler.batch.spec import SweepSpec as SweepSpec
 from scenario_compiler.compiler import Compilation as Compilation
 from scenario_compiler.compiler import Overrides as Overrides
@@ -21,6 +23,7 @@ from scenario_compiler.recording.outcome import Outcome as Outcome
 from scenario_compiler.recording.outcome import judge as judge
 from scenario_compiler.recording.recording import Recording as Recording
 from scenario_compiler.report.folder import write_run_folder as write_run_folder
+from scenario_compiler.report.html import Report as Report
 from scenario_compiler.report.html import write_report as write_report
 from scenario_compiler.report.run import Run as Run
 from scenario_compiler.report.statistics import wilson_interval as wilson_interval
@@ -118,6 +121,7 @@ from scenario_compiler.vocabulary.conditions.by_value import VariableCondition a
 from scenario_compiler.vocabulary.criteria import MakesProgress as MakesProgress
 from scenario_compiler.vocabulary.criteria import MaximumLateralOffset as MaximumLateralOffset
 from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision as MinimumTimeToCollision
+from scenario_compiler.vocabulary.criteria import NoAvoidableCollision as NoAvoidableCollision
 from scenario_compiler.vocabulary.criteria import NoCollision as NoCollision
 from scenario_compiler.vocabulary.criteria import NoMinimumRisk as NoMinimumRisk
 from scenario_compiler.vocabulary.criteria import ReachDestination as ReachDestination
@@ -129,6 +133,7 @@ from scenario_compiler.vocabulary.driver import DriverModel as DriverModel
 from scenario_compiler.vocabulary.driver import Driving as Driving
 from scenario_compiler.vocabulary.driver import Effect as Effect
 from scenario_compiler.vocabulary.driver import Inputs as Inputs
+from scenario_compiler.vocabulary.driver import Person as Person
 from scenario_compiler.vocabulary.entities import Controller as Controller
 from scenario_compiler.vocabulary.entities import Dynamic as Dynamic
 from scenario_compiler.vocabulary.entities import Ego as Ego
@@ -202,6 +207,7 @@ from scenario_compiler.vocabulary.storyboard import TriggerCondition as TriggerC
 from scenario_compiler.vocabulary.storyboard import When as When
 from scenario_compiler.vocabulary.takeover import Cause as Cause
 from scenario_compiler.vocabulary.takeover import Message as Message
+from scenario_compiler.vocabulary.takeover import Say as Say
 from scenario_compiler.vocabulary.takeover import Takeover as Takeover
 from scenario_compiler.vocabulary.variables import Variable as Variable
 from scenario_compiler.vocabulary.variation import Axis as Axis

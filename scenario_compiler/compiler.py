@@ -55,7 +55,8 @@ class Overrides:
 
     Attributes:
         perception: What the lane confidence comes from: "camera" or "ideal".
-        controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class.
+        controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class. The properties that the
+            scenario gives are those of the controller that it names, and stay with that one alone.
         step: Length of a time step, s; 0.001 to 1.
         duration: When the run ends at the latest, s; above 0 and below 1e6.
         driven_by: Who answers and drives by hand: a "person", or the driver "model".
@@ -90,9 +91,11 @@ class Overrides:
             changes["step"] = self.step
         if self.duration is not None:
             changes["duration"] = self.duration
-        if self.controller is not None and scenario.ego is not None:
+        ego = scenario.ego
+        own = ego.controller if ego is not None else None
+        if self.controller is not None and ego is not None and (own is None or own.model != self.controller):
             named = Controller(model=self.controller).written_at(FilePlace("--controller"))
-            changes["ego"] = scenario.ego.model_copy(update={"controller": named})
+            changes["ego"] = ego.model_copy(update={"controller": named})
         if self.driven_by is not None and isinstance(scenario.takeover.driver, DriverModel):
             person = Person() if self.driven_by == "person" else None
             driver = scenario.takeover.driver.model_copy(update={"by_person": person})

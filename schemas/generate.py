@@ -1,12 +1,14 @@
-"""Write what is made from the models: this folder's files and pages of docs/; with `--check`, say which are stale.
+"""Write what is made from the code: this folder's files, pages of docs/, a stub; with `--check`, say which are stale.
 
 Run `python schemas/generate.py`, or `make generate`.
 """
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
+import pkgutil
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -20,9 +22,11 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+from scenario_compiler import vocabulary
 from scenario_compiler.carla_server.matrix import calls_page
 from scenario_compiler.cli.reference import commands_page
 from scenario_compiler.controllers import CONTROLLERS, controller_class
+from scenario_compiler.controllers.reference import controllers_page
 from scenario_compiler.coverage.conflict import conflict_table, conflict_words
 from scenario_compiler.coverage.openscenario import openscenario_table, words_of
 from scenario_compiler.coverage.table import Table, as_markdown
@@ -30,6 +34,7 @@ from scenario_compiler.coverage.uses import backing_of, files_naming, files_with
 from scenario_compiler.openscenario.structure.elements import Element, elements
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.public import public_names
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report.reference import run_folder_page
@@ -40,6 +45,7 @@ from scenario_compiler.source.form import conflict_xsd
 from scenario_compiler.vocabulary.reference import language_page as reference_page
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
+from scenario_compiler.vocabulary.word import Word
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -176,13 +182,47 @@ def _number(kind: CauseKind, name: str) -> str:
 PAGES: dict[str, Callable[[], str]] = {
     "carla-calls.md": calls_page,
     "commands.md": commands_page,
+    "controllers.md": controllers_page,
     "coverage.md": coverage_page,
     "language.md": language_page,
     "names.md": names_page,
     "run-folder.md": run_folder_page,
 }
-"""The same for pages of docs/: commands, what of each language is executed, the language, names, what a run leaves."""
 """The same for pages of docs/, by their names."""
+
+
+STUB = FOLDER.parent / "scenario_compiler" / "__init__.pyi"
+
+
+def stub() -> str:
+    """Return the stub that lists the package's public names: what stands in it, and every word of the vocabulary."""
+    listed = {name: home for name, home in public_names("scenario_compiler").items() if not _is_word(home, name)}
+    listed.update((word.__name__, word.__module__) for word in words())
+    lines = [f"from {home} import {name} as {name}" for name, home in listed.items()]
+    lines.sort(key=lambda line: (line.split()[1], line))
+    folded = [line if len(line) <= 120 else line.replace("import ", "import (\n    ") + ",\n)" for line in lines]
+    head = '"""What programs import from `scenario_compiler`; see `scenario_compiler.public`."""'
+    return "\n".join((head, "", *folded, ""))
+
+
+def words() -> list[type[Word]]:
+    """Return all words of the vocabulary."""
+    modules = [one.name for one in pkgutil.walk_packages(vocabulary.__path__, f"{vocabulary.__name__}.")]
+    declared = [vars(importlib.import_module(name)).values() for name in modules]
+    return [
+        one
+        for name, values in zip(modules, declared, strict=True)
+        for one in values
+        if isinstance(one, type) and issubclass(one, Word) and one is not Word
+        if one.__module__ == name and not one.__name__.startswith("_")
+    ]
+
+
+def _is_word(home: str, name: str) -> bool:
+    if not home.startswith(f"{vocabulary.__name__}."):
+        return False
+    named = getattr(importlib.import_module(home), name, Word)
+    return isinstance(named, type) and issubclass(named, Word)
 
 
 def main() -> int:
@@ -190,6 +230,7 @@ def main() -> int:
     files = {
         **{PAGES_FOLDER / name: text for name, text in PAGES.items()},
         **{FOLDER / name: text for name, text in GENERATED.items()},
+        STUB: stub,
     }
     stale = [path for path, text in files.items() if not _is_fresh(path, text())]
     if "--check" in sys.argv[1:]:

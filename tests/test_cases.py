@@ -40,6 +40,7 @@ WITHOUT_CASE = {
     "SC506": "speaks of --perception: tests/plan/test_findings.py",
     "SC520": "speaks of worlds that are lost: tests/worlds/test_own_physics.py",
     "SC521": "speaks of controllers that fail: tests/runtime/test_failures.py",
+    **dict.fromkeys(("SC524", "SC525", "SC526"), "speak of --world carla: tests/worlds"),
     "SC522": "speaks of faults of this program: tests/runtime/test_failures.py",
     "SC783": "speaks of exported files: tests/openscenario/test_export.py",
     **dict.fromkeys(("SC730", "SC731", "SC732", "SC733"), "speak of --xsd: tests/openscenario/test_xsd.py"),

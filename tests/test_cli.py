@@ -235,7 +235,7 @@ def test_equal_runs_give_equal_files_in_another_process_with_another_hash_seed(c
     for number in ("1", "2"):
         command = [sys.executable, "-m", "scenario_compiler", "run", str(conflict), "-o", str(tmp_path / number)]
         environment = os.environ | {"PYTHONHASHSEED": number}
-        subprocess.run([*command, "--duration", "1.2"], check=True, env=environment, capture_output=True, timeout=120)
+        subprocess.run([*command, "--duration", "0.4"], check=True, env=environment, capture_output=True, timeout=120)
     for name in RUN_FOLDER:
         assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes(), name
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import compileall
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
+
+import scenario_compiler
 
 CONFLICT = """\
 <scenarios version="1">
@@ -77,6 +82,20 @@ COMMANDS = {
     "coverage": "coverage conflict",
 }
 
+ALIKE = {
+    "report",
+    "compare",
+    "search",
+    "gallery",
+    "preview",
+    "map info",
+    "map check",
+    "map plot",
+    "explain",
+    "coverage",
+}
+"""Commands that end as others do: they write a file or nothing, and start no process."""
+
 WHOLE = {
     "out": {"events.csv", "map.xodr", "outcome.json", "plan.json", "recording.parquet", "report.html"},
 }
@@ -88,6 +107,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of a run."""
     from tests.command import call
 
+    compileall.compile_dir(str(Path(scenario_compiler.__file__).parent), quiet=1)  # writing byte code would be events
     folder = tmp_path_factory.mktemp("run")
     (folder / "mine.xml").write_text(CONFLICT)
     assert call("run", folder / "mine.xml", "--perception", "ideal", "-o", folder / "made") == 0
@@ -117,11 +137,19 @@ def interrupted(place: Path, command: str, at: int, number: str = "SIGINT") -> t
     return done.returncode, done.stderr
 
 
-def events_of(place: Path, command: str) -> int:
-    """Return how many events a command has when it is not interrupted."""
-    code, told = interrupted(place, command, 10**9)
-    assert code in (0, 1), told
-    return int(told.splitlines()[-1].removeprefix("EVENTS "))
+EVENTS: dict[str, int] = {}
+"""Number of events of each command, counted once."""
+
+
+def events_of(place: Path, name: str) -> int:
+    """Return how many events a command has when it is not interrupted, counted in a copy of the folder."""
+    if name not in EVENTS:
+        with tempfile.TemporaryDirectory() as folder:
+            copy = shutil.copytree(place, Path(folder) / "copy")
+            code, told = interrupted(copy, COMMANDS[name], 10**9)
+        assert code in (0, 1), told
+        EVENTS[name] = int(told.splitlines()[-1].removeprefix("EVENTS "))
+    return EVENTS[name]
 
 
 def assert_clean(place: Path, before: set[Path], command: str, code: int, told: str) -> None:
@@ -140,37 +168,22 @@ def assert_clean(place: Path, before: set[Path], command: str, code: int, told: 
             assert found in (set(), files), command
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in ALIKE else ()) for name in COMMANDS]
+)
 @pytest.mark.parametrize("share", [0.5, *(pytest.param(one, marks=pytest.mark.slow) for one in (0.02, 0.2, 0.8, 0.99))])
 def test_ctrl_c_is_one_line(place: Path, name: str, share: float) -> None:
     command = COMMANDS[name]
     before = {path.relative_to(place) for path in place.rglob("*")}
-    at = EVENTS[name] if name in EVENTS else EVENTS.setdefault(name, count_events(place, command))
-    code, told = interrupted(place, command, max(1, int(share * at)))
+    code, told = interrupted(place, command, max(1, int(share * events_of(place, name))))
     assert_clean(place, before, command, code, told)
     assert code == 130 or share > 0.9
 
 
-EVENTS: dict[str, int] = {}
-"""Number of events of each command, counted once."""
-
-
-def count_events(place: Path, command: str) -> int:
-    """Return a command's events, counted in a copy of the folder."""
-    import shutil
-    import tempfile
-
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "copy"
-        shutil.copytree(place, copy)
-        return events_of(copy, command)
-
-
-@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("number", ["SIGINT", pytest.param("SIGTERM", marks=pytest.mark.slow)])
 def test_an_interrupted_sweep_is_resumed(place: Path, number: str) -> None:
     command = COMMANDS["sweep in processes"]
-    at = count_events(place, command)
-    code, told = interrupted(place, command, at * 3 // 4, number)
+    code, told = interrupted(place, command, events_of(place, "sweep in processes") * 3 // 4, number)
     assert code == 130, told
     assert "interrupted; --resume does the rest" in told
     assert "Traceback" not in told

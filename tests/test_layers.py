@@ -57,6 +57,7 @@ HALL = (
 LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for room in row}
 
 ENGINE_ROWS = (
+    ("reference_runs",),
     ("simulation",),
     ("program", "entries"),
     ("story",),
@@ -94,6 +95,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
         "report.lettering",
         "report.reliability_plot",
     ),
+    "pandas": ("batch.many", "recording.recording"),
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),

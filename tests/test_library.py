@@ -180,7 +180,7 @@ BY_CAMERA: dict[str, Close] = {
 WITHOUT_REQUEST = {"ramp_gap", "swerving_leader", "oncoming_traffic", "slow_vehicle"}
 """Templates that ask for no takeover."""
 
-LONG = {"occupied_ramp", "ramp_queue"}
+LONG = {"occupied_ramp", "rain_front", "ramp_queue"}
 """Templates whose way to the asserted event takes the camera longer."""
 
 

@@ -65,6 +65,10 @@ def test_page_is_fresh(name: str, assert_fresh: Callable[[Path, str], None]) -> 
     assert_fresh(GENERATOR.PAGES_FOLDER / name, PAGES[name]())
 
 
+def test_stub_of_the_public_names_is_fresh(assert_fresh: Callable[[Path, str], None]) -> None:
+    assert_fresh(GENERATOR.STUB, GENERATOR.stub())
+
+
 def test_page_of_commands_has_every_command_and_option() -> None:
     page = PAGES["commands.md"]()
     for words, parser in _parsers(make_parser()):

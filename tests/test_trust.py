@@ -145,7 +145,14 @@ OPENSCENARIO_EGO = """\
 """
 
 
-@pytest.mark.parametrize("model", ["stranger:Mine", "stranger.py:Mine", "no_such_module_anywhere.x:Y"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        "stranger:Mine",
+        pytest.param("stranger.py:Mine", marks=pytest.mark.slow),
+        pytest.param("no_such_module_anywhere.x:Y", marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize(
     ("command", "code"),
     [

@@ -116,8 +116,8 @@ def _deadly(files: Sequence[Path]) -> list[list[Diagnostic]]:
 
 
 def test_a_process_that_dies_costs_only_the_file_that_ends_it(tmp_path: Path) -> None:
-    names = [f"{number}.xml" for number in range(60)]
-    names[11], names[47] = "deadly.xml", "unlucky.xml"
+    names = [f"{number}.xml" for number in range(30)]
+    names[11], names[23] = "deadly.xml", "unlucky.xml"
     files = [tmp_path / name for name in names]
     tasks = [files[at : at + 3] for at in range(0, len(files), 3)]
     found = list(checked_by_processes(tasks, 2, _deadly))

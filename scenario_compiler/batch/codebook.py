@@ -95,6 +95,12 @@ OUTCOME: Mapping[str, tuple[str, str, str]] = {
     "cause": ("", str(Outcome.model_fields["cause"].description), ""),
     "collision_with": ("", str(Outcome.model_fields["collision_with"].description), "no collision"),
     "failed": ("", "The criteria that do not hold, by their names in the conflict language, a space between.", ""),
+    "avoided_by": (
+        "",
+        "Of the reference drivers that criteria name, those who have no collision where they drive from the start, a "
+        "space between.",
+        "no criterion names one",
+    ),
 }
 """Columns of the outcome: their unit, definition and when they are empty."""
 

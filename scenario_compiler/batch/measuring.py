@@ -23,6 +23,7 @@ from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.resolution import resolutions
 from scenario_compiler.recording.takeovers import takeovers_of_totals
 from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.vocabulary.driver import ReferenceName
 
 Columns = dict[str, list[Any]]
 """Rows by column."""
@@ -31,20 +32,26 @@ TAKEOVERS = "takeovers"
 """Column of the takeovers of each run, which have a table of their own."""
 
 
-def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[str, Value]]) -> Columns:
+def rows_of_totals(
+    plan: Plan,
+    totals: RunTotals,
+    parameters: Sequence[Mapping[str, Value]],
+    avoided: Sequence[Mapping[ReferenceName, bool]],
+) -> Columns:
     """Return the outcome and measures of runs; a run that broke off has no measures.
 
     Args:
         plan: The plan of all of them.
         totals: What they came to.
         parameters: Each run's values of the plan's parameters.
+        avoided: For each run whether the reference drivers that criteria name have no collision.
     """
     stops = [str(STOP_REASONS[code]) for code in totals.code("stop")]
     errors = _errors(plan, totals)
     reached = np.array([stop == "destination" for stop in stops])
     failed: list[list[str]] = [[] for _ in parameters]
     for criterion in plan.criteria:
-        limit = np.array([limit_of(criterion, values) for values in parameters])
+        limit = np.array([limit_of(criterion, *of_run) for of_run in zip(parameters, avoided, strict=True)])
         for names, broken in zip(failed, fails(criterion, totals, reached, limit), strict=True):
             if broken:
                 names.append(criterion.word)
@@ -59,6 +66,7 @@ def rows_of_totals(plan: Plan, totals: RunTotals, parameters: Sequence[Mapping[s
         "cause": ["" if cause < 0 else CAUSES[cause] for cause in totals.code("asked_for")],
         "collision_with": [plan.entities[one].id if one >= 0 else None for one in totals.code("collision_with")],
         "failed": [" ".join(names) for names in failed],
+        "avoided_by": [_avoiders(verdicts) for verdicts in avoided],
     }
     columns[TAKEOVERS] = [[vars(one) for one in some] for some in takeovers_of_totals(totals)]
     sound = np.array([not error for error in errors])
@@ -93,6 +101,7 @@ def row_of_recording(plan: Plan, recording: Recording) -> Columns:
         "cause": [outcome.cause],
         "collision_with": [outcome.collision_with],
         "failed": [" ".join(one.criterion for one in outcome.criteria if not one.passed)],
+        "avoided_by": [_avoiders(recording.header.avoided)],
     }
     columns[TAKEOVERS] = [[vars(one) for one in outcome.takeovers]]
     values = {} if broken else {name: measure.value for name, measure in outcome.measures.items()}
@@ -103,6 +112,11 @@ def error_columns(count: int, error: str) -> Columns:
     """Return the outcome of variants that have no run."""
     columns: Columns = {name: [None] * count for name in (*OUTCOME, *(measure.name for measure in MEASURES))}
     return columns | {"result": ["error"] * count, "error": [error] * count, TAKEOVERS: [[] for _ in range(count)]}
+
+
+def _avoiders(verdicts: Mapping[ReferenceName, bool]) -> str | None:
+    """Return the reference drivers that have no collision; None where none was asked."""
+    return " ".join(name for name, avoids in verdicts.items() if avoids) if verdicts else None
 
 
 def _why_broken(recording: Recording) -> str:

@@ -20,6 +20,7 @@ from scenario_compiler.batch.variants import with_values
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program import Numbers, build_program
+from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.expressions import ExpressionError
 from scenario_compiler.plan.model import Plan
@@ -29,6 +30,8 @@ from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.roads import Network, load_network
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.trust import Trust
+from scenario_compiler.vocabulary.criteria import references_in
+from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.scenario import parameter_values
 
 Form = Literal["camera", "interpreted", "compiled"]
@@ -167,8 +170,8 @@ class _Family:
         self.engine: Simulation | None = None
         if form != "camera":
             self.numbers = Numbers(plan, network)
-            program = build_program(plan, network)
-            self.engine = Simulation(network.tables, program, interpreted=form == "interpreted")
+            self.program = build_program(plan, network)
+            self.engine = Simulation(network.tables, self.program, interpreted=form == "interpreted")
 
     def rows(self, batch: Sequence[Variant]) -> Columns:
         """Run variants and return their rows; one whose values the scenario does not allow is not run."""
@@ -190,7 +193,22 @@ class _Family:
         draws = [make_draws(one.seed, one.index) for one in batch]
         summaries, _ = self.engine.sweep(numbers, draws, self.limit)
         parameters = [{**self.usual, **one.values} for one in batch]
-        return rows_of_totals(self.plan, RunTotals(summaries, self.plan.step), parameters)
+        return rows_of_totals(
+            self.plan, RunTotals(summaries, self.plan.step), parameters, self._avoided(numbers, draws)
+        )
+
+    def _avoided(
+        self, numbers: Sequence[Sequence[float]], draws: Sequence[Sequence[float]]
+    ) -> list[dict[ReferenceName, bool]]:
+        """Return for each variant whether the reference drivers that criteria name have no collision."""
+        interpreted = self.form == "interpreted"
+        verdicts = {
+            name: avoided_by(
+                name, self.network.tables, self.program, numbers, draws, self.limit, interpreted=interpreted
+            )
+            for name in references_in(self.plan.criteria)
+        }
+        return [{name: values[k] for name, values in verdicts.items()} for k in range(len(numbers))]
 
 
 def joined(parts: Sequence[Columns]) -> Columns:

@@ -82,6 +82,7 @@ class Body(Actor):
         simulates: Whether physics moves it.
         collides: Whether others touch it.
         mass: kg.
+        spawned: Where it was spawned, CARLA's axes.
     """
 
     place: int = -1
@@ -89,6 +90,7 @@ class Body(Actor):
     simulates: bool = True
     collides: bool = True
     mass: float = MASS
+    spawned: CarlaTransform = field(default_factory=lambda: CarlaTransform(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
     @property
     def box(self) -> tuple[float, float, float]:
@@ -137,7 +139,7 @@ class Car(Body):
     @property
     def sticky(self) -> bool:
         """Whether a control holds until the next one."""
-        return self.attributes.get("sticky_control", "true") != "false"
+        return self.attributes.get("sticky_control", "true").lower() != "false"
 
     @property
     def two_wheeled(self) -> bool:
@@ -151,6 +153,13 @@ class Car(Body):
             return MAX_STEER
         return float(max((wheel[2] for wheel in self.physics[15]), default=MAX_STEER))
 
+    @property
+    def grip(self) -> float:
+        """Share of its pedals that its tires bring to the road: all, unless their friction is set below 1."""
+        if self.physics is None:
+            return 1.0
+        return float(min([1.0, *(max(wheel[0], 0.0) for wheel in self.physics[15])]))
+
     def physics_control(self) -> list[Any]:
         """Return its physics control: what a client gave, else CARLA's public defaults."""
         if self.physics is not None:
@@ -159,7 +168,7 @@ class Car(Body):
         x, y, z, _, yaw, _ = self.transform
         ahead = (math.cos(math.radians(yaw)), math.sin(math.radians(yaw)))
         wheels = []
-        for along, across in ((1, -1), (1, 1), (-1, -1), (-1, 1))[: 2 if self.two_wheeled else 4]:
+        for along, across in ((1, -1), (1, 1), (-1, -1), (-1, 1)):  # two-wheelers have four in CARLA's physics too
             place = [
                 100.0 * (x + along * length * ahead[0] - across * width * ahead[1]),
                 100.0 * (y + along * length * ahead[1] + across * width * ahead[0]),

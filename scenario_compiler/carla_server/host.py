@@ -242,7 +242,10 @@ class Host:
             due = max(due + self.step_length, loop.time() - self.step_length)
             await asyncio.sleep(max(due - loop.time(), 0.001))
             if not self.settings.synchronous:
-                self.tick()
+                try:
+                    self.tick()
+                except Exception as fault:  # a fault of ours does not stop the clock
+                    self.once(f"a tick failed: {type(fault).__name__}: {str(fault)[:200]}")
 
     def tick(self) -> int:
         """Move the world on by a step and tell who listens; return the number of the frame."""

@@ -350,7 +350,7 @@ class Protocol:
     def _our_fault(self, call: Call, fault: Exception) -> Any:
         where = traceback.extract_tb(fault.__traceback__)[-1]
         place = f"{Path(where.filename).name}:{where.lineno}"
-        self.host.once(f"call '{call.name}' failed at {place}: {type(fault).__name__}: {fault}")
+        self.host.once(f"call '{call.name}' failed at {place}: {type(fault).__name__}: {str(fault)[:200]}")
         return _failed(call, f"{call.name} failed in the server: {type(fault).__name__}")
 
 

@@ -18,7 +18,9 @@ from scenario_compiler.frames import CarlaTransform
 from scenario_compiler.outputs import write_whole
 
 MAGIC = "scenario-compiler recording 1"
-MOST_FRAMES = 1_000_000
+MOST_STATES = 2_000_000
+"""States of bodies in a recording at most, over all frames: what comes after them is left out."""
+
 KINDS = {"h": "hero", "v": "vehicle", "w": "walker", "t": "traffic_light", "o": "other", "a": "any"}
 """Kinds of actors as clients ask for collisions of them."""
 
@@ -46,16 +48,18 @@ class Recorder:
         town: Name of the map.
         actors: Bodies that have been there: id to description and kind.
         frames: Frame, time, step, states (id, transform, speed) and collisions (ids).
+        kept: How many states have been taken down.
     """
 
     path: Path
     town: str
     actors: dict[int, list[Any]] = field(default_factory=dict)
     frames: list[Any] = field(default_factory=list)
+    kept: int = 0
 
     def note(self, stage: Stage, frame: int, dt: float) -> None:
         """Take a frame down; a recording that is too long is not continued."""
-        if len(self.frames) >= MOST_FRAMES:
+        if self.kept >= MOST_STATES:
             return
         states = []
         for body in stage.bodies():
@@ -63,6 +67,7 @@ class Recorder:
                 self.actors[body.id] = [body.description, _kind(body)]
             states.append([body.id, list(stage.transform_of(body)), stage.simulation.state.v[body.place]])
         met = [[one.id, other.id] for one, other, _ in stage.collisions]
+        self.kept += len(states) + 1
         self.frames.append([frame, stage.time, dt, states, met])
 
     def write(self) -> None:

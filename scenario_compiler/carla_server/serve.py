@@ -1,4 +1,4 @@
-"""The server: opens both ports, runs the clock, and ends when it is told to."""
+"""The server: opens both ports, runs the clock, and ends on a signal."""
 
 from __future__ import annotations
 

@@ -28,6 +28,7 @@ from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.frames import (
     CarlaTransform,
     carla_attached,
+    carla_axes,
     carla_from_pose,
     carla_rows,
     pose_from_carla,
@@ -93,7 +94,9 @@ class Stage:
         self._by_place: dict[int, Body] = {}
         self._stale = True
         self._leapt: set[int] = set()
+        self._fresh: list[Body] = []
         self._attached: list[Actor] = []
+        self._before = np.zeros((PLACES, 6))
         self._bodies: list[Body] = []
         self._place = np.empty(0, np.intp)
         self._row = np.empty(0, np.intp)
@@ -144,7 +147,7 @@ class Stage:
         if not self._places:
             raise CallError(f"unable to spawn actor: there are {PLACES} bodies already")
         place = self._places.pop()
-        body.place = place
+        body.place, body.spawned = place, body.transform
         shape = body.shape.model_copy(update={"max_steer": min(MAX_STEER, 80.0), "max_speed": FASTEST})
         pose = Pose(*pose_from_carla(body.transform, shape.center, body.up))
         posed = not isinstance(body, Car | Walker)
@@ -167,6 +170,7 @@ class Stage:
             raise
         self._by_place[place] = body
         self._leapt.add(place)
+        self._fresh.append(body)
         return body
 
     def get(self, number: int) -> Actor:
@@ -245,6 +249,23 @@ class Stage:
         self.simulation.let_pose(body.place, posed=not simulates)
         self.simulation.state.v[body.place] = 0.0
 
+    def friction_at(self, at: CarlaTransform) -> float | None:
+        """Return the friction of a friction trigger about a point, None where there is none; its extents are in cm."""
+        for actor in self.actors.values():
+            if actor.blueprint.name != "static.trigger.friction":
+                continue
+            away = [a - b for a, b in zip(at[:3], self.transform_of(actor)[:3], strict=True)]
+            axes = carla_axes(*actor.transform[3:])
+            try:
+                half = [float(actor.attributes[f"extent_{axis}"]) / 100.0 for axis in "xyz"]
+                friction = float(actor.attributes["friction"])
+            except ValueError:
+                continue
+            inside = [abs(sum(a * b for a, b in zip(axis, away, strict=True))) for axis in axes]
+            if all(one <= most for one, most in zip(inside, half, strict=True)) and math.isfinite(friction):
+                return friction
+        return None
+
     def ahead_of(self, body: Body) -> tuple[float, float, float]:
         """Return the direction in which a body faces, CARLA's axes."""
         pose = self.pose_of(body)
@@ -262,9 +283,9 @@ class Stage:
         scale = car.steers / MAX_STEER
         self.simulation.command(
             car.place,
-            min(max(throttle, 0.0), 1.0),
+            min(max(throttle, 0.0), 1.0) * car.grip,
             -min(max(steer, -1.0), 1.0) * scale,
-            brake,
+            brake * car.grip,
             reverse=bool(reverse) or car.gear < 0,
         )
 
@@ -386,7 +407,12 @@ class Stage:
         column = self.simulation.column
         pose = [column(name)[place] for name in COLUMNS]
         now = carla_rows(np.stack(pose), self._center, self._up)
-        before = every["transform"][row].astype(np.float64)
+        fresh, self._fresh = self._fresh, []
+        for body in fresh:  # as in CARLA, one has not come to rest on the road in its first tick
+            if isinstance(body, Car) and self._by_place.get(body.place) is body:
+                now[self._bodies.index(body), [3, 5]] = body.spawned.pitch, body.spawned.roll
+        before = self._before[place]
+        self._before[place] = now
         speed, ahead = column("v")[place], _ahead(now)
         moved = now[:, :3] - before[:, :3]
         turned = (now[:, 4] - before[:, 4] + 180.0) % 360.0 - 180.0

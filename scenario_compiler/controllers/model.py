@@ -27,7 +27,19 @@ class ControllerParams(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class CameraMounting:
-    """The camera that the images come from: pixels, rad and m, as in the plan (see `perception.camera.Camera`)."""
+    """The camera that the images come from, as in the plan; turned by yaw, then pitch, then roll.
+
+    Attributes:
+        width: Columns of the image, pixels.
+        height: Rows of the image, pixels.
+        fov: Horizontal field of view, rad.
+        x: Distance ahead of the centre of the vehicle's box, m.
+        z: Height above the ground, m.
+        pitch: Upward turn of the optical axis, rad; negative looks down.
+        y: Distance to the left of that centre, m.
+        yaw: Turn of the optical axis to the left, rad.
+        roll: Turn about the optical axis, rad; positive lowers the camera's right side.
+    """
 
     width: int
     height: int

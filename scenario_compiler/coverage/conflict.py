@@ -189,6 +189,7 @@ OTHERS: dict[type[Word], Execution] = {
     criteria.TakeoverWithin: _JUDGED,
     criteria.Requested: _JUDGED,
     criteria.NoMinimumRisk: _JUDGED,
+    criteria.NoAvoidableCollision: Execution("judgement", "engine.reference_runs"),
     criteria.MakesProgress: _JUDGED,
     criteria.MaximumLateralOffset: _JUDGED,
     variation.Vary: Execution("sweep", "batch.sampling"),

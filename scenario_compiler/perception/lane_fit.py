@@ -52,7 +52,7 @@ MOST_TURNED = 0.95
 """Sine of the heading beyond which an arc goes straight on: the camera sees no farther."""
 
 RIVALS_AT, ELSEWHERE = 12.0, 0.4
-"""Distance ahead at which arcs are told apart, and how far apart they are then at least, m."""
+"""Distance ahead at which arcs are distinguished, and how far apart they are then at least, m."""
 
 ON_LINE, STRAY = 0.08, 0.25
 """How far off an arc a ridge counts as on it, m, and the share of ridges that are not from which the slope is in doubt;

@@ -23,6 +23,7 @@ from scenario_compiler.vocabulary.criteria import (
     MakesProgress,
     MaximumLateralOffset,
     MinimumTimeToCollision,
+    NoAvoidableCollision,
     NoCollision,
     NoMinimumRisk,
     ReachDestination,
@@ -30,8 +31,12 @@ from scenario_compiler.vocabulary.criteria import (
     StayOnRoad,
     TakeoverWithin,
 )
+from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.word import number_value
+
+NOBODY: Mapping[ReferenceName, bool] = {}
+"""No verdict of any reference driver."""
 
 
 class Where(BaseModel):
@@ -182,8 +187,28 @@ def _was_too_soon(criterion: Criterion, totals: RunTotals, reached: Booleans, li
     return np.asarray(totals.column("least_time_to_collision") < limit)
 
 
-def limit_of(criterion: Criterion, parameters: Mapping[str, Value]) -> float:
-    """Return the number that a criterion compares with; NaN for those that have none."""
+def _avoidable(criterion: Criterion, traces: Traces, reached: Booleans, limit: Floats) -> Floats:
+    del criterion, reached
+    return np.where(limit > 0.0, traces.times["collision"], np.nan)
+
+
+def _was_avoidable(criterion: Criterion, totals: RunTotals, reached: Booleans, limit: Floats) -> Booleans:
+    del criterion, reached
+    return np.asarray((limit > 0.0) & ~np.isnan(totals.times["collision"]))
+
+
+def limit_of(
+    criterion: Criterion, parameters: Mapping[str, Value], avoided: Mapping[ReferenceName, bool] = NOBODY
+) -> float:
+    """Return the number that a criterion compares with; NaN for those that have none.
+
+    Args:
+        criterion: The criterion.
+        parameters: Values of the plan's parameters.
+        avoided: Whether each reference driver has no collision in this run; 1 or 0 is what a criterion about him gets.
+    """
+    if isinstance(criterion, NoAvoidableCollision):
+        return float(avoided.get(criterion.by, False))
     if isinstance(criterion, MinimumTimeToCollision):
         return number_value(criterion.at_least, parameters)
     if isinstance(criterion, TakeoverWithin):
@@ -195,7 +220,7 @@ def limit_of(criterion: Criterion, parameters: Mapping[str, Value]) -> float:
 
 def judge_criterion(criterion: Criterion, recording: Recording, traces: Traces) -> CriterionResult:
     """Return how a run fares by a criterion."""
-    limit = limit_of(criterion, recording.header.parameters)
+    limit = limit_of(criterion, recording.header.parameters, recording.header.avoided)
     reached = np.asarray(recording.stop_reason == "destination")
     broken = float(broken_at(criterion, traces, reached, np.asarray(limit)))
     when = None if math.isnan(broken) else broken
@@ -280,6 +305,14 @@ def _offset_found(recording: Recording, traces: Traces, when: float | None, limi
     return f"the greatest was {float(offsets.max(initial=0.0)):.2f} m, at most {limit:g} m is allowed"
 
 
+def _avoidable_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording
+    if np.isnan(traces.times["collision"]):
+        return "nothing was touched"
+    would = "would have avoided it" if limit > 0.0 else "would not have avoided it"
+    return f"collision at {float(traces.times['collision']):.2f} s, the reference driver {would}"
+
+
 RULES: dict[type[Criterion], Rule] = {
     NoCollision: Rule(*_event("collision"), _collision_found),
     StayOnRoad: Rule(_off_lanes, _was_off_lanes, _lanes_found),
@@ -290,6 +323,7 @@ RULES: dict[type[Criterion], Rule] = {
     NoMinimumRisk: Rule(*_event("minimum_risk"), _minimum_risk_found),
     MakesProgress: Rule(*_event("no_progress"), _progress_found),
     MaximumLateralOffset: Rule(_too_far_off, _was_too_far_off, _offset_found),
+    NoAvoidableCollision: Rule(_avoidable, _was_avoidable, _avoidable_found),
 }
 """How each criterion of the vocabulary is judged."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
 from scenario_compiler.engine.columns import opcodes
@@ -70,6 +71,14 @@ WISHES: dict[int, Literal["", "take_over", "hand_back", "leave"]] = {
     opcodes.WISH_LEAVE: "leave",
 }
 """What a person at the wheel wants of the automation."""
+
+CODES: dict[str, Mapping[int, str]] = {
+    "state": TAKEOVER_STATES,
+    "cause": CAUSES,
+    "source": SOURCES,
+    "wish": WISHES,
+}
+"""Names of the codes of a kind of column."""
 
 FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_NOISE: "noise",

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any, Literal, TypeAlias, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
-from scenario_compiler.recording.names import EventKind, StopReason
+from scenario_compiler.recording.names import CODES, EventKind, StopReason
+from scenario_compiler.vocabulary.driver import ReferenceName
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Floats: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
@@ -32,6 +36,10 @@ class Header(BaseModel):
     variant: int = Field(default=0, description="Index of the variant in a sweep.")
     parameters: dict[str, float | bool | str] = Field(
         default={}, description="Value of each parameter that the plan leaves open."
+    )
+    avoided: dict[ReferenceName, bool] = Field(
+        default={},
+        description="Whether each reference driver that a criterion names has no collision, driving from the start.",
     )
     step: float = Field(description="Length of a time step, s.")
     entities: tuple[str, ...] = Field(
@@ -184,6 +192,32 @@ class Recording:
                 digest.update(column.name.encode() + b"\0")
                 digest.update(np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).tobytes())
         return digest.hexdigest()
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the rows as a pandas DataFrame: one an entity present and step, entities in document order.
+
+        Columns are those of recording.parquet, in SI units; the run's own stand in the first entity's rows and are
+        NaN in the others. Codes and roads are names.
+        """
+        import pandas as pd
+
+        row, entity = np.nonzero(self.present)
+        made: dict[str, Any] = {"t": self.t[row], "name": np.array(self.header.entities, object)[entity]}
+        for column in COLUMNS:
+            if column.name not in ("t", "present"):
+                values = getattr(self, column.name)
+                held = self._named(column, values[self.present] if column.per == "entity" else values[row])
+                made[column.name] = pd.Series(held).where(entity == 0) if column.per == "run" else held
+        return pd.DataFrame(made)
+
+    def _named(self, column: Column, values: NDArray[Any]) -> NDArray[Any]:
+        """Return values with names in place of codes and roads."""
+        if column.kind == "road":
+            return np.asarray(np.array([*self.roads, None], object)[values])
+        if column.kind in CODES:
+            table = CODES[column.kind]
+            return np.array([table[code] for code in values.tolist()], object)
+        return values
 
     def __eq__(self, other: object) -> bool:
         """Compare everything, bit for bit but for NaN."""

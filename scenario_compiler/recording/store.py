@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,19 +19,11 @@ from numpy.typing import NDArray
 
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.events import EventRow
-from scenario_compiler.recording.names import CAUSES, SOURCES, TAKEOVER_STATES, WISHES
+from scenario_compiler.recording.names import CODES
 from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
 
 FORMAT = "scenario-compiler/recording/1"
 _KEY = b"scenario-compiler"
-CODES: dict[str, Mapping[int, str]] = {
-    "state": TAKEOVER_STATES,
-    "cause": CAUSES,
-    "source": SOURCES,
-    "wish": WISHES,
-}
-"""Names of the codes of a kind of column."""
-
 _UNREADABLE = (pa.ArrowException, OSError, KeyError, ValueError, TypeError, AttributeError, IndexError)
 """What reading a file that is missing, damaged or something else can end in."""
 

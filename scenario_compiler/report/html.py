@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 
 import jinja2
@@ -50,6 +51,24 @@ class Section:
     def outcome(self) -> Outcome:
         """The run's outcome."""
         return self.run.outcome
+
+
+@dataclass(frozen=True)
+class Report:
+    """The page of runs, which shows itself in a notebook: `Report([run])`.
+
+    Attributes:
+        runs: The runs, one at least.
+        title: Title of the page.
+    """
+
+    runs: Sequence[Run]
+    title: str = ""
+
+    def _repr_html_(self) -> str:
+        """Return the page in a frame of its own, so that neither its style nor its keys reach the notebook."""
+        page = escape(render(self.runs, title=self.title))
+        return f'<iframe srcdoc="{page}" title="Report" style="width: 100%; height: 60rem; border: 0"></iframe>'
 
 
 def write_report(

@@ -65,7 +65,7 @@ def _page(figures: Figures, measured: Measured, stem: str) -> str:
     left_out = figures.left_out
     whose = f"{', '.join(left_out)}: each judged by a fit that it took no part in" if left_out else "all maps"
     worst = sorted((one for one in figures.bank if one.misled > MISLEADING), key=lambda one: -one.misled)
-    misled = "In none of them" if not worst else f"In {len(worst)} of them ({', '.join(one.name for one in worst)})"
+    misled = "In none of them" if not worst else f"In {len(worst)} of them ({'; '.join(one.name for one in worst)})"
     parts = (
         INTRODUCTIONS[measured.detector],
         "## How far it can be trusted\n",
@@ -157,13 +157,16 @@ They are outputs of one small network over what the fit shows: how strong, how e
 far the second best arc is behind, how the sides agree, whether they are where they were. It was fitted to rendered
 images of the maps below with wear, weather, noise, pitch and traffic.
 
-**Tilt.** A camera that is tilted by one degree puts a boundary 18 m ahead off by half a metre. The detector is told
+**Tilt.** A camera that is tilted by one degree puts a boundary 18 m ahead off by half a metre. The detector gets
 nothing of the true tilt: it finds it in the image, where the boundaries seem to run together, weighs that by how sure
 it is and by what it found before, and forgets it where it sees no lane. The ego's body pitches as it brakes, by
 `pitch_gradient` of its [vehicle](language.md#Vehicle).
 
 **Bends** are driven at the speed that keeps the lateral acceleration at 2.5 m/s2 (the controller's
 `lateral_acceleration`), as far as the planned way shows them, 40 m ahead.
+
+[How far it drives on clear roads](lane-keeping.md) was measured too, and there is
+[a learned detector](perception-learned.md).
 """
 
 _LEARNED = """\
@@ -200,11 +203,11 @@ LIMITS = """\
 
 * One renderer made what was fitted and what was measured. The figures say nothing about photographs or other
   simulators.
-* Boundaries are parabolas: bends sharper than 40 m are lost, and are to be told by a low confidence.
+* Boundaries are parabolas: bends sharper than 40 m are lost, and should have a low confidence.
 * A lane that gets wider or narrower looks like a tilt; tapers are found with an error.
 * The sensor's health (noise, darkness, blur, dirt, frozen or missing images) is apart and is policy, not probability:
-  see [camera failures](language.md#Sensor_failure). The tables are without it.
-* What is no line is not told: vehicles and obstacles are the forward sensor's, whose word is not the camera's.
+  see [camera failures](language.md#Failure). The tables are without it.
+* What is not a line is not reported: vehicles and obstacles are the forward sensor's, whose word is not the camera's.
 * Looks of one clip resemble each other: the tables' counts overstate how much was seen.
 
 Own maps are measured by `scenario-compiler calibrate DIR -o OUT`; `--fit` fits the confidence again.

@@ -24,6 +24,7 @@ from scenario_compiler.report.palette import WORDS
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.statistics import wilson_interval
 from scenario_compiler.report.wording import decimal, unit_words, with_unit
+from scenario_compiler.vocabulary.criteria import references_in
 
 TEMPLATE = "sweep.html.jinja"
 
@@ -130,6 +131,12 @@ class SweepPage:
     def judged(self) -> bool:
         """Whether the runs have criteria to be judged by; so unless a case that is shown has none."""
         return all(case.run is None or case.run.plan.criteria for case in self.cases)
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """The reference drivers of the shown cases' criteria, whose collisions are drawn beside those of the runs."""
+        plans = [case.run.plan for case in self.cases if case.run is not None]
+        return tuple(dict.fromkeys(name for plan in plans for name in references_in(plan.criteria)))
 
     @property
     def automated(self) -> bool:
@@ -247,7 +254,15 @@ def _pictures(page: SweepPage) -> Pictures:
                 left_out.append(f"No run has a {measure.name.replace('_', ' ')}.")
     collided = np.array([time is not None for time in rows["collision_time"]], dtype=np.float64)[sound]
     requested = np.array([end != "no_request" for end in rows["resolution"]], dtype=np.float64)[sound]
-    hits = [("collision", collided), *([("takeover request", requested)] if page.automated else [])]
+    asked = [row if row is not None else "" for row in np.array(rows["avoided_by"], dtype=object)[sound]]
+    references = [
+        (
+            f"collision, {name.replace('_', ' ')} in its place",
+            np.array([name not in row.split() for row in asked], dtype=np.float64),
+        )
+        for name in page.references
+    ]
+    hits = [("collision", collided), *([("takeover request", requested)] if page.automated else []), *references]
     axes, conditions = _axes(page, sound, left_out)
     shown = dict(list(conditions.items())[:MOST_CONDITIONS]) if measures else {}
     boxes = [

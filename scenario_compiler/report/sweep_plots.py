@@ -151,9 +151,10 @@ def rate_plot(x: tuple[str, Floats], hits: Sequence[tuple[str, Floats]], prefix:
     middle = 0.5 * (edges[1:] + edges[:-1])
     count, _ = np.histogram(x[1], bins=edges)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH * 0.62, 2.4), layout="constrained")
+        many = len(hits) > 2
+        figure = Figure(figsize=(WIDTH * (0.95 if many else 0.62), 2.4), layout="constrained")
         axis = figure.subplots()
-        for (label, hit), colour in zip(hits, (VERMILION, BLUE, ORANGE, QUIET), strict=False):
+        for (label, hit), colour in zip(hits, (VERMILION, BLUE, ORANGE, QUIET, INK, SKY), strict=False):
             found, _ = np.histogram(x[1], bins=edges, weights=hit)
             rate = np.where(count > 0, found / np.maximum(count, 1), np.nan)
             axis.plot(middle, rate, color=colour, marker="o", markersize=3, label=label)
@@ -161,7 +162,10 @@ def rate_plot(x: tuple[str, Floats], hits: Sequence[tuple[str, Floats]], prefix:
         axis.set_xlabel(x[0])
         axis.set_ylabel("rate")
         axis.grid(axis="y")
-        axis.legend()
+        if many:
+            axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        else:
+            axis.legend()
         return svg_of(figure, prefix)
 
 

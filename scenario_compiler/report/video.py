@@ -33,7 +33,7 @@ Shows = Literal["view", "map", "both"]
 SHOWS: tuple[Shows, ...] = get_args(Shows)
 """What a film can show."""
 
-RATES = {".mp4": 25, ".gif": 10}
+RATES = {".mp4": 25, ".gif": 5}
 """Pictures a second of a film by its ending."""
 
 HEIGHTS = {".mp4": 480, ".gif": 240}
@@ -167,7 +167,7 @@ def _palette_graph(width: int, height: int, rate: int) -> Graph:
     graph = Graph()
     source = graph.add_buffer(width=width, height=height, format=av.VideoFormat("rgb24"), time_base=Fraction(1, rate))
     split = graph.add("split")
-    palette, use = graph.add("palettegen", "max_colors=128"), graph.add("paletteuse", "dither=none")
+    palette, use = graph.add("palettegen", "max_colors=64"), graph.add("paletteuse", "dither=none")
     sink = graph.add("buffersink")
     source.link_to(split)
     split.link_to(palette, 0)

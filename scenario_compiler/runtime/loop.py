@@ -23,7 +23,8 @@ from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
 from scenario_compiler.engine.moves.appearance import LIGHTS
-from scenario_compiler.engine.program.build import lowered
+from scenario_compiler.engine.program.build import build_program, lowered
+from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
 from scenario_compiler.plan.model import Plan
@@ -37,6 +38,8 @@ from scenario_compiler.runtime.log import EventLog
 from scenario_compiler.runtime.messages import Messenger
 from scenario_compiler.runtime.pictures import PICTURED, picture_of
 from scenario_compiler.trust import Trust
+from scenario_compiler.vocabulary.criteria import references_in
+from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.weather import weather_of
 from scenario_compiler.worlds import (
@@ -405,6 +408,7 @@ class Execution:
             seed=seed,
             variant=variant,
             parameters=parameter_values(self.plan.parameters),
+            avoided=self._avoided(seed, variant),
             step=self.plan.step,
             entities=tuple(entity.id for entity in self.plan.entities),
             perception=self.plan.perception,
@@ -412,6 +416,16 @@ class Execution:
             versions={**versions(), **self.world.versions},
             processor=processor(),
         )
+
+    def _avoided(self, seed: int, variant: int) -> dict[ReferenceName, bool]:
+        """Return whether each reference driver that a criterion names has no collision."""
+        names = references_in(self.plan.criteria)
+        if not names:
+            return {}
+        network, limit = self.world.network, int(self.plan.duration / self.plan.step) + 2
+        program = build_program(self.plan, network)
+        rows, draws = [list(program.const)], [make_draws(seed, variant)]
+        return {name: avoided_by(name, network.tables, program, rows, draws, limit)[0] for name in names}
 
     def _columns(self) -> dict[str, list[float] | list[int]]:
         """Return the live columns of the engine's state that are recorded."""

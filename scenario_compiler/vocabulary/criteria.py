@@ -1,7 +1,9 @@
 """Criteria: what a run is judged by."""
 
+from collections.abc import Iterable
 from typing import Literal
 
+from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.horizon import HORIZON
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.word import Number, Word, attribute
@@ -78,6 +80,14 @@ class MaximumLateralOffset(Word):
     at_most: Number = attribute("Greatest distance from the middle of the lane, m.", quantity="length", minimum=0)
 
 
+class NoAvoidableCollision(Word):
+    """The ego vehicle has no collision that a reference driver, in its place from the start, would have avoided."""
+
+    word: Literal["no_avoidable_collision"] = "no_avoidable_collision"
+
+    by: ReferenceName = attribute("The reference driver.", default="careful_and_competent")
+
+
 Criterion = (
     NoCollision
     | StayOnRoad
@@ -88,4 +98,10 @@ Criterion = (
     | NoMinimumRisk
     | MakesProgress
     | MaximumLateralOffset
+    | NoAvoidableCollision
 )
+
+
+def references_in(criteria: Iterable[Criterion]) -> tuple[ReferenceName, ...]:
+    """Return the reference drivers that criteria name, each once, in order."""
+    return tuple(dict.fromkeys(one.by for one in criteria if isinstance(one, NoAvoidableCollision)))

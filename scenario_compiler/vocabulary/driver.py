@@ -25,6 +25,12 @@ Law = Literal["lognormal", "normal", "sumo"]
 """Kind of distribution of the takeover time."""
 
 
+ReferenceName = Literal["careful_and_competent", "careful_by_way", "careful_by_overlap", "rss", "fuzzy_safety_model"]
+"""Reference drivers: the careful and competent driver after UN R157, whose text allows three readings of when a cut-in
+is perceived (0.375 m sideways and then 0.4 s; 0.375 m and 0.72 m; overlapping sides), RSS, and the fuzzy safety model.
+"""
+
+
 class Effect(Word):
     """By how much something changes the mean takeover time. The spread grows and falls with the mean."""
 
@@ -179,6 +185,9 @@ class DriverModel(Word):
     formerly: str = attribute("Name that it had before, which is refused with a hint.", default="")
     summary: str = attribute("Whom it stands for.", default="")
     source: str = attribute("Where the numbers come from.", default="")
+    drives_as: ReferenceName | None = attribute(
+        "Reference driver who drives once he has answered, in place of the model of a person.", default=None
+    )
     law: Law = attribute(
         "Distribution of the takeover time: lognormal; normal, of those times that are positive; or sumo, that of "
         "SUMO's transition-of-control device, whose mean for a time budget L is the lesser of 2 sqrt(L) and 0.7 L.",

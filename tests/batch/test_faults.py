@@ -289,7 +289,7 @@ def test_a_second_sweep_in_one_folder_is_refused_at_once(conflict: Path, tmp_pat
     run_sweep(conflict, _spec(interpreted=True), folder, workers=1, progress=try_the_same, report=False)
     expected = f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "holds a sweep already"
     assert expected in refused[0]
-    assert sorted(path.name for path in folder.iterdir()) == ["results.parquet", "sweep.json"]
+    assert sorted(path.name for path in folder.iterdir()) == ["codebook.csv", "results.parquet", "sweep.json"]
 
 
 SECOND = """

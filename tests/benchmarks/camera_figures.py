@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.lane_detector import ClassicalLaneDetector
+from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera, scene_of
 from scenario_compiler.perception.sensor_health import SensorMonitor
 from scenario_compiler.perception.solids import Box
@@ -97,6 +97,7 @@ def rounds(count: int) -> dict[str, list[float]]:
     """Return what each figure cost in each round, CPU ms."""
     drive, detector, monitor = Drive(), ClassicalLaneDetector(), SensorMonitor()
     images = [drive.image(SMALL, "ClearNoon", 0, k) for k in range(8)]
+    memory = LaneState().after(detector.detect(images[0]))
     large = drive.image(WIDE, "HardRainNoon", 4, 0)
     works: dict[str, Callable[[int], object]] = dict(
         zip(
@@ -111,7 +112,7 @@ def rounds(count: int) -> dict[str, list[float]]:
                 lambda k: drive.image(WIDE, "HardRainNoon", 4, k),
                 lambda k: cv2.imencode(".jpg", large, [cv2.IMWRITE_JPEG_QUALITY, 80]),
                 drive.labels,
-                lambda k: detector.detect(images[k % len(images)]),
+                lambda k: detector.detect(images[k % len(images)], memory),
                 lambda k: monitor.observe(images[k % len(images)], 1.0),
             ),
             strict=True,

@@ -196,6 +196,8 @@ def test_cars_that_meet_collide_and_lose_speed(world: Any, spawn: Spawn) -> None
     assert (first.actor.id, first.other_actor.id) == (rear.id, front.id)
     pushed = first.normal_impulse
     assert pushed.x * ahead.x + pushed.y * ahead.y < -1000.0
+    sensor.stop()
+    sensor.destroy()
     assert front.get_velocity().length() > 1.0
     assert rear.get_velocity().length() < 7.0
 
@@ -307,3 +309,53 @@ def test_what_cannot_be_sensed_is_refused_by_name(spawn: Spawn, name: str) -> No
 
     with pytest.raises(RuntimeError, match=f"{name} is not served"):
         spawn(name, carla.Transform())
+
+
+def test_tires_without_friction_neither_drive_nor_brake(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    physics = car.get_physics_control()
+    wheels = physics.wheels
+    for wheel in wheels:
+        wheel.tire_friction = 0.0
+    physics.wheels = wheels
+    car.apply_physics_control(physics)
+    ahead = car.get_transform().get_forward_vector()
+    car.set_target_velocity(carla.Vector3D(ahead.x * 20.0, ahead.y * 20.0, 0.0))
+    car.apply_control(carla.VehicleControl(brake=1.0))
+    ticks(world, 20)
+    assert car.get_velocity().length() == pytest.approx(20.0, abs=1e-3)
+
+
+def test_a_friction_trigger_gives_its_friction_to_whom_it_holds(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt")
+    world.tick()
+    here = carla.Transform(car.get_location())
+    trigger = spawn("static.trigger.friction", here, friction=5.0, extent_x=300, extent_y=300, extent_z=300)
+    assert car.get_physics_control().wheels[0].tire_friction == 5.0
+    trigger.destroy()
+    assert car.get_physics_control().wheels[0].tire_friction == pytest.approx(3.5)
+
+
+def test_sticky_control_is_read_as_clients_write_it(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt", sticky_control="False")
+    car.apply_control(carla.VehicleControl(throttle=1.0))
+    ticks(world, 3)
+    assert car.get_velocity().length() == pytest.approx(3.5 * STEP, rel=0.05)
+
+
+def test_who_is_gone_before_the_first_tick_leaves_nothing(server: Served, world: Any, spawn: Spawn) -> None:
+    import carla
+
+    for _ in range(3):
+        gone = carla.command.DestroyActor(spawn("vehicle.audi.tt").id)
+        assert server.client().apply_batch_sync([gone], False)[0].error == ""
+    car = spawn("vehicle.tesla.model3")
+    world.tick()
+    assert world.get_snapshot().has_actor(car.id)

@@ -160,3 +160,18 @@ def test_the_traffic_manager_drives_for_a_minute(server: Served, world: Any, car
     assert sum(driven.values()) / cars > 100.0
     assert off == 0
     assert ran == []
+
+
+def test_cars_stand_as_their_spawn_points_do(server: Served, world: Any) -> None:
+    import carla
+
+    points = world.get_map().get_spawn_points()
+    model = world.get_blueprint_library().find("vehicle.tesla.model3")
+    answers = server.client().apply_batch_sync([carla.command.SpawnActor(model, one) for one in points], True)
+    snapshot = world.get_snapshot()
+    for answer, point in zip(answers, points, strict=True):
+        at = snapshot.find(answer.actor_id).get_transform()
+        for axis in ("x", "y"):
+            assert getattr(at.location, axis) == pytest.approx(getattr(point.location, axis), abs=0.01)
+        for angle in ("pitch", "yaw", "roll"):
+            assert getattr(at.rotation, angle) == pytest.approx(getattr(point.rotation, angle), abs=0.01)

@@ -23,6 +23,7 @@ ROWS: dict[str, Sequence[Any]] = {
     "resolution": ["no_request", "driver", "no_request"],
     "collision_time": [None, 3.0, None],
     "collision_with": [None, "parked", None],
+    "avoided_by": [None, None, None],
     "error": [None, None, None],
     "parameter.gap": [1.0, 2.0, 3.0],
     **{name: [1.0, 0.5, 2.0] for name in SHOWN},

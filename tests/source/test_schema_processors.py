@@ -54,7 +54,7 @@ def _run(program: str, *arguments: object) -> subprocess.CompletedProcess[str]:
 
 PROCESSORS = [
     by_xmllint,
-    by_xmlschema,
+    pytest.param(by_xmlschema, marks=pytest.mark.slow),
     pytest.param(by_the_jdk, marks=pytest.mark.slow),
 ]
 

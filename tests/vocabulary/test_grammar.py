@@ -23,6 +23,7 @@ FOLDER = Path(__file__).resolve().parent.parent / "source"
 
 WITHOUT_ELEMENT = {
     "AnyOfPosition": "what <random_spawn_point> is bound to",
+    "NumberLimit": "what a <parameter> with limits becomes in a plan",
     "Scenario": "what <scenario> is expanded to",
     aisa.Waypoint.__name__: "the AISA toolkit's own",
 }

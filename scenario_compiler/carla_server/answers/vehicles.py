@@ -78,10 +78,14 @@ def set_bones(host: Host, number: int, wire: list[Any]) -> None:
 
 
 def physics(host: Host, number: int) -> list[Any]:
-    """Answer with a vehicle's physics control."""
+    """Answer with a vehicle's physics control; in a friction trigger its tires have the trigger's friction."""
     car = car_of(host, number)
-    host.stage.transform_of(car)
-    return car.physics_control()
+    at = host.stage.transform_of(car)
+    told = car.physics_control()
+    friction = host.stage.friction_at(at)
+    if friction is None:
+        return told
+    return [*told[:15], [[friction, *wheel[1:]] for wheel in told[15]], *told[16:]]
 
 
 def set_physics(host: Host, number: int, wire: list[Any]) -> None:

@@ -247,6 +247,15 @@ STYLE_BRAKES = 0
 STYLE_STEERS = 1
 STYLE_BOTH = 2
 
+# Reference drivers; the three readings of the careful and competent one: by time, by way, by overlap.
+REFERENCE_NONE = 0
+REFERENCE_CAREFUL = 1
+REFERENCE_CAREFUL_WAY = 2
+REFERENCE_CAREFUL_OVERLAP = 3
+REFERENCE_RSS = 4
+REFERENCE_FUZZY = 5
+REFERENCES = 6
+
 WISH_NONE = 0
 WISH_TAKE_OVER = 1
 WISH_HAND_BACK = 2

@@ -85,6 +85,10 @@ class Program:
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))
     """Number of time steps between two images of the camera, whole control steps."""
+    driver_reference: list[int] = column(RUN, 0, codes(op.REFERENCES))
+    """Reference driver that drives once the request is answered, REFERENCE_NONE for the model of a person."""
+    replaced_by: list[int] = column(RUN, 0, codes(op.REFERENCES))
+    """Reference driver that drives from the start in place of automation and driver, or REFERENCE_NONE."""
     driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
     person: list[int] = column(RUN, 0, FLAG)
     """1 where a person is at the wheel, whose inputs Python writes."""

@@ -447,6 +447,18 @@ class State:
     """Time since which the entity has called for a reaction of the driver, -1 where it does not."""
     called_at: list[float] = column(ENTITY, -1.0)
     """Time at which it did so last."""
+    place_known: list[int] = column(ENTITY)
+    """1 from when a reference driver knows where the entity drives while it keeps its place in the lane."""
+    place_before: list[float] = column(ENTITY)
+    """That place, m to the left of the way's lane."""
+    in_lane_before: list[int] = column(ENTITY)
+    """1 where that is in the ego's lane."""
+    minded_at: list[float] = column(ENTITY, -1.0)
+    """Time since which a reference driver perceives that the entity comes in, -1 where he does not."""
+    danger_at: list[float] = column(ENTITY, -1.0)
+    """Time since which it is dangerous by the reference driver's condition, -1 where it is not."""
+    was_danger: list[int] = column(ENTITY)
+    """1 from when it has been."""
     evaded: list[int] = column(RUN, op.NONE)
     """Moving entity that the driver goes around, NONE without one."""
     person_throttle: list[float] = column(RUN)

@@ -14,6 +14,7 @@ from scenario_compiler.engine.ego.merging import consider_merge
 from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
 from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
+from scenario_compiler.engine.ego.reference import drive_by_reference
 from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import budget_distance, step_takeover
 from scenario_compiler.engine.motion.following import idm_acceleration
@@ -97,6 +98,10 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 @compiled
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
+    if p.replaced_by[0] != op.REFERENCE_NONE:
+        look_ahead(n, p, st, i, SIGHT, VIEW)
+        drive_by_reference(n, p, st, i, p.replaced_by[0])
+        return
     ideal = p.perception[0] == op.PERCEPTION_IDEAL
     if ideal and (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
         ideal_confidence(n, p, st)
@@ -117,7 +122,9 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         st.command_throttle[i] = 0.0
         st.command_brake[i] = 1.0
     elif driven_by_hand(st) == 1:
-        if p.person[0] == 0:
+        if p.person[0] == 0 and p.driver_reference[0] != op.REFERENCE_NONE:
+            drive_by_reference(n, p, st, i, p.driver_reference[0])
+        elif p.person[0] == 0:
             drive_by_hand(n, p, st, i, blocker)
     elif state == op.TAKEOVER_MINIMUM_RISK:
         drive_to_stop(n, p, st, i)

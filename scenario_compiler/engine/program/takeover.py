@@ -9,7 +9,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.defaults import CAUSE_DEFAULTS
-from scenario_compiler.vocabulary.driver import Driver, DriverModel, EffectKind, Law, Task
+from scenario_compiler.vocabulary.driver import Driver, DriverModel, EffectKind, Law, ReferenceName, Task
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Modality
 
 CAUSE_CODES: dict[CauseKind, int] = {
@@ -48,6 +48,14 @@ LAWS: dict[Law, int] = {
     "normal": op.DRIVER_NORMAL,
     "sumo": op.DRIVER_SUMO,
 }
+REFERENCES: dict[ReferenceName, int] = {
+    "careful_and_competent": op.REFERENCE_CAREFUL,
+    "careful_by_way": op.REFERENCE_CAREFUL_WAY,
+    "careful_by_overlap": op.REFERENCE_CAREFUL_OVERLAP,
+    "rss": op.REFERENCE_RSS,
+    "fuzzy_safety_model": op.REFERENCE_FUZZY,
+}
+"""Codes of the reference drivers."""
 TASK_EFFECTS: dict[Task, EffectKind] = {"visual": "visual_task", "handheld": "handheld_task"}
 SEEN_ONLY: frozenset[Modality] = frozenset({"text", "icon", "overlay"})
 """Channels of messages that are neither heard nor felt."""
@@ -104,6 +112,8 @@ def _add_driver(draft: ProgramBuilder) -> None:
     k[slot.K_EYES_ON] = driver.eyes_on
     k[slot.K_HANDS_ON] = driver.hands_on
     k[slot.K_STAGE_SPREAD] = driver.stage_spread
+    if driver.drives_as is not None:
+        draft.program.driver_reference[0] = REFERENCES[driver.drives_as]
     how = driver.driving
     k[slot.K_BRAKES] = how.brakes
     k[slot.K_STEERS] = how.steers

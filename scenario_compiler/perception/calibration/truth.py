@@ -19,7 +19,7 @@ TILT_FROM, TILT_TO = 5.0, 22.0
 """Stretch ahead of the camera through which the plane of the road is laid, m."""
 
 NEAREST, FARTHEST = 2.0, 45.0
-"""Depths between which pixels of boundaries are told, m."""
+"""Depths between which pixels of boundaries are labelled, m."""
 
 SEEN, SEEN_SHARE = 0.15, 0.6
 """Quality times the weather's contrast over which paint counts as there, and the share of the stretch that needs it."""

@@ -262,6 +262,7 @@ export class Player {
   }
 
   #keep() {
+    if (location.protocol === "about:") return; // a page in a notebook has no address
     const anchor = this.root.dataset.anchor;
     const time = `t=${Number(this.t.toFixed(4))}`;
     history.replaceState(null, "", `#${anchor ? `${anchor}&` : ""}${time}`);
