@@ -33,6 +33,8 @@ SHOWN = (
     "time_budget",
     "takeover_buffer",
     "minimum_time_to_collision",
+    "minimum_time_headway",
+    "maximum_drac",
     "minimum_distance",
     "maximum_longitudinal_acceleration",
     "maximum_lateral_acceleration",
