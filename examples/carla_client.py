@@ -57,4 +57,4 @@ def main(picture: str, port: int = 2000) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2], *(int(one) for one in sys.argv[2:3]))
+    main(sys.argv[1], *map(int, sys.argv[2:3]))

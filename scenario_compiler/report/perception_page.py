@@ -203,7 +203,7 @@ LIMITS = """\
 * Boundaries are parabolas: bends sharper than 40 m are lost, and should have a low confidence.
 * A lane that gets wider or narrower looks like a tilt; tapers are found with an error.
 * The sensor's health (noise, darkness, blur, dirt, frozen or missing images) is apart and is policy, not probability:
-  see [camera failures](language.md#Sensor_failure). The tables are without it.
+  see [camera failures](language.md#Failure). The tables are without it.
 * What is not a line is not reported: vehicles and obstacles are the forward sensor's, whose word is not the camera's.
 * Looks of one clip resemble each other: the tables' counts overstate how much was seen.
 
