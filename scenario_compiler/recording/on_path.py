@@ -13,7 +13,7 @@ from scenario_compiler.recording.traces import ROUNDING, SINGLE, Singles, Traces
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 STEEPEST = 20.0
-"""Greatest deceleration to avoid a crash that is reported apart from others, m/s2.
+"""Greatest deceleration to avoid a crash that is distinguished from others, m/s2.
 
 The number is our own choice, twice what tyres give: with the gap it would grow beyond any limit before a contact.
 """
