@@ -79,8 +79,11 @@ def test_init_actions_start_in_order_and_the_first_entity_is_reported() -> None:
         "collision_speed",
         "collision_time",
         "final_speed",
+        "maximum_drac",
         "minimum_distance",
+        "minimum_time_headway",
         "minimum_time_to_collision",
+        "time_off_lanes",
     ]
     assert outcome.measures["collision_speed"].value == 10.0
 

@@ -100,6 +100,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "tie edessä on tukossa",
             "lane_ends": "kaista päättyy eikä viereinen kaista ole vapaa",
             "no_progress": "ajoneuvo ei pääse eteenpäin",
+            "scheduled": "automaattinen ajo päättyy tähän",
             "controller": "automaatio pyytää sitä",
         },
         next={
@@ -108,6 +109,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "jarruta tai väistä",
             "lane_ends": "etsi väli tai pysähdy ennen kaistan päätä",
             "no_progress": "etsi reitti eteenpäin",
+            "scheduled": "ohjaa ja seuraa tietä",
             "controller": "ohjaa ja seuraa tietä",
         },
     ),
@@ -124,6 +126,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "vägen framåt är blockerad",
             "lane_ends": "körfältet upphör och körfältet bredvid är inte fritt",
             "no_progress": "bilen kommer inte vidare",
+            "scheduled": "den automatiska körningen slutar här",
             "controller": "automatiken begär det",
         },
         next={
@@ -132,6 +135,7 @@ TEXTS: dict[Language, Texts] = {
             "path_blocked": "bromsa eller kör runt",
             "lane_ends": "hitta en lucka eller stanna före slutet",
             "no_progress": "hitta en väg vidare",
+            "scheduled": "styr och håll ögonen på vägen",
             "controller": "styr och håll ögonen på vägen",
         },
     ),

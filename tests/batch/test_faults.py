@@ -167,7 +167,7 @@ def small_disk(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("200k", "/s/results.parquet")])
+@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("200k", "/s/")])
 def test_a_full_tmpfs_keeps_what_was_finished(
     size: str, fails: str, conflict: Path, tmp_path: Path, small_disk: Path
 ) -> None:
@@ -289,7 +289,12 @@ def test_a_second_sweep_in_one_folder_is_refused_at_once(conflict: Path, tmp_pat
     run_sweep(conflict, _spec(interpreted=True), folder, workers=1, progress=try_the_same, report=False)
     expected = f"another sweep is writing into {folder} (process {os.getpid()})" if resume else "holds a sweep already"
     assert expected in refused[0]
-    assert sorted(path.name for path in folder.iterdir()) == ["codebook.csv", "results.parquet", "sweep.json"]
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "codebook.csv",
+        "results.parquet",
+        "sweep.json",
+        "takeovers.parquet",
+    ]
 
 
 SECOND = """

@@ -13,6 +13,9 @@ from typing import Any
 
 from tests.carla_server.conftest import Served
 
+pytestmark = pytest.mark.slow
+"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+
 Spawn = Callable[..., Any]
 
 ASKING = """

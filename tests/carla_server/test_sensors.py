@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.labels import Tag
 
+pytestmark = pytest.mark.slow
+"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+
 Spawn = Callable[..., Any]
 
 AHEAD = 15.0

@@ -9,6 +9,9 @@ import pytest
 
 from tests.carla_server.conftest import STEP, Served, served
 
+pytestmark = pytest.mark.slow
+"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+
 MAPS = Path(__file__).parents[2] / "maps"
 
 

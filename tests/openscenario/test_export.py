@@ -200,7 +200,17 @@ def test_a_plan_is_exported_alike(tmp_path: Path, capsys: pytest.CaptureFixture[
 def test_every_part_of_a_plan_is_written_or_kept() -> None:
     """A part that is added to scenarios and plans under one name is kept by itself; any other has to be seen to."""
     kept = {rule.field for rule in grammar_of(Scenario).children} & set(Plan.model_fields) - set(SAID)
-    elsewhere = {"summary", "step", "control_every", "duration", "entities", "camera", "controller", "destination"}
+    elsewhere = {
+        "summary",
+        "odometry",
+        "step",
+        "control_every",
+        "duration",
+        "entities",
+        "camera",
+        "controller",
+        "destination",
+    }
     not_kept = {"format", "name", "map", "perception", "route", "derived", "origins", "digest"}
     assert set(Plan.model_fields) == kept | set(SAID) | elsewhere | not_kept
 
