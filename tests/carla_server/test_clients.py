@@ -11,6 +11,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import pytest
+
 from tests.carla_server.conftest import Served
 
 pytestmark = pytest.mark.slow
