@@ -353,7 +353,7 @@ MEASURES: tuple[Measure, ...] = (
         "m/s2",
         "Greatest over the run of the square of the closing speed over twice the gap, to any entity that would be "
         f"reached within {HORIZON:g} s, as for the time to collision: the constant deceleration that would just do. At "
-        f"most {STEEPEST:g} m/s2, which it is while boxes overlap.",
+        f"most {STEEPEST:g} m/s², which it is while boxes overlap.",
         "nothing in the path was closed in on",
         greatest_drac,
         lambda totals: drac_of_room(totals.column("least_room")),

@@ -51,7 +51,7 @@ TEXT = """<?xml version="1.0" encoding="UTF-8"?>
     <takeover budget="7">
       <cause kind="lane_confidence"/>
       <cause kind="sensor_health"/>
-      <cause kind="path_blocked"/>
+      <cause kind="path_blocked" range="200"/>
       <cause kind="lane_ends"/>
       <driver preset="study_means"/>
       <message modality="text tone" content="what why"/>

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,8 @@ def session(folder: Path, talk: Callable[[Client], Awaitable[None]], **options: 
         async with served(folder, **options) as client:
             await talk(client)
 
-    asyncio.run(run())
+    with ThreadPoolExecutor(1) as thread:  # a browser's tests leave an event loop running in this one
+        thread.submit(asyncio.run, run()).result()
 
 
 def place_of(text: str, marked: str, units: Callable[[str], int] = len) -> lsp.Position:
