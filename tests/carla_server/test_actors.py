@@ -10,6 +10,9 @@ import pytest
 
 from tests.carla_server.conftest import STEP, Served
 
+pytestmark = pytest.mark.slow
+"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+
 Spawn = Callable[..., Any]
 
 

@@ -21,7 +21,11 @@ def plan() -> Plan:
     return compile_scenario(CONFLICT, distance=60).model_copy(update={"duration": 1.0})
 
 
-@pytest.fixture(scope="module", params=sorted(WORLDS))
+APART = {"carla": pytest.mark.slow}
+"""Worlds whose client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+
+
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=APART.get(name, ())) for name in sorted(WORLDS)])
 def given(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[tuple[str, dict[str, int]]]:
