@@ -170,17 +170,23 @@ def checked_by_processes(tasks: Sequence[Sequence[Path]], processes: int, check:
 
 
 def _one_by_one(files: Sequence[Path], check: Check) -> Iterator[list[Diagnostic]]:
-    """Yield the findings of each file, checked with no other at hand; one that ends the process is at fault."""
+    """Yield the findings of each file, checked with no other at hand; one that ends two processes is at fault.
+
+    It is tried twice, since the system may end a process for what others do (for want of memory, for example).
+    """
     pool = _pool(1)
     for file in files:
-        with left_to_this_process():
-            only = pool.submit(check, [file])
-        if not _was_lost(only):
-            yield only.result()[0]
-            continue
-        yield [_unchecked(file, "the process that checked it was ended by the system, and so was one that tried again")]
-        pool.shutdown()
-        pool = _pool(1)
+        for _ in range(2):
+            with left_to_this_process():
+                only = pool.submit(check, [file])
+            if not _was_lost(only):
+                yield only.result()[0]
+                break
+            pool.shutdown()
+            pool = _pool(1)
+        else:
+            ended = "the process that checked it was ended by the system, and so was one that tried again"
+            yield [_unchecked(file, ended)]
     pool.shutdown()
 
 
