@@ -105,8 +105,8 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),
     "scipy": ("batch.sampling", "batch.search", "perception.calibration.fit", "study.effects"),
-    "starlette": ("live.server",),
-    "uvicorn": ("live.server",),
+    "starlette": ("live.server", "live.cockpit", "live.web", "study.server"),
+    "uvicorn": ("live.web",),
 }
 """Packages that cost start-up time or are extras, and the module (or package) that alone imports each."""
 

@@ -42,7 +42,7 @@ EVENT_COLUMNS = (
            "answer in the secondary task)."),
     Column("cause", "text", "", "Why; of a probe the query, of a search `right` or `wrong`.", "without a cause"),
     Column("entity", "text", "", "Id of the entity concerned.", "without one"),
-    Column("message", "text", "", "A message to the driver; of a probe the answer given, then the true one.", "without one"),
+    Column("message", "text", "", "A message; of a probe the answer given and the true one.", "without one"),
     Column("value", "number", "", "A number that belongs to it, SI unit; of a search the time from its picture to its "
            "answer, s.", "without one"),
 )  # fmt: skip
