@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenario_compiler.cli.live import STEP, add_address
+from scenario_compiler.cli.live import STEP, add_address, serving
 from scenario_compiler.cli.options import (
     AT_FAULT,
     FINE,
@@ -24,12 +24,16 @@ from scenario_compiler.cli.options import (
     step_length,
     told,
 )
-from scenario_compiler.cli.terminal import put
+from scenario_compiler.cli.terminal import flush_streams, put
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
     from scenario_compiler.compiler import StudyCompilation
     from scenario_compiler.diagnostics import Diagnostics
+
+
+SIZES = {"1280x720": (1280, 720), "960x540": (960, 540), "640x360": (640, 360)}
+"""Sizes of the view ahead: smaller ones for several participants at once."""
 
 
 def add(commands: Commands) -> None:
@@ -52,6 +56,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--pilot", action="store_true", help="driver models take the place of the participants")
     parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
     parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s; 0.02 when left out")
+    parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead, pixels")
     add_address(parser)
     add_maps(parser)
     add_templates(parser)
@@ -151,7 +156,27 @@ def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
 
 
 def _serve(compilation: StudyCompilation, options: argparse.Namespace) -> int:
-    raise WrongUse("only --pilot")
+    from scenario_compiler.study.keeping import study_folder
+
+    with serving():
+        from scenario_compiler.study.server import serve_study
+
+    def tell(participants: str, experimenter: str) -> None:
+        put(f"participants: {participants}", told(options))
+        put(f"experimenter: {experimenter}", told(options))
+        flush_streams()
+
+    with study_folder(options.output, compilation, pilot=False):
+        serve_study(
+            compilation,
+            options.output,
+            host=options.host,
+            port=options.port,
+            trust=_trust(options),
+            size=SIZES[options.size],
+            told=tell,
+        )
+    return FINE
 
 
 def _export(options: argparse.Namespace) -> int:

@@ -72,8 +72,8 @@ class Cockpit:
             begin: Makes the next run.
             watched: Whether nobody drives, and the run begins with the first page.
             may_stop: Whether the page that drives may end the run.
-            ended: Called when a run has ended and the pages have been told.
-            heard: Takes what a page says beyond driving, by its kind, and returns what it is told, if anything;
+            ended: Called when a run has ended and the pages know.
+            heard: takes what a page says beyond driving, by its kind, and returns the answer, if there is one;
                 ValueError where that is no message.
         """
         self.session: Session | None = None

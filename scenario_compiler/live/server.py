@@ -32,7 +32,7 @@ class LiveServer:
             drive: What is driven; `folder` is where the folders of the runs come to lie.
             door: Who is let in.
             watched: Whether nobody drives, and the run begins with the first page.
-            done: Called when a watched run has ended and its page has been told.
+            done: Called when a watched run has ended and its page knows.
         """
         self.drive, self.door = drive, door
         self.sessions: list[Session] = []

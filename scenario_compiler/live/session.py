@@ -78,6 +78,7 @@ class Drive:
         trust: Code of the user's own that the plan may name.
         folder: Folder of the run; None writes nothing. A server of several runs makes one for each below it.
         size: Width and height of the view ahead, pixels.
+        plain: Whether the view shows the road alone, and not what the automation sees and plans.
     """
 
     plan: Plan
@@ -87,6 +88,7 @@ class Drive:
     trust: Trust | None = None
     folder: Path | None = None
     size: tuple[int, int] = (1280, 720)
+    plain: bool = False
 
 
 class Session(threading.Thread):
@@ -226,7 +228,7 @@ class Session(threading.Thread):
         }
 
     def _go(self, execution: Execution) -> None:
-        sight = Sight(execution, self.drive.size)
+        sight = Sight(execution, self.drive.size, plain=self.drive.plain)
         every = max(1, round(FRAME_TIME / self.drive.plan.step))
         begin = time.perf_counter()
         steps = 0

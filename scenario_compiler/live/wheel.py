@@ -58,6 +58,7 @@ class Wheel:
         self._told = Told(seq=0)
         self._asked: Wish = ""
         self._away = False
+        self._left = False
         self._requested = False
         self._file: BinaryIO | None = None if kept is None else kept.open("wb")
         self._written_until = 0.0
@@ -77,9 +78,10 @@ class Wheel:
             self._requested = True
 
     def leave(self) -> None:
-        """Note that the page is gone."""
+        """Note that the page is gone: a vehicle that is driven by hand stops, however soon a page is there again."""
         with self._lock:
-            self._away, self._told, self._asked = True, Told(seq=self._told.seq), ""
+            self._away = self._left = True
+            self._told, self._asked = Told(seq=self._told.seq), ""
 
     def come_back(self) -> None:
         """Note that a page is there again; its numbers begin anew."""
@@ -89,8 +91,9 @@ class Wheel:
     def act(self, t: float, state: str) -> PersonInput:
         """Return what the person does in the step that begins at t, s."""
         with self._lock:
-            told, away = self._told, self._away
             by_hand = state in DRIVEN_BY_HAND
+            self._left = self._left and by_hand
+            told, away = self._told, self._away or self._left
             if self._asked == ("take_over" if by_hand else "hand_back"):
                 self._asked = ""
             wish: Wish = self._asked

@@ -166,6 +166,7 @@ class Page {
     one("#start").hidden = true;
     one("#held").hidden = false;
     one("#scene").classList.add("blank");
+    for (const canvas of document.querySelectorAll("#ahead, #mirror")) canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
     this.search?.hide();
     const { words, queries } = this.about.study;
     one("#held-title").textContent = reason === "probe" ? words.probe : words.paused;
@@ -207,8 +208,8 @@ class Page {
     this.latest = about;
     one("#speed b").textContent = Math.round(3.6 * about.speed);
     const state = one("#state");
-    state.textContent = about.byHand ? "you drive" : about.words;
-    state.style.background = about.colour;
+    state.textContent = about.byHand ? "you drive" : this.about.study ? "automated" : about.words;
+    if (!this.about.study) state.style.background = about.colour; // in a trial, messages alone tell what is asked
     one("#conf-left").value = about.confidence[0];
     one("#conf-right").value = about.confidence[1];
     one("#behind").hidden = !about.late;
