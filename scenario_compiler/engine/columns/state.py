@@ -313,6 +313,11 @@ class State:
     """The 14 numbers now."""
     paint_seen: list[float] = column(RUN)
     """What the weather leaves of the confidence in a line, 0 to 1."""
+    reach_known: list[int] = column(RUN)
+    """1 while the weather is the one for which the forward sensor's reach was worked out."""
+    reach_health: list[float] = column(RUN)
+    """The camera's health for which it was, and the reach, m."""
+    sensor_reach: list[float] = column(RUN)
     weather_from: list[float] = column(WEATHER_NUMBER)
     """The numbers when the present change began."""
     weather_to: list[int] = column(RUN, op.NONE)
