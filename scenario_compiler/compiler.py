@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
@@ -10,10 +10,11 @@ from typing import Literal, get_args
 from lxml import etree
 
 from scenario_compiler.controllers import check_controller
-from scenario_compiler.diagnostics import CompileError, Diagnostics, FilePlace
+from scenario_compiler.diagnostics import CompileError, Diagnostic, Diagnostics, FilePlace, Place
 from scenario_compiler.document import Document
 from scenario_compiler.files import split_target
 from scenario_compiler.languages import (
+    ScenarioNameNeededError,
     Source,
     declarations,
     drop_allowed,
@@ -24,6 +25,7 @@ from scenario_compiler.languages import (
     read_scenario_document,
 )
 from scenario_compiler.markup.codes import UNKNOWN_ROOT
+from scenario_compiler.markup.names import UNKNOWN_ARGUMENT, UNKNOWN_SCENARIO
 from scenario_compiler.openscenario.held import OpenScenario
 from scenario_compiler.plan.lower import Perception, lower
 from scenario_compiler.plan.maps import open_map
@@ -33,10 +35,24 @@ from scenario_compiler.resources import templates_from
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
+from scenario_compiler.source.study import (
+    NOBODY_TAKES_OVER,
+    UNREADABLE_PART,
+    Condition,
+    Foil,
+    Practice,
+    SetParameter,
+    StudyElement,
+    StudyFile,
+    StudyScenario,
+    conditions_of,
+    located,
+)
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.driver import DriverModel, Person
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
+from scenario_compiler.vocabulary.takeover import Message, Takeover
 from scenario_compiler.vocabulary.variation import Vary
 from scenario_compiler.vocabulary.weather import is_clear
 
@@ -61,6 +77,7 @@ class Overrides:
         step: Length of a time step, s; 0.001 to 1.
         duration: When the run ends at the latest, s; above 0 and below 1e6.
         driven_by: Who answers and drives by hand: a "person", or the driver "model".
+        messages: How the automation tells the driver.
 
     Raises:
         ValueError: One of them cannot be meant.
@@ -71,6 +88,7 @@ class Overrides:
     step: float | None = None
     duration: float | None = None
     driven_by: Literal["person", "model"] | None = None
+    messages: tuple[Message, ...] | None = None
 
     def __post_init__(self) -> None:
         if self.perception is not None and self.perception not in get_args(Perception):
@@ -101,6 +119,10 @@ class Overrides:
             person = Person() if self.driven_by == "person" else None
             driver = scenario.takeover.driver.model_copy(update={"by_person": person})
             changes["takeover"] = scenario.takeover.model_copy(update={"driver": driver})
+        if self.messages is not None:
+            takeover = changes.get("takeover", scenario.takeover)
+            assert isinstance(takeover, Takeover)
+            changes["takeover"] = takeover.model_copy(update={"messages": self.messages})
         return scenario.model_copy(update=changes)
 
 
@@ -157,6 +179,104 @@ def compile_target(
     )
     drop_allowed(sink, source)
     return None if done is None else replace(done, plan=sealed(done.plan))
+
+
+@dataclass(frozen=True)
+class StudyCompilation:
+    """A study with the plans of all its trials.
+
+    Attributes:
+        file: The study, with its pages and questionnaires.
+        study: The study itself.
+        conditions: Its conditions by name, each with what it compiles to.
+        others: What the scenarios of practice and foil trials compile to, by what the study calls them.
+    """
+
+    file: StudyFile
+    study: StudyElement
+    conditions: Mapping[str, tuple[Condition, Compilation]]
+    others: Mapping[str, Compilation]
+
+
+def compile_study(
+    source: StudyFile,
+    sink: Diagnostics,
+    *,
+    maps: Sequence[Path] = (),
+    overrides: Overrides | None = None,
+    trust: Trust | None = None,
+) -> StudyCompilation | None:
+    """Compile every trial of a study; None when the sink has errors.
+
+    What is wrong in a scenario's file is reported there, and once only.
+
+    Args:
+        source: The study's file.
+        sink: Where faults go.
+        maps: Folders that maps are looked for in first.
+        overrides: What is set in place of what the scenarios say.
+        trust: Code that the user trusts.
+
+    Raises:
+        ConfigurationError: The user's configuration file cannot be read.
+    """
+    study = source.study
+    if study is None:
+        return None
+    settings, folder = overrides or Overrides(), source.document.folder
+    conditions: dict[str, tuple[Condition, Compilation]] = {}
+    others: dict[str, Compilation] = {}
+
+    def compiled(word: StudyScenario | Practice | Foil, condition: Condition | None = None) -> Compilation | None:
+        target = located(word.target, folder)
+        place, inner = word.place_of("target"), Diagnostics(insisted=sink.insisted)
+        values = () if condition is None or condition.setting is None else condition.setting.values
+        hmi = None if condition is None else condition.hmi
+        changed = settings if hmi is None else replace(settings, messages=hmi.messages)
+        if not Path(split_target(target)[0]).is_file():
+            sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
+            return None
+        try:
+            given = {one.parameter: one.to for one in values}
+            done = compile_target(target, given, inner, maps=maps, overrides=changed, trust=trust)
+        except ScenarioNameNeededError as needed:
+            message = f"'{word.target}' has several scenarios"
+            sink.add(UNREADABLE_PART, message, place, hint=f"name one as FILE#name: {', '.join(needed.names)}")
+            return None
+        known = set(map(_told, sink.found))
+        found = [_in_study(one, place, values) for one in inner.found]
+        sink.take(one for one in found if _told(one) not in known)
+        if done is not None and done.plan.controller is None:
+            sink.add(NOBODY_TAKES_OVER, f"nobody can take over in '{word.target}'", place)
+        return done
+
+    for condition in conditions_of(study):
+        done = compiled(condition.scenario, condition)
+        if done is not None:
+            conditions[condition.name] = condition, done
+    practices = () if study.before is None else study.before.steps
+    for word in (*practices, *study.foils):
+        if isinstance(word, Practice | Foil) and word.target not in others:
+            done = compiled(word)
+            if done is not None:
+                others[word.target] = done
+    return None if sink.has_errors else StudyCompilation(source, study, conditions, others)
+
+
+def _in_study(one: Diagnostic, target: Place, values: Iterable[SetParameter]) -> Diagnostic:
+    """Return a finding on a scenario at the study's own place where the study is at fault: a name or a value in it."""
+    if one.code is UNKNOWN_SCENARIO:
+        return replace(one, place=target)
+    if one.place.file != "--set":
+        return one
+    meant = next((value for value in values if f"'{value.parameter}'" in one.message), None)
+    if meant is None:
+        return replace(one, place=target)
+    return replace(one, place=meant.place_of("parameter" if one.code is UNKNOWN_ARGUMENT else "to"))
+
+
+def _told(one: Diagnostic) -> tuple[str, str, int, int, str]:
+    return one.code.id, one.place.file, one.place.line, one.place.column, one.message
 
 
 def variation_of(target: str | Path, arguments: Mapping[str, str], sink: Diagnostics) -> Vary | None:

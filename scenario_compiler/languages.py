@@ -23,6 +23,13 @@ from scenario_compiler.source.conflict import Library, LibraryElement, read_libr
 from scenario_compiler.source.declared import Declaration, declared_in
 from scenario_compiler.source.expansion import around, catalog_driver, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
+from scenario_compiler.source.study import (
+    QuestionnaireElement,
+    StudyElement,
+    StudyFile,
+    read_questionnaire,
+    read_study,
+)
 from scenario_compiler.source.unused import report_unused_templates
 from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.scenario import Scenario
@@ -38,7 +45,7 @@ class ScenarioNameNeededError(Exception):
         self.names = names
 
 
-Source: TypeAlias = Library | AisaConfig | OpenScenario
+Source: TypeAlias = Library | AisaConfig | OpenScenario | StudyFile
 """What a file can be."""
 
 OPENSCENARIO = ("OpenSCENARIO", "OpenScenario")
@@ -61,6 +68,10 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
         return read_library(document, sink)
     if root == CatalogElement.tag():
         return Library(document, catalogs=read_catalog(ReadingContext(document, sink, Environment())))
+    if root == StudyElement.tag():
+        return read_study(document, sink)
+    if root == QuestionnaireElement.tag():
+        return read_questionnaire(document, sink)
     if root == "config":
         return read_aisa(document, sink)
     place = document.origin(document.root)
@@ -68,7 +79,8 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
         from scenario_compiler.openscenario.expansion import read_openscenario
 
         return read_openscenario(document, sink)
-    known = [LibraryElement.tag(), CatalogElement.tag(), "config", "OpenSCENARIO"]
+    known = [*(word.tag() for word in (LibraryElement, CatalogElement, StudyElement, QuestionnaireElement))]
+    known += ["config", "OpenSCENARIO"]
     namespace, _, name = root.removeprefix("{").rpartition("}")
     if name in known and namespace:
         message = f"the elements are in the namespace '{namespace}', which this language does not have"
@@ -108,7 +120,7 @@ def expand(
     if name is None and len(known) > 1:
         raise ScenarioNameNeededError(tuple(name for name in known if name))
     chosen = known[0] if name is None and known else name
-    if chosen is None or chosen not in source.scenarios:
+    if isinstance(source, StudyFile) or chosen is None or chosen not in source.scenarios:
         message = f"there is no scenario '{chosen}'" if chosen else "the file holds no scenario"
         place = source.document.origin(source.document.root)
         sink.add(names.UNKNOWN_SCENARIO, message, place, hint=did_you_mean(chosen or "", known))
@@ -185,7 +197,7 @@ def check_source(source: Source, sink: Diagnostics) -> list[Expanded]:
             expanded.append(Expanded(scenario, is_whole(source, known)))
         sink.absorb(found)
     read_without_fault = all(one.place.file != source.document.path for one in sink.found)
-    if isinstance(source, Library) and read_without_fault:
+    if isinstance(source, Library | StudyFile) and read_without_fault:
         judge_form(source.document, sink)
     if isinstance(source, Library) and is_whole(source, sink):
         report_unused_templates(source, sink)
@@ -207,4 +219,4 @@ def declarations(source: Source, name: str | None) -> dict[str, Declaration]:
     """
     if isinstance(source, OpenScenario):
         return {one: Declaration(kind, AttributeSpelling()) for one, kind in parameter_kinds(source).items()}
-    return {} if isinstance(source, AisaConfig) else declared_in(source, name)
+    return declared_in(source, name) if isinstance(source, Library) else {}

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from scenario_compiler.compiler import Overrides, compile_expanded, read_source
+from scenario_compiler.compiler import Overrides, compile_expanded, compile_study, read_source
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, FilePlace
 from scenario_compiler.document import Document, read_document
 from scenario_compiler.files import MAX_BYTES
@@ -18,6 +18,7 @@ from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.plan.store import read_plan
 from scenario_compiler.resources import templates_from, templates_given
+from scenario_compiler.source.study import StudyFile
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import ConfigurationError, Trust
 
@@ -105,6 +106,10 @@ def _check_scenarios(path: Path, sink: Diagnostics, maps: Sequence[Path], trust:
     if read is None:
         return
     document, source = read
+    if isinstance(source, StudyFile):
+        check_source(source, sink)
+        compile_study(source, sink, maps=maps, trust=trust)
+        return
     trusted = Overrides().trusting(trust or Trust(), path.parent)
     for one in check_source(source, sink):
         compile_expanded(one.scenario, document, sink, maps, Overrides(), whole=one.whole, trust=trusted)

@@ -10,7 +10,7 @@ import json
 import math
 import pkgutil
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -41,7 +41,7 @@ from scenario_compiler.report.reference import run_folder_page
 from scenario_compiler.resources import library_folder, maps_folder
 from scenario_compiler.source.catalogs import CatalogElement, catalogs_in
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.source.form import conflict_xsd
+from scenario_compiler.source.form import STUDIES, conflict_xsd, study_xsd
 from scenario_compiler.vocabulary.reference import language_page as reference_page
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather
@@ -60,6 +60,7 @@ GENERATED: dict[str, Callable[[], str]] = {
     "events.schema.json": lambda: json_schema(EventRow),
     "outcome.schema.json": lambda: json_schema(Outcome),
     "plan.schema.json": lambda: json_schema(Plan),
+    "study.xsd": study_xsd,
 }
 """File name to what writes its text."""
 
@@ -103,13 +104,33 @@ def _backed(element: Element, backing: Mapping[str, str]) -> str:
 
 def language_page() -> str:
     """Return the reference of the language, with examples from the files that hold every word of it."""
+    examples = _examples_in(f"every_{what}.xml" for what in ("word", "action", "entry"))
+    return reference_page((LibraryElement, CatalogElement), examples)
+
+
+STUDY_HEAD = """# Studies and questionnaires, word by word
+
+Made from the declarations of the words: change those, then `make generate`. `schemas/study.xsd`
+(`scenario-compiler schema study`) says the same to an editor. [Studies](study.md) tells how they are used.
+
+The children of an element stand in the order in which they are listed. Numbers are decimal, in the unit that is given.
+"""
+
+
+def study_page() -> str:
+    """Return the reference of studies and questionnaires, with examples from files that hold every word of them."""
+    return reference_page(STUDIES, _examples_in(("study/every_word.xml", "study/questionnaire.xml")), STUDY_HEAD)
+
+
+def _examples_in(files: Iterable[str]) -> dict[tuple[str, str], str]:
+    """Return the first example of each element of some of the tests' files, by its tag and that of its parent."""
     examples: dict[tuple[str, str], str] = {}
-    for what in ("word", "action", "entry"):
-        for element in etree.parse(FOLDER.parent / "tests" / "source" / f"every_{what}.xml").iter(etree.Element):
+    for file in files:
+        for element in etree.parse(FOLDER.parent / "tests" / "source" / file).iter(etree.Element):
             parent = element.getparent()
             key = str(element.tag), "" if parent is None else str(parent.tag)
             examples.setdefault(key, _example(element))
-    return reference_page((LibraryElement, CatalogElement), examples)
+    return examples
 
 
 CHILDREN_SHOWN = 4
@@ -187,6 +208,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "language.md": language_page,
     "names.md": names_page,
     "run-folder.md": run_folder_page,
+    "study-language.md": study_page,
 }
 """The same for pages of docs/, by their names."""
 

@@ -13,10 +13,11 @@ from scenario_compiler.resources import schema_file
 from tests.command import call
 
 
-def test_schema_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
-    assert call("schema") == 0
+@pytest.mark.parametrize(("words", "file"), [((), "conflict.xsd"), (("study",), "study.xsd")])
+def test_schema_prints_the_schema(words: tuple[str, ...], file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("schema", *words) == 0
     printed = capsys.readouterr().out
-    assert printed == schema_file("conflict.xsd").read_text(encoding="utf-8")
+    assert printed == schema_file(file).read_text(encoding="utf-8")
     etree.XMLSchema(etree.fromstring(printed.encode()))
 
 

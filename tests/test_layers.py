@@ -99,7 +99,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
-    "pyarrow": ("batch.results", "recording.store"),
+    "pyarrow": ("batch.results", "recording.arrow", "recording.store"),
     "rerun": ("report.rerun_file",),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),

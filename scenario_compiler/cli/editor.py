@@ -1,4 +1,4 @@
-"""`schema` and `lsp`: what editors need of the conflict language."""
+"""`schema` and `lsp`: what editors need of our languages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from scenario_compiler.cli.terminal import put_raw
 
 def add(commands: Commands) -> None:
     """Declare the commands."""
-    schema = commands.add_parser("schema", help="print the XML schema of the conflict language")
+    schema = commands.add_parser("schema", help="print the XML schema of the conflict language, or of studies")
+    schema.add_argument("language", nargs="?", choices=("conflict", "study"), default="conflict", help="which language")
     schema.set_defaults(command=schema_command)
     server = commands.add_parser(
         "lsp", help="serve editors by the language server protocol, on stdin and stdout (the extra editor)"
@@ -25,10 +26,9 @@ def add(commands: Commands) -> None:
 
 def schema_command(options: argparse.Namespace) -> int:
     """Print the schema."""
-    del options
     from scenario_compiler.resources import schema_file
 
-    put_raw(schema_file("conflict.xsd").read_text(encoding="utf-8").removesuffix("\n"))
+    put_raw(schema_file(f"{options.language}.xsd").read_text(encoding="utf-8").removesuffix("\n"))
     return FINE
 
 

@@ -242,11 +242,9 @@ class LiveServer:
             self._begin()
         sending = asyncio.create_task(self._send(viewer))
         try:
-            while True:
-                await self._hear(viewer, await connection.receive_text())
-        except (WebSocketDisconnect, ValueError, ValidationError):
-            with contextlib.suppress(RuntimeError):
-                await connection.close(code=1003)
+            with contextlib.suppress(WebSocketDisconnect, ValueError, ValidationError):
+                while True:
+                    await self._hear(viewer, await connection.receive_text())
         finally:
             sending.cancel()
             self._viewers.remove(viewer)
@@ -254,6 +252,8 @@ class LiveServer:
                 self._driver = None
                 if self.session is not None and self.session.is_alive():
                     self.session.leave()
+        with contextlib.suppress(RuntimeError):
+            await connection.close(code=1003)
 
     async def _hear(self, viewer: Viewer, text: str) -> None:
         """Do what a page says; ValueError where it is no message of ours."""

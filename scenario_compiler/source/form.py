@@ -1,4 +1,4 @@
-"""A second judge of a file's form: schemas/conflict.xsd, for what the reader let pass."""
+"""A second judge of a file's form: the schemas of our languages, for what the reader let pass."""
 
 from __future__ import annotations
 
@@ -13,18 +13,31 @@ from scenario_compiler.markup import codes
 from scenario_compiler.resources import schema_file
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
+from scenario_compiler.source.study import QuestionnaireElement, StudyElement
+
+CONFLICTS = (LibraryElement, CatalogElement)
+STUDIES = (StudyElement, QuestionnaireElement)
+"""First elements of the files that each schema judges."""
 
 
 def conflict_xsd() -> str:
     """Return the schema of the conflict language's files."""
     from scenario_compiler.vocabulary.schema import xsd_of
 
-    return xsd_of((LibraryElement, CatalogElement))
+    return xsd_of(CONFLICTS)
+
+
+def study_xsd() -> str:
+    """Return the schema of the files of studies and questionnaires."""
+    from scenario_compiler.vocabulary.schema import xsd_of
+
+    return xsd_of(STUDIES)
 
 
 def judge_form(document: Document, sink: Diagnostics) -> None:
     """Report what the schema finds in a file; nothing when the schema is not there."""
-    schema = _schema()
+    is_study = document.root.tag in {word.tag() for word in STUDIES}
+    schema = _schema("study.xsd" if is_study else "conflict.xsd")
     if schema is None or schema.validate(document.root):
         return
     errors: Any = schema.error_log
@@ -34,6 +47,6 @@ def judge_form(document: Document, sink: Diagnostics) -> None:
 
 
 @cache
-def _schema() -> etree.XMLSchema | None:
-    path = schema_file("conflict.xsd")
+def _schema(name: str) -> etree.XMLSchema | None:
+    path = schema_file(name)
     return etree.XMLSchema(etree.parse(str(path))) if path.is_file() else None

@@ -46,8 +46,14 @@ class Group:
         return f"[{self.name}](#{self.name.replace(' ', '-')})"
 
 
-def language_page(roots: Iterable[type[Word]], examples: Examples) -> str:
-    """Return the page on the documents whose first elements are these words, with an example of each element."""
+def language_page(roots: Iterable[type[Word]], examples: Examples, head: str = "") -> str:
+    """Return the page on the documents whose first elements are these words, with an example of each element.
+
+    Args:
+        roots: The words.
+        examples: The examples.
+        head: What stands above; what is said of the conflict language when empty.
+    """
     words = words_below(tuple(roots))
     found: dict[type[Word], list[type[Word]]] = {word: [] for word in words}
     for word in words:
@@ -56,7 +62,7 @@ def language_page(roots: Iterable[type[Word]], examples: Examples) -> str:
     parents = {word: tuple(inner) for word, inner in found.items()}
     groups = _groups(parents)
     functions = ", ".join(f"`{name}`" for name in FUNCTIONS)
-    parts = [f"{_HEAD}{functions}.\n"]
+    parts = [head or f"{_HEAD}{functions}.\n"]
     parts += ["\n".join(_group_section(group)) for group in groups]
     parts += ["\n".join(_section(word, parents[word], groups, examples)) for word in words]
     return "\n".join(parts)

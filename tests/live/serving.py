@@ -6,7 +6,8 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -56,3 +57,12 @@ def served(*words: object) -> Iterator[Served]:
             for stream in (process.stdout, process.stderr):
                 if stream is not None:
                     stream.close()
+
+
+def waited_for(state: Callable[[], bool], seconds: float = 240.0) -> None:
+    """Return once a state has come that must come; TimeoutError where it has not, long after it should have."""
+    end = time.monotonic() + seconds
+    while not state():
+        if time.monotonic() > end:
+            raise TimeoutError("the state has not come")
+        time.sleep(0.05)

@@ -13,20 +13,36 @@ from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
 from tests.browser import opened_page
 from tests.command import call
-from tests.live.serving import served
+from tests.live.serving import served, waited_for
 
 FLAGSHIPS = ("obstacle_ahead", "road_narrows", "markings_missing", "sensor_failure", "ramp_blocked")
 
 SOON = """\
 <scenarios version="1">
-  <scenario name="soon" map="town_grid" duration="30">
-    <ego speed="13.9"><start><lane road="3" lane="-1" s="20"/></start></ego>
-    <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="110"/></at></static>
-    <takeover><driver><person/></driver><message modality="text icon" content="what why"/></takeover>
+  <scenario name="soon" map="town_grid" duration="600">
+    <ego speed="6"><start><lane road="3" lane="-1" s="20"/></start></ego>
+    <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="125"/></at></static>
+    <takeover budget="40" escalate_after="600" minimum_risk_after="600">
+      <cause kind="path_blocked" range="300"/>
+      <driver><person/></driver>
+      <message modality="text icon" content="what why"/>
+    </takeover>
     <criteria><no_collision/></criteria>
   </scenario>
 </scenarios>
 """
+"""A request that waits for an answer longer than any machine takes to show it."""
+
+OPEN = """\
+<scenarios version="1">
+  <scenario name="open" map="motorway" duration="600">
+    <ego speed="13.9"><start><spawn_point name="right_lane"/></start></ego>
+    <takeover><driver><person/></driver></takeover>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+"""Nothing ahead that could refuse the automation, however late a press arrives."""
 
 GAMEPAD = """
 globalThis.pad = {id: "test pad", connected: true, axes: [0, 0, 0, 0],
@@ -42,6 +58,13 @@ SLOW = 120_000
 def soon(tmp_path: Path) -> Path:
     file = tmp_path / "soon.xml"
     file.write_text(SOON)
+    return file
+
+
+@pytest.fixture
+def open_road(tmp_path: Path) -> Path:
+    file = tmp_path / "open.xml"
+    file.write_text(OPEN)
     return file
 
 
@@ -82,6 +105,7 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
         expect(page.locator("#state")).to_have_text("you drive")
         expect(page.locator("#told")).to_be_hidden()
         page.wait_for_function("page.latest.speed < 1")
+        expect(page.locator("#measured")).to_contain_text("from input to picture", timeout=SLOW)
         page.keyboard.up("ArrowDown")
         ended(page)
         expect(page.locator("#ended")).to_have_text("Driver took over, no collision")
@@ -97,11 +121,11 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
     inputs = [json.loads(line) for line in (out / "drive-001" / "inputs.jsonl").read_text().splitlines()]
     assert [one["brake"] for one in inputs] == recording.person_brake[1:].tolist()
     figures = json.loads((out / "drive-001" / "live.json").read_text())
-    assert figures["latency_count"] > 10
+    assert figures["latency_count"] > 0
     assert 0 < figures["latency_median_ms"] <= figures["latency_p95_ms"]
     duration = f"{recording.t[-1]:.2f}"
-    again = ("run", out / "drive-001" / "plan.json", "--inputs", out / "drive-001", "-o", tmp_path / "again")
-    assert call(*again) == 0
+    again = ("run", soon, "--perception", "ideal", "--dt", recording.header.step, "--duration", duration)
+    assert call(*again, "--inputs", out / "drive-001", "-o", tmp_path / "again") == 0
     repeated = read_recording(tmp_path / "again" / "recording.parquet")
     rows = len(recording.t)
     assert float(duration) > 1
@@ -110,11 +134,11 @@ def test_a_person_takes_over_by_keys_drives_and_is_repeated_bit_for_bit(
 
 
 def test_a_person_takes_over_by_gamepad_hands_back_and_takes_over_again(
-    soon: Path, tmp_path: Path, browser: Browser
+    open_road: Path, tmp_path: Path, browser: Browser
 ) -> None:
     out = tmp_path / "out"
     with (
-        served("drive", soon, "--perception", "ideal", "-o", out) as server,
+        served("drive", open_road, "--perception", "ideal", "-o", out) as server,
         opened_page(browser, server.address, bypass_csp=True) as page,
     ):
         page.evaluate(GAMEPAD)
@@ -125,7 +149,7 @@ def test_a_person_takes_over_by_gamepad_hands_back_and_takes_over_again(
         page.evaluate("pad.buttons[1].value = 1")
         page.wait_for_function("!page.latest.byHand")
         page.evaluate("pad.buttons[1].value = 0")
-        page.evaluate("pad.axes[0] = -0.3")
+        page.evaluate("pad.axes[0] = -0.15")
         page.wait_for_function("page.latest.byHand")
         page.evaluate("pad.axes[0] = 0; pad.buttons[6].value = 0.7")
         page.wait_for_function("page.latest.speed < 1")
@@ -137,20 +161,29 @@ def test_a_person_takes_over_by_gamepad_hands_back_and_takes_over_again(
     assert recording.person_brake.max() == pytest.approx((0.7 - 0.04) / 0.96, abs=1e-4)
 
 
-def test_a_vehicle_whose_person_leaves_stops_and_nothing_is_lost(soon: Path, tmp_path: Path, browser: Browser) -> None:
+def test_a_vehicle_whose_person_leaves_stops_and_nothing_is_lost(
+    open_road: Path, tmp_path: Path, browser: Browser
+) -> None:
     out = tmp_path / "out"
-    with served("drive", soon, "--perception", "ideal", "-o", out) as server:
+    with served("drive", open_road, "--perception", "ideal", "-o", out) as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:
             begun(page)
             page.keyboard.press("Enter")
             page.wait_for_function("page.latest.byHand")
-        with opened_page(browser, server.address, bypass_csp=True) as page:
-            page.set_default_timeout(SLOW)
-            page.wait_for_function("document.querySelector('#ended').textContent !== ''")
+        inputs = out / "drive-001" / "inputs.jsonl"
+        waited_for(lambda: seconds_since_leaving(inputs) > 5.0)
     recording = driven(out)
     assert kinds(recording).index("override") < kinds(recording).index("person_left")
     assert kinds(recording).index("person_left") < kinds(recording).index("minimum_risk")
     assert recording.v[-1, 0] == pytest.approx(0.0, abs=0.1)
+
+
+def seconds_since_leaving(inputs: Path) -> float:
+    """Return the time of the run since its person left, s, as far as the file of the inputs goes; 0 before."""
+    complete = inputs.read_text().rpartition("\n")[0].splitlines()
+    rows = [json.loads(line) for line in complete]
+    left = [row["t"] for row in rows if row["wish"] == "leave"]
+    return float(rows[-1]["t"] - left[0]) if left else 0.0
 
 
 def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser) -> None:
@@ -163,7 +196,7 @@ def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser
         page.get_by_role("button", name="Gamepad or wheel").click()
         row = page.locator("#profile tbody tr", has_text="brake")
         row.click()
-        page.wait_for_timeout(100)
+        expect(row).to_have_class("chosen")
         page.evaluate("pad.axes[2] = -1")
         expect(row.locator("td").nth(1)).to_have_text("axis 2")
         expect(row.locator("td").nth(4)).to_have_text("1.00")
@@ -177,10 +210,10 @@ def test_a_run_that_nobody_drives_is_watched(tmp_path: Path, browser: Browser) -
     with served(*words) as server:
         with opened_page(browser, server.address, bypass_csp=True) as page:
             page.set_default_timeout(SLOW)
-            page.wait_for_function("globalThis.page?.latest?.t > 1")
+            page.wait_for_function("globalThis.page?.latest?.t > 0")
             assert page.evaluate("document.querySelector('#ahead').width") == 1280
             page.wait_for_function("document.querySelector('#ended').textContent !== ''")
-        assert server.process.wait(timeout=60) == 0
+        assert server.process.wait(timeout=SLOW / 1000) == 0
     assert read_recording(out / "recording.parquet").t[-1] == pytest.approx(2.0)
 
 
@@ -192,7 +225,7 @@ def test_each_flagship_conflict_is_driven_to_a_takeover(name: str, by: str, tmp_
     with served("drive", name, "-o", out) as server, opened_page(browser, server.address, bypass_csp=True) as page:
         page.evaluate(GAMEPAD)
         begun(page)
-        page.wait_for_function("['request', 'escalation'].includes(page.latest.state)")
+        page.wait_for_function("['request', 'escalation', 'minimum_risk'].includes(page.latest.state)")
         if by == "keys":
             page.keyboard.down("s")
         else:

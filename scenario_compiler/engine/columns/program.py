@@ -6,13 +6,12 @@ order, parents before children, so that `element_end[e]` closes the subtree of `
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.forms.declaration import (
     FLAG,
     RUN,
     Allowed,
+    Columns,
     Of,
     codes,
     column,
@@ -70,8 +69,7 @@ COUNT = whole(0)
 
 
 @container("p", 1)
-@dataclass(slots=True)
-class Program:
+class Program(Columns):
     """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
 
     const: list[float] = column(NUMBER, written=True)

@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import (
     ACTION,
@@ -24,7 +22,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.forms.declaration import RUN, Of, at_start, column, container, fixed
+from scenario_compiler.forms.declaration import RUN, Columns, Of, at_start, column, container, fixed
 from scenario_compiler.randomness import hash_bits, normal
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
@@ -43,8 +41,7 @@ driver's.
 
 
 @container("st", 2, written=True)
-@dataclass(slots=True)
-class State:
+class State(Columns):
     """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
 
     # The run, one element each.

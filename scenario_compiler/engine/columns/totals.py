@@ -6,11 +6,9 @@ it measures did not happen. `MEASURES` in `recording` says what each means and c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
-from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
+from scenario_compiler.forms.declaration import RUN, Columns, column, columns_of, container, fixed
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 CORNER = fixed("corner of a box", 4)
@@ -24,8 +22,7 @@ TAKEOVER = fixed("takeover", TAKEOVERS)
 
 
 @container("m", 3, written=True)
-@dataclass(slots=True)
-class Totals:
+class Totals(Columns):
     """The columns of the measures: SI units; times of what never happened are -1, least values FAR before the first."""
 
     # What the run came to.

@@ -87,7 +87,7 @@ class Page {
       clearInterval(this.reporting);
       one("#ended").textContent ||= "The server has gone.";
       one("#start").hidden = false;
-      setTimeout(() => this.connect(), 1000);
+      if (!this.about.watched) setTimeout(() => this.connect(), 1000);
     });
     this.socket.addEventListener("open", () => {
       this.telling = setInterval(() => this.tell(), TELL_EVERY);

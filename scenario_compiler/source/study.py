@@ -1,0 +1,569 @@
+"""The study's own files: what participants go through, and the questionnaires that they answer.
+
+A `<study>` names scenarios, variants of the human-machine interface and settings of parameters; its conditions are all
+combinations of them. Pages and questionnaires are files beside it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Place, Severity, did_you_mean
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.files import read_file
+from scenario_compiler.markup import names
+from scenario_compiler.markup.environment import Environment, ReadingContext
+from scenario_compiler.markup.reading import read_word
+from scenario_compiler.resources import library_folder
+from scenario_compiler.vocabulary.takeover import Language, Message
+from scenario_compiler.vocabulary.word import IDENTIFIER, Word, attribute, child
+
+LABEL = "[A-Za-z0-9]+"
+"""Pattern of a label of BIDS: letters and digits alone."""
+
+UNREADABLE_PART = Code(
+    "SC260",
+    "unreadable-part",
+    "A study names a file that cannot be read: a page of instructions or consent, a questionnaire, or the file of a "
+    "scenario. A relative path starts from the folder of the study. A page is Markdown in UTF-8, a questionnaire a "
+    "file whose first element is <questionnaire>.\n\n"
+    '    <page file="wellcome.md"/>     welcome.md lies beside the study\n\n'
+    "Correct the path, or add the file.",
+)
+UNKNOWN_SCALE = Code(
+    "SC261",
+    "unknown-scale",
+    "An item of a questionnaire names a scale that the questionnaire does not have.\n\n"
+    '    <scale name="agreement" from="1" to="7"/>\n'
+    '    <item name="safe" text="I felt safe." scale="agreemnt"/>\n\n'
+    "Correct the name, or add the <scale>.",
+)
+UNKNOWN_ITEM = Code(
+    "SC262",
+    "unknown-item",
+    "A score of a questionnaire is made of an item that the questionnaire does not have, or whose answer is not a "
+    "number.\n\n"
+    '    <item name="safe" text="I felt safe." scale="agreement"/>\n'
+    '    <score name="trust" of="save"/>\n\n'
+    "Correct the name; scores are made of items with a scale and of number items.",
+)
+EMPTY_RANGE = Code(
+    "SC263",
+    "empty-range",
+    "The end of a range lies before its begin: a scale or a number item whose greatest answer is not above its least, "
+    "or a probe that would freeze the picture after the latest time that it may.\n\n"
+    '    <probe from="14" to="6">...</probe>     from="6" to="14"\n\n'
+    "Exchange the two numbers.",
+)
+UNEVEN_SQUARE = Code(
+    "SC264",
+    "uneven-square",
+    "The number of participants is no multiple of the rows of the balanced Latin square, so some orders of the "
+    "conditions come more often than others. An even number of conditions gives as many rows, an odd one twice as "
+    "many.\n\n"
+    '    <study participants="10" order="latin_square" ...>     with four conditions: 8 or 12\n\n'
+    "Plan a multiple, or keep the imbalance in mind.",
+    Severity.WARNING,
+)
+NOBODY_TAKES_OVER = Code(
+    "SC265",
+    "nobody-takes-over",
+    "A scenario of a study has no automated vehicle, so nobody can take over in it, and it cannot be a trial.\n\n"
+    '    <scenario name="passing" target="traffic.xosc"/>     a storyboard without an automated ego\n\n'
+    "Name a scenario with a controller, such as a conflict of the library.",
+)
+
+
+class SetParameter(Word):
+    """Give a parameter of the scenario a value."""
+
+    word: Literal["set"] = "set"
+
+    parameter: str = attribute("Name of the scenario's parameter.", pattern=IDENTIFIER)
+    to: str = attribute("Its value, as the scenario's file would write it.")
+
+
+class StudyScenario(Word):
+    """A scenario that participants meet: the first factor of the conditions."""
+
+    word: Literal["scenario"] = "scenario"
+
+    name: str = attribute("Name in the data.", pattern=LABEL)
+    target: str = attribute("FILE#name, from the folder of the study, or the name of a conflict of the library.")
+
+
+class Hmi(Word):
+    """A variant of the human-machine interface: the second factor. Its messages stand in place of the scenario's."""
+
+    word: Literal["hmi"] = "hmi"
+
+    name: str = attribute("Name in the data.", pattern=LABEL)
+    messages: tuple[Message, ...] = child(
+        "How the automation tells the driver; without messages the driver gets none.", default=()
+    )
+
+
+class Setting(Word):
+    """Values of parameters: the third factor."""
+
+    word: Literal["setting"] = "setting"
+
+    name: str = attribute("Name in the data.", pattern=LABEL)
+    values: tuple[SetParameter, ...] = child("The values.", default=())
+
+
+class Consent(Word):
+    """A page of consent; who does not agree goes no further, and nothing else is recorded of them."""
+
+    word: Literal["consent"] = "consent"
+
+    file: str = attribute("Markdown file, from the folder of the study.")
+
+
+class InstructionPage(Word):
+    """A page of instructions."""
+
+    word: Literal["page"] = "page"
+
+    file: str = attribute("Markdown file, from the folder of the study.")
+
+
+class Ask(Word):
+    """A questionnaire is answered."""
+
+    word: Literal["ask"] = "ask"
+
+    file: str = attribute("File of the questionnaire, from the folder of the study.")
+
+
+class Practice(Word):
+    """A trial to learn by; it is recorded and marked, and stands in no comparison."""
+
+    word: Literal["practice"] = "practice"
+
+    target: str = attribute("FILE#name, from the folder of the study, or the name of a conflict of the library.")
+
+
+class Before(Word):
+    """What a participant goes through before the trials."""
+
+    word: Literal["before"] = "before"
+
+    steps: tuple[Consent | InstructionPage | Ask | Practice, ...] = child("Step by step.", default=())
+
+
+class AfterEach(Word):
+    """What a participant answers after each trial that is neither practice nor foil."""
+
+    word: Literal["after_each"] = "after_each"
+
+    steps: tuple[Ask, ...] = child("Step by step.", default=())
+
+
+class After(Word):
+    """What a participant goes through after the trials."""
+
+    word: Literal["after"] = "after"
+
+    steps: tuple[InstructionPage | Ask, ...] = child("Step by step.", default=())
+
+
+class Foil(Word):
+    """A trial in which what is expected does not happen, at places among the others that are drawn."""
+
+    word: Literal["foil"] = "foil"
+
+    target: str = attribute("FILE#name, from the folder of the study, or the name of a conflict of the library.")
+    count: int = attribute("How many there are in a session.", default=1, minimum=1, maximum=100)
+
+
+class Break(Word):
+    """A pause between trials."""
+
+    word: Literal["break"] = "break"
+
+    every: int = attribute("Number of trials after which it comes.", minimum=1, maximum=1000)
+    least: float = attribute("Least duration, s.", default=0.0, quantity="time", minimum=0, maximum=3600)
+    file: str = attribute("Markdown file of what is said, from the folder of the study.", default="")
+
+
+QueryAbout = Literal["speed", "vehicles", "control", "blocked"]
+"""What a query of a probe asks of the situation: the speed in km/h, how many vehicles are within 100 m, who drives
+(`automation` or `me`), whether something blocks the path (`yes` or `no`).
+"""
+
+
+class Query(Word):
+    """A question on the situation, whose true answer is read from the frozen state."""
+
+    word: Literal["query"] = "query"
+
+    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    about: QueryAbout = attribute("What is asked: its true answer is known.")
+    text: str = attribute("The question as the participant reads it.")
+    tolerance: float = attribute(
+        "speed, vehicles: greatest distance from the true number that still counts as right.",
+        default=0.0,
+        minimum=0,
+    )
+
+
+class Probe(Word):
+    """A freeze probe: the run stops unannounced, the picture is blanked, and the participant answers from memory.
+
+    The method is SAGAT's (Endsley 1988): answers are compared with the true state. The moment is drawn anew for each
+    trial.
+    """
+
+    word: Literal["probe"] = "probe"
+
+    earliest: float = attribute("Earliest time of the freeze in the trial, s.", name="from", quantity="time", minimum=0)
+    latest: float = attribute("Latest time, s.", name="to", quantity="time", minimum=0)
+    share: float = attribute(
+        "Share of the trials that are probed, drawn for each.", default=1.0, quantity="fraction", minimum=0, maximum=1
+    )
+    queries: tuple[Query, ...] = child("The questions.")
+
+
+class SearchTask(Word):
+    """A visual secondary task beside the trials: find the one larger circle among others and press on it.
+
+    It is of the kind of the surrogate reference task of ISO/TS 14198, not the standard's own.
+    """
+
+    word: Literal["search_task"] = "search_task"
+
+    items: int = attribute("Number of circles.", default=24, minimum=4, maximum=60)
+    ratio: float = attribute(
+        "Diameter of the larger circle over that of the others.", default=1.5, minimum=1.1, maximum=3
+    )
+
+
+Order = Literal["latin_square", "random"]
+"""How conditions are ordered: by the rows of a balanced Latin square (Williams 1949), or drawn by the seed."""
+
+
+class StudyElement(Word):
+    """A study: its conditions, and what each participant goes through.
+
+    The conditions are all combinations of scenarios, variants of the interface and settings; each participant meets
+    every one of them, `repetitions` times in a session.
+    """
+
+    word: Literal["study"] = "study"
+
+    version: Literal["1"] = attribute("Version of the language.")
+    name: str = attribute("Name in the data: the task of BIDS.", pattern=LABEL)
+    summary: str = attribute("One sentence: what is studied.", default="")
+    participants: int = attribute("Number of participants.", minimum=1, maximum=9999)
+    sessions: int = attribute("Number of sessions of each.", default=1, minimum=1, maximum=99)
+    repetitions: int = attribute("How often each condition is met in a session.", default=1, minimum=1, maximum=100)
+    order: Order = attribute("How the conditions are ordered.", default="latin_square")
+    seed: int = attribute("Seed of all that is drawn.", default=1, minimum=0)
+    language: Language = attribute("Language of the pages' own words.", default="en")
+    before: Before | None = child("What comes before the trials.", default=None)
+    scenarios: tuple[StudyScenario, ...] = child("The scenarios.")
+    hmis: tuple[Hmi, ...] = child("Variants of the interface; the scenarios' own without.", default=())
+    settings: tuple[Setting, ...] = child("Settings of parameters; the scenarios' defaults without.", default=())
+    foils: tuple[Foil, ...] = child("Trials in which nothing happens.", default=())
+    pause: Break | None = child("Pauses between trials.", default=None)
+    probe: Probe | None = child("Questions on the situation in a frozen run.", default=None)
+    task: SearchTask | None = child("A secondary task.", default=None)
+    after_each: AfterEach | None = child("What comes after each trial.", default=None)
+    after: After | None = child("What comes after the trials.", default=None)
+
+
+class ScaleLabel(Word):
+    """What a point of a scale is called."""
+
+    word: Literal["label"] = "label"
+
+    at: int = attribute("The point.")
+    text: str = attribute("What it is called.")
+
+
+class Scale(Word):
+    """A scale of whole numbers."""
+
+    word: Literal["scale"] = "scale"
+
+    name: str = attribute("Name that items give.", pattern=IDENTIFIER)
+    least: int = attribute("Least answer.", name="from")
+    most: int = attribute("Greatest answer.", name="to")
+    labels: tuple[ScaleLabel, ...] = child("What its points are called.", default=())
+
+
+class ScaleItem(Word):
+    """A statement or question that is answered on a scale."""
+
+    word: Literal["item"] = "item"
+
+    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    text: str = attribute("What the participant reads.")
+    scale: str = attribute("Name of the scale.")
+    reverse: bool = attribute("Whether scores count the answer from the other end of the scale.", default=False)
+
+
+class NumberItem(Word):
+    """A question that is answered with a number."""
+
+    word: Literal["number_item"] = "number_item"
+
+    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    text: str = attribute("What the participant reads.")
+    least: float = attribute("Least answer.", name="from")
+    most: float = attribute("Greatest answer.", name="to")
+    unit: str = attribute("Unit of the answer.", default="")
+
+
+class Option(Word):
+    """An answer that can be chosen."""
+
+    word: Literal["option"] = "option"
+
+    value: str = attribute("What stands in the data.", pattern="[A-Za-z0-9_]+")
+    text: str = attribute("What the participant reads.")
+
+
+class ChoiceItem(Word):
+    """A question with answers to choose one from."""
+
+    word: Literal["choice_item"] = "choice_item"
+
+    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    text: str = attribute("What the participant reads.")
+    options: tuple[Option, ...] = child("The answers.")
+
+
+class TextItem(Word):
+    """A question that is answered in words; it may be left empty."""
+
+    word: Literal["text_item"] = "text_item"
+
+    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    text: str = attribute("What the participant reads.")
+
+
+class Score(Word):
+    """A number that is made of the answers to several items."""
+
+    word: Literal["score"] = "score"
+
+    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    of: tuple[str, ...] = attribute("Names of the items.", separated=True)
+    by: Literal["mean", "sum"] = attribute("How.", default="mean")
+
+
+Item = ScaleItem | NumberItem | ChoiceItem | TextItem
+
+
+class QuestionnaireElement(Word):
+    """A questionnaire: scales, items and scores. None comes along: write your own, or those that you may use."""
+
+    word: Literal["questionnaire"] = "questionnaire"
+
+    version: Literal["1"] = attribute("Version of the language.")
+    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    title: str = attribute("Heading of the page.", default="")
+    instruction: str = attribute("What the participant reads above the items.", default="")
+    source: str = attribute("Where the questionnaire comes from, and by what right it is used.", default="")
+    scales: tuple[Scale, ...] = child("Scales.", default=())
+    items: tuple[Item, ...] = child("Items, in the order of the page.")
+    scores: tuple[Score, ...] = child("Scores.", default=())
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A combination of one scenario, one variant of the interface and one setting.
+
+    Attributes:
+        name: The names of its levels, with hyphens between.
+        scenario: The scenario.
+        hmi: The variant of the interface; None for the scenario's own messages.
+        setting: The setting; None for the scenario's defaults.
+    """
+
+    name: str
+    scenario: StudyScenario
+    hmi: Hmi | None = None
+    setting: Setting | None = None
+
+    @property
+    def levels(self) -> dict[str, str]:
+        """The name of its level by factor, of the factors that the study has."""
+        found = {"scenario": self.scenario.name}
+        found |= {"hmi": self.hmi.name} if self.hmi is not None else {}
+        return found | ({"setting": self.setting.name} if self.setting is not None else {})
+
+
+@dataclass(frozen=True)
+class StudyFile:
+    """A file of a study or of a questionnaire, with what it names.
+
+    Attributes:
+        document: The file.
+        study: The study; None for a questionnaire, or where it could not be read.
+        questionnaire: The questionnaire that the file itself is; None for a study.
+        questionnaires: The questionnaires that a study names, by the names of their files.
+        pages: The texts of the Markdown files that a study names, by their names.
+        scenarios: Empty: conflicts stand in files of their own.
+    """
+
+    document: Document
+    study: StudyElement | None = None
+    questionnaire: QuestionnaireElement | None = None
+    questionnaires: Mapping[str, QuestionnaireElement] = field(default_factory=dict)
+    pages: Mapping[str, str] = field(default_factory=dict)
+    scenarios: Mapping[str, object] = field(default_factory=dict)
+
+
+def conditions_of(study: StudyElement) -> tuple[Condition, ...]:
+    """Return a study's conditions: all combinations, the last factor changing fastest."""
+    hmis: tuple[Hmi | None, ...] = study.hmis or (None,)
+    settings: tuple[Setting | None, ...] = study.settings or (None,)
+    found = itertools.product(study.scenarios, hmis, settings)
+    return tuple(Condition("-".join(one.name for one in parts if one is not None), *parts) for parts in found)
+
+
+def square_rows(count: int) -> int:
+    """Return the number of rows of a balanced Latin square for so many conditions."""
+    return count if count % 2 == 0 or count == 1 else 2 * count
+
+
+def located(target: str, folder: Path) -> str:
+    """Return a FILE#name of a study as it is found from anywhere; a bare name is that of a conflict of the library."""
+    path, mark, name = target.partition("#")
+    if not re.fullmatch(IDENTIFIER, target):
+        return f"{folder / path}{mark}{name}"
+    files = sorted((library_folder() / "conflicts").glob("*.xml"))
+    written = (file for file in files if f'<scenario name="{target}"'.encode() in file.read_bytes())
+    return f"{next(written, folder / target)}#{target}"
+
+
+def read_study(document: Document, sink: Diagnostics) -> StudyFile:
+    """Return what a `<study>` file holds, with the pages and questionnaires that it names; report what is wrong."""
+    reading = ReadingContext(document, sink, Environment())
+    study = read_word(document.root, StudyElement, reading)
+    if study is None:
+        return StudyFile(document)
+    for named in (study.scenarios, study.hmis, study.settings, () if study.probe is None else study.probe.queries):
+        _report_doubles(named, sink)
+    probe = study.probe
+    if probe is not None and probe.latest < probe.earliest:
+        _report_empty("the probe", probe.earliest, probe.latest, probe.place_of("to"), sink)
+    rows = square_rows(len(conditions_of(study)))
+    if study.order == "latin_square" and study.participants % rows:
+        sink.add(
+            UNEVEN_SQUARE,
+            f"{study.participants} participants do not fill the {rows} rows of the balanced Latin square evenly",
+            study.place_of("participants"),
+            hint=f"{study.participants // rows * rows or rows} or {(study.participants // rows + 1) * rows} do",
+        )
+    pages = {}
+    for step in _pages_of(study):
+        text = _page(step.file, document.folder, step.place_of("file"), sink)
+        if text is not None:
+            pages[step.file] = text
+    questionnaires: dict[str, QuestionnaireElement] = {}
+    for ask in _asks_of(study):
+        if ask.file not in questionnaires:
+            found = _questionnaire_in(ask, document.folder, sink)
+            if found is not None:
+                questionnaires[ask.file] = found
+    _report_shared_names(study, questionnaires, sink)
+    return StudyFile(document, study, questionnaires=questionnaires, pages=pages)
+
+
+def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
+    """Return what a `<questionnaire>` file holds; report what is wrong."""
+    found = read_word(document.root, QuestionnaireElement, ReadingContext(document, sink, Environment()))
+    if found is None:
+        return StudyFile(document)
+    _report_doubles(found.scales, sink)
+    _report_doubles((*found.items, *found.scores), sink)
+    scales = {one.name for one in found.scales}
+    ranges: list[Scale | NumberItem] = [*found.scales, *(one for one in found.items if isinstance(one, NumberItem))]
+    for ranged in ranges:
+        if ranged.most <= ranged.least:
+            _report_empty(f"'{ranged.name}'", ranged.least, ranged.most, ranged.place_of("to"), sink)
+    numbers = {one.name for one in found.items if isinstance(one, ScaleItem | NumberItem)}
+    for item in found.items:
+        if isinstance(item, ScaleItem) and item.scale not in scales:
+            message = f"there is no scale '{item.scale}'"
+            sink.add(UNKNOWN_SCALE, message, item.place_of("scale"), hint=did_you_mean(item.scale, scales))
+    for score in found.scores:
+        for name in score.of:
+            if name not in numbers:
+                message = f"there is no item '{name}' whose answer is a number"
+                sink.add(UNKNOWN_ITEM, message, score.place_of("of"), hint=did_you_mean(name, numbers))
+    return StudyFile(document, questionnaire=found)
+
+
+def _report_doubles(
+    words: Iterable[StudyScenario | Hmi | Setting | Query | Scale | Item | Score], sink: Diagnostics
+) -> None:
+    first: dict[str, Place] = {}
+    for one in words:
+        place = one.place_of("name")
+        if one.name in first:
+            message = f"there is a <{one.tag()}> named '{one.name}' already"
+            sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(first[one.name]))
+        first.setdefault(one.name, place)
+
+
+def _report_empty(what: str, least: float, most: float, place: Place, sink: Diagnostics) -> None:
+    sink.add(EMPTY_RANGE, f"{what} goes from {least:g} to {most:g}", place)
+
+
+def _report_shared_names(study: StudyElement, found: Mapping[str, QuestionnaireElement], sink: Diagnostics) -> None:
+    """Report two files whose questionnaires have one name: their data would stand in one table."""
+    first: dict[str, str] = {}
+    for ask in _asks_of(study):
+        name = found[ask.file].name if ask.file in found else ""
+        if name and first.setdefault(name, ask.file) != ask.file:
+            message = f"the questionnaire of {ask.file} is named '{name}' like that of {first[name]}"
+            sink.add(names.DUPLICATE_NAME, message, ask.place_of("file"))
+
+
+def _pages_of(study: StudyElement) -> Iterator[Consent | InstructionPage | Break]:
+    for part in (study.before, study.after):
+        for step in () if part is None else part.steps:
+            if isinstance(step, Consent | InstructionPage):
+                yield step
+    if study.pause is not None and study.pause.file:
+        yield study.pause
+
+
+def _asks_of(study: StudyElement) -> Iterator[Ask]:
+    for part in (study.before, study.after_each, study.after):
+        for step in () if part is None else part.steps:
+            if isinstance(step, Ask):
+                yield step
+
+
+def _page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str | None:
+    try:
+        return read_file(folder / name).decode("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        sink.add(UNREADABLE_PART, f"'{name}' is not UTF-8: byte {fault.start}", place)
+    except (OSError, ValueError) as fault:
+        reason = fault.strerror if isinstance(fault, OSError) and fault.strerror else str(fault)
+        sink.add(UNREADABLE_PART, f"'{name}' cannot be read: {reason}", place)
+    return None
+
+
+def _questionnaire_in(ask: Ask, folder: Path, sink: Diagnostics) -> QuestionnaireElement | None:
+    """Return the questionnaire of a file; its own faults are reported where they stand."""
+    inner = Diagnostics()
+    document = read_document(Path(os.path.normpath(folder / ask.file)), inner)
+    if document is None or document.root.tag != QuestionnaireElement.tag():
+        reason = next((one.message for one in inner), "its first element is not <questionnaire>")
+        sink.add(UNREADABLE_PART, f"'{ask.file}': {reason}", ask.place_of("file"))
+        return None
+    return read_questionnaire(document, sink).questionnaire

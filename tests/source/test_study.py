@@ -1,0 +1,91 @@
+"""Studies and questionnaires as files: what is read, which conditions there are, and that every word is shown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from scenario_compiler.compiler import Overrides, compile_study, read_source
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.source.form import STUDIES, study_xsd
+from scenario_compiler.source.study import StudyFile, conditions_of, located, square_rows
+from scenario_compiler.vocabulary.grammar import grammar_of
+from scenario_compiler.vocabulary.schema import words_below
+from scenario_compiler.vocabulary.takeover import Message, Say
+
+FILES = Path(__file__).parent / "study"
+
+
+def read(path: Path) -> StudyFile:
+    sink = Diagnostics()
+    found = read_source(path, sink)
+    assert found is not None
+    assert not sink.found
+    assert isinstance(found[1], StudyFile)
+    return found[1]
+
+
+def test_a_study_brings_its_pages_and_questionnaires() -> None:
+    found = read(FILES / "every_word.xml")
+    assert found.study is not None
+    assert found.study.participants == 8
+    assert set(found.pages) == {"consent.md", "welcome.md"}
+    assert found.questionnaires["questionnaire.xml"].scores[0].of == ("hard", "calm")
+    assert read(FILES / "questionnaire.xml").questionnaire == found.questionnaires["questionnaire.xml"]
+
+
+def test_conditions_are_all_combinations_of_the_factors() -> None:
+    study = read(FILES / "every_word.xml").study
+    assert study is not None
+    names = [one.name for one in conditions_of(study)]
+    assert names[:3] == ["blocked-tone-near", "blocked-tone-far", "blocked-speech-near"]
+    assert len(set(names)) == 8
+    assert conditions_of(study)[0].levels == {"scenario": "blocked", "hmi": "tone", "setting": "near"}
+    alone = study.model_copy(update={"hmis": (), "settings": ()})
+    assert [(one.name, one.levels) for one in conditions_of(alone)] == [
+        ("blocked", {"scenario": "blocked"}),
+        ("narrow", {"scenario": "narrow"}),
+    ]
+
+
+@pytest.mark.parametrize(("conditions", "rows"), [(1, 1), (2, 2), (3, 6), (4, 4), (5, 10)])
+def test_rows_of_a_balanced_square(conditions: int, rows: int) -> None:
+    assert square_rows(conditions) == rows
+
+
+def test_a_condition_compiles_with_its_messages_and_parameters() -> None:
+    sink = Diagnostics()
+    done = compile_study(read(FILES / "every_word.xml"), sink, overrides=Overrides(perception="ideal"))
+    assert done is not None
+    assert list(done.others) == ["obstacle_ahead", "markings_missing"]
+    _, near = done.conditions["blocked-tone-near"]
+    _, far = done.conditions["blocked-speech-far"]
+    assert [one.modality for one in near.plan.takeover.messages] == [("tone",)]
+    assert [one.modality for one in far.plan.takeover.messages] == [("text", "speech")]
+    assert near.plan.digest != far.plan.digest
+    assert [one.default for one in near.scenario.parameters if one.name == "distance"] == ["120"]
+
+
+def test_a_bare_name_is_that_of_a_conflict_of_the_library(tmp_path: Path) -> None:
+    assert located("obstacle_ahead", tmp_path).endswith("conflicts/obstacle_ahead.xml#obstacle_ahead")
+    assert located("own.xml#it", tmp_path) == f"{tmp_path}/own.xml#it"
+    assert located("nowhere", tmp_path) == f"{tmp_path}/nowhere#nowhere"
+
+
+def test_every_word_and_attribute_is_shown_by_an_example() -> None:
+    used: dict[str, set[str]] = {}
+    for name in ("every_word.xml", "questionnaire.xml"):
+        for element in etree.parse(FILES / name).iter(etree.Element):
+            used.setdefault(str(element.tag), set()).update(map(str, element.attrib))
+    elsewhere = {Message, Say}  # every attribute of theirs stands in the conflict language's files
+    words = [word for word in words_below(STUDIES) if word not in elsewhere]
+    missing = {word.tag(): set(grammar_of(word).attributes) - used.get(word.tag(), set()) for word in words}
+    assert {tag: names for tag, names in missing.items() if names} == {}
+
+
+def test_the_schema_takes_what_the_reader_takes() -> None:
+    schema = etree.XMLSchema(etree.fromstring(study_xsd().encode()))
+    for name in ("every_word.xml", "questionnaire.xml"):
+        schema.assertValid(etree.parse(FILES / name))
