@@ -1,8 +1,8 @@
 """The numbers of the takeover policy that an author may leave out, by kind of cause.
 
 Warning below 0.6 and request below 0.3 are the AISA toolkit's; 5 of 8 control steps, the gaps and the time without
-progress are ours: the gaps are a second either way, and 5 s is longer than any pause of a vehicle that only follows. The
-minimum-risk manoeuvre begins at once when the camera fails: a severe failure after UN R157 (5.4.4, not verified).
+progress are ours: the gaps are a second either way, and 5 s is longer than any pause of a vehicle that only follows.
+The minimum-risk manoeuvre begins at once when the camera fails: a severe failure after UN R157 (5.4.4, not verified).
 """
 
 from __future__ import annotations
