@@ -189,6 +189,7 @@ from scenario_compiler.vocabulary.scenario import Parameter as Parameter
 from scenario_compiler.vocabulary.scenario import Scenario as Scenario
 from scenario_compiler.vocabulary.sensors import Camera as Camera
 from scenario_compiler.vocabulary.sensors import Failure as Failure
+from scenario_compiler.vocabulary.sensors import ForwardSensor as ForwardSensor
 from scenario_compiler.vocabulary.sensors import Odometry as Odometry
 from scenario_compiler.vocabulary.signals import SignalController as SignalController
 from scenario_compiler.vocabulary.signals import SignalPhase as SignalPhase

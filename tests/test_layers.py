@@ -57,7 +57,7 @@ HALL = (
 LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for room in row}
 
 ENGINE_ROWS = (
-    ("reference_runs",),
+    ("reference_runs", "at_first"),
     ("simulation",),
     ("program", "entries"),
     ("story",),

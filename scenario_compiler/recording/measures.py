@@ -18,6 +18,19 @@ from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.durations import Timed, after_request, whole_steps
+from scenario_compiler.recording.in_lane import (
+    deepest_departure,
+    heading_error_at_response,
+    lane_departures,
+    lane_departures_total,
+    least_time_to_crossing,
+    longest_departure,
+    longest_departure_total,
+    mean_time_to_crossing,
+    mean_time_to_crossing_total,
+    time_off_road,
+    time_off_road_total,
+)
 from scenario_compiler.recording.inputs import (
     braking_time,
     braking_total,
@@ -433,6 +446,70 @@ MEASURES: tuple[Measure, ...] = (
         "no response",
         lateral_offset_at_response,
         total("offset_at_response"),
+    ),
+    Measure(
+        "heading_error_at_response",
+        "rad",
+        "Heading of the vehicle against its lane's direction in the row of the response, positive to the left.",
+        "no response",
+        heading_error_at_response,
+        total("heading_at_response"),
+    ),
+    Measure(
+        "lane_departures",
+        "1",
+        "Number of times that the vehicle came out of its lane: that a corner of its box passed an edge of the lane "
+        "that its reference point is in, or the point left every lane, until the box is within one lane again. A "
+        "change of lane is one of them.",
+        "never",
+        lane_departures,
+        lane_departures_total,
+    ),
+    Measure(
+        "longest_lane_departure",
+        "s",
+        "Number of rows of the longest lane departure times the step.",
+        "no lane departure",
+        longest_departure,
+        longest_departure_total,
+    ),
+    Measure(
+        "deepest_lane_departure",
+        "m",
+        "Greatest distance of a corner of the box, in lane departures, beyond the edge of the lane that it had left, "
+        "as wide as that was there; rows off every lane are left out.",
+        "no lane departure",
+        deepest_departure,
+        total("deepest_departure"),
+    ),
+    Measure(
+        "minimum_time_to_lane_crossing",
+        "s",
+        "Least over the rows from the request on of the distance from the outermost corner of the box to the lane's "
+        "edge, on the side that the vehicle moves to, over its speed across the lane: the speed times the sine of the "
+        f"heading against the lane. 0 in a lane departure. {HORIZON:g} s or more counts as none.",
+        f"no request, or no edge would have been crossed within {HORIZON:g} s",
+        least_time_to_crossing,
+        total("least_crossing"),
+        "time to line crossing (TLC), after SAE J2944, not verified",
+    ),
+    Measure(
+        "mean_time_to_lane_crossing",
+        "s",
+        "Mean of the same over the rows that have one.",
+        f"no request, or no edge would have been crossed within {HORIZON:g} s",
+        mean_time_to_crossing,
+        mean_time_to_crossing_total,
+        "time to line crossing (TLC), after SAE J2944, not verified",
+    ),
+    Measure(
+        "time_off_road",
+        "s",
+        "Time that the reference point was off the road: off every lane, or on one that is neither for motor traffic "
+        "nor a shoulder or a parking lane: the number of such rows times the step.",
+        "it was on the road throughout",
+        time_off_road,
+        time_off_road_total,
     ),
     Measure(
         "time_off_lanes",

@@ -156,6 +156,8 @@ def _values(table: pa.Table, column: Column, roads: tuple[str, ...]) -> NDArray[
     if column.kind in CODES:
         return _codes(table, column.name, _code_names(column))
     values = table[column.name]
+    if column.kind == "flag":
+        return np.asarray(values.fill_null(False).to_numpy(zero_copy_only=False), dtype=column.dtype)
     nothing = pa.scalar(column.nothing if column.kind == "float" else int(column.nothing), values.type)
     return np.asarray(values.fill_null(nothing).to_numpy(), dtype=column.dtype)
 

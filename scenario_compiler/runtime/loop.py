@@ -68,6 +68,9 @@ RUN_COLUMNS = {
     "sigma": "sigma",
     "blocked_distance": "blocked_distance",
     "lane_end_distance": "lane_end_distance",
+    "lane_width": "lane_width",
+    "lane_heading": "path_heading",
+    "on_road": "on_road",
 }
 """Recorded column to the engine's."""
 

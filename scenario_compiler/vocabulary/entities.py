@@ -4,7 +4,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.positions import Position
-from scenario_compiler.vocabulary.sensors import Camera, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
 
@@ -99,6 +99,9 @@ class Ego(Word):
     start: Position = child("Where it starts.", wrapper="start")
     destination: Position | None = child("Where the run ends.", default=None, wrapper="destination")
     camera: Camera = child("Its forward camera.", default_factory=Camera.model_construct)
+    forward_sensor: ForwardSensor = child(
+        "What it sees objects ahead with.", default_factory=ForwardSensor.model_construct
+    )
     odometry: Odometry = child(
         "What it knows of its own motion while it does not see its lane.", default_factory=Odometry.model_construct
     )

@@ -166,6 +166,9 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
             "cause",
             "confidence_left",
             "confidence_right",
+            "lane_width",
+            "lane_heading",
+            "on_road",
         )
     }
     nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance")}
@@ -224,6 +227,9 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
             float(side[index][row]) for side in (runs.confidence_left, runs.confidence_right)
         )
         st.blocked_distance[0] = _or_far(runs.blocked_distance[index][row])
+        st.lane_width[0] = float(np.nan_to_num(runs.lane_width[index][row]))
+        st.path_heading[0] = float(np.nan_to_num(runs.lane_heading[index][row]))
+        st.on_road[0] = int(runs.on_road[index][row])
         st.lane_end_distance[0] = _or_far(runs.lane_end_distance[index][row])
         update_boxes(program, st)
         take_row(program, st, totals)

@@ -129,6 +129,8 @@ def test_without_a_request_there_is_no_time_nor_distance() -> None:
     assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {
         "final_speed",
         "time_off_lanes",
+        "lane_departures",
+        "longest_lane_departure",
     }
 
 
@@ -467,6 +469,9 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
         takeover_state=states,
         requests=np.ones(6),
         steer=steer,
+        lane_width=np.where(lane[..., 0] != 0, dice.choice([3.5, 3.5, 2.5], request.shape)[:, None], 0.0),
+        lane_heading=dice.choice([0.0, 0.02, -0.1], runs.t.shape),
+        on_road=dice.random(runs.t.shape) < 0.9,
     )
     totals = added_up(runs)
     for measure in MEASURES:

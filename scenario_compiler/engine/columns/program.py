@@ -80,6 +80,7 @@ class Program(Columns):
     ego: list[int] = column(RUN, op.NONE, index_or_none(ENTITY))
     """Number of the vehicle that the takeover is about, or NONE."""
     perception: list[int] = column(RUN, 0, codes(op.PERCEPTION_CAMERA + 1))
+    forward_sensor: list[int] = column(RUN, op.SENSOR_CAMERA, codes(op.SENSOR_LIDAR + 1))
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))
     """Number of time steps between two images of the camera, whole control steps."""

@@ -48,7 +48,7 @@ class State(Columns):
     clock: list[float] = column(RUN)
     """Time, s: the number of steps times the step, so that equal times are equal numbers."""
     steps: list[int] = column(RUN)
-    """Time, s: the sum of the steps."""
+    """Time, s: the number of steps times their length."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""
     stop: list[int] = column(RUN, op.STOP_NONE)
@@ -310,6 +310,11 @@ class State(Columns):
     """The 14 numbers now."""
     paint_seen: list[float] = column(RUN)
     """What the weather leaves of the confidence in a line, 0 to 1."""
+    reach_known: list[int] = column(RUN)
+    """1 while the weather is the one for which the forward sensor's reach was worked out."""
+    reach_health: list[float] = column(RUN)
+    """The camera's health for which it was, and the reach, m."""
+    sensor_reach: list[float] = column(RUN)
     weather_from: list[float] = column(WEATHER_NUMBER)
     """The numbers when the present change began."""
     weather_to: list[int] = column(RUN, op.NONE)
@@ -334,6 +339,10 @@ class State(Columns):
     """Offset from the path lane's centre, positive to the left of the travel."""
     path_heading: list[float] = column(RUN)
     """Heading of the ego relative to the path's direction."""
+    lane_width: list[float] = column(RUN)
+    """Width of the lane that the ego's point is in, 0 off every lane."""
+    on_road: list[int] = column(RUN)
+    """1 where that lane is one for motor traffic, or a shoulder or parking lane beside it."""
     path_found: list[int] = column(RUN)
     route_at: list[int] = column(RUN)
     """Row of `Program.route_road` that the ego has come to."""

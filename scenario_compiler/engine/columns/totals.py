@@ -68,6 +68,11 @@ class Totals(Columns):
     """Distance from the lane's centre, m."""
     time_off_lanes: list[float] = column(RUN, -1.0)
     rows_off_lanes: list[int] = column(RUN)
+    rows_off_road: list[int] = column(RUN)
+    departures: list[int] = column(RUN)
+    """Times that the ego came out of its lane, rows of the longest, and how far a side was beyond the edge, m."""
+    longest_departure: list[int] = column(RUN)
+    deepest_departure: list[float] = column(RUN, -1.0)
     speed_before_collision: list[float] = column(RUN, op.FAR)
 
     # From the first request on.
@@ -93,6 +98,12 @@ class Totals(Columns):
 
     offset_at_response: list[float] = column(RUN, op.FAR)
     """Distance to the left of the centre of the lane at the request, m."""
+    heading_at_response: list[float] = column(RUN, op.FAR)
+    """Heading against the lane's direction, rad."""
+    least_crossing: list[float] = column(RUN, HORIZON)
+    """Time until a side crosses the lane's edge, s: the least, the sum and the number of rows that have one."""
+    crossing_sum: list[float] = column(RUN)
+    crossing_rows: list[int] = column(RUN)
 
     # The steering wheel while the driver drives who took over first: coarse reversals, and fine ones.
     driven_rows: list[int] = column(RUN)
@@ -154,6 +165,10 @@ class Totals(Columns):
     """Of the better side."""
     row_blocked: list[float] = column(RUN, op.FAR)
     row_lane_end: list[float] = column(RUN, op.FAR)
+    row_width: list[float] = column(RUN)
+    """Width of the lane, 0 off the lanes, and the heading against its direction."""
+    row_heading: list[float] = column(RUN)
+    row_on_road: list[int] = column(RUN)
     curvature: list[float] = column(RUN)
     """Curvature that was driven to the last row, 1/m, positive to the left; known from the second row on."""
 
@@ -168,6 +183,9 @@ class Totals(Columns):
     """Offset to the left in the direction of travel."""
     added_inside: list[int] = column(RUN)
     before_lane: list[int] = column(RUN)
+    before_v: list[float] = column(RUN)
+    before_width: list[float] = column(RUN)
+    before_heading: list[float] = column(RUN)
     before_after: list[int] = column(RUN)
     """1 where it lies behind the request."""
     added_after: list[int] = column(RUN)
@@ -181,6 +199,17 @@ class Totals(Columns):
     sense: list[int] = column(RUN)
     """Sign of the last step along the road, 0 where there was none, and of the last that had one."""
     sense_kept: list[int] = column(RUN)
+
+    # The present departure from the lane.
+    departed: list[int] = column(RUN)
+    """1 while the ego is out of its lane."""
+    departed_rows: list[int] = column(RUN)
+    departed_width: list[float] = column(RUN)
+    """Width of the lane that was left, the offset in the row before, its change to there, and what changes of lane made
+    of it since."""
+    departed_left: list[float] = column(RUN)
+    departed_step: list[float] = column(RUN)
+    departed_aside: list[float] = column(RUN)
 
     # Boxes.
     seen_h: list[float] = column(ENTITY)
