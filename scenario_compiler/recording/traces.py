@@ -117,6 +117,7 @@ class Traces:
         confidence_left: (..., n); confidence_right likewise.
         confidence_right: See confidence_left.
         blocked_distance: (..., n), m, NaN where the path is free.
+        blocked_speed: (..., n), m/s, at which what blocks the path comes towards the ego.
         lane_end_distance: (..., n), m, NaN where the lane goes on.
         length: (m,), m; of the entities' boxes.
         width: (m,), m.
@@ -147,6 +148,7 @@ class Traces:
     confidence_left: Floats
     confidence_right: Floats
     blocked_distance: Floats
+    blocked_speed: Floats
     lane_end_distance: Floats
     length: Floats
     width: Floats
@@ -233,7 +235,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
     same = (
         *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
         *("takeover_state", "cause"),
-        *("confidence_left", "confidence_right", "blocked_distance", "lane_end_distance"),
+        *("confidence_left", "confidence_right", "blocked_distance", "blocked_speed", "lane_end_distance"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
     return Traces(

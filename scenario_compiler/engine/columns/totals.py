@@ -77,6 +77,7 @@ class Totals:
     request_cause: list[int] = column(RUN, op.CAUSE_NONE)
     """Cause in the first row from the request on that has one; the limit's distance and the speed in the same row."""
     request_blocked: list[float] = column(RUN, op.FAR)
+    request_blocked_speed: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
     time_first_brake: list[float] = column(RUN, -1.0)
@@ -123,6 +124,7 @@ class Totals:
     takeover_request: list[float] = column(TAKEOVER, -1.0)
     takeover_cause: list[float] = column(TAKEOVER, -1.0)
     takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
+    takeover_blocked_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_lane_end: list[float] = column(TAKEOVER, op.FAR)
     takeover_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_escalation: list[float] = column(TAKEOVER, -1.0)
@@ -156,6 +158,7 @@ class Totals:
     row_confidence: list[float] = column(RUN)
     """Of the better side."""
     row_blocked: list[float] = column(RUN, op.FAR)
+    row_blocked_speed: list[float] = column(RUN)
     row_lane_end: list[float] = column(RUN, op.FAR)
     curvature: list[float] = column(RUN)
     """Curvature that was driven to the last row, 1/m, positive to the left; known from the second row on."""
