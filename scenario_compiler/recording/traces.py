@@ -29,6 +29,7 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
     "minimum_risk",
     "standstill",
     "no_progress",
+    "obstruction",
     "collision",
 )
 """Events whose first time counts in a measure."""

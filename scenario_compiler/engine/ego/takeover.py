@@ -14,7 +14,7 @@ from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.answering import note_stages, plan_answer
 from scenario_compiler.engine.ego.limits import closing_speed, lane_ends, request_distance
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
-from scenario_compiler.engine.ego.standing import standing_place
+from scenario_compiler.engine.ego.standing import log_standstill
 from scenario_compiler.engine.ego.warning import (
     note_reason,
     step_warning,
@@ -148,8 +148,7 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
     elif state == op.TAKEOVER_MINIMUM_RISK:
         if st.v[i] <= 0.0:
             st.takeover_state[0] = op.TAKEOVER_STANDSTILL
-            st.time_standstill[0] = now
-            log_event(st, op.EVENT_STANDSTILL, 2.0 * standing_place(n, st, i))
+            log_standstill(n, p, st, i, 0)
     elif minimum_risk_due(p, st, i) == 1:
         st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
         if st.time_minimum_risk[0] < 0.0:
