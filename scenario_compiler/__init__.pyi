@@ -127,6 +127,7 @@ from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision as Mini
 from scenario_compiler.vocabulary.criteria import NoAvoidableCollision as NoAvoidableCollision
 from scenario_compiler.vocabulary.criteria import NoCollision as NoCollision
 from scenario_compiler.vocabulary.criteria import NoMinimumRisk as NoMinimumRisk
+from scenario_compiler.vocabulary.criteria import NoObstruction as NoObstruction
 from scenario_compiler.vocabulary.criteria import ReachDestination as ReachDestination
 from scenario_compiler.vocabulary.criteria import Requested as Requested
 from scenario_compiler.vocabulary.criteria import StayOnRoad as StayOnRoad

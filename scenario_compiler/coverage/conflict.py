@@ -193,6 +193,7 @@ OTHERS: dict[type[Word], Execution] = {
     criteria.NoMinimumRisk: _JUDGED,
     criteria.NoAvoidableCollision: Execution("judgement", "engine.reference_runs"),
     criteria.MakesProgress: _JUDGED,
+    criteria.NoObstruction: _JUDGED,
     criteria.MaximumLateralOffset: _JUDGED,
     variation.Vary: Execution("sweep", "batch.sampling"),
     variation.Uniform: _SAMPLED,

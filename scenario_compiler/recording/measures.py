@@ -148,16 +148,26 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    return whole_steps(traces, time_to_limit(limit_distance(traces), _at_request(traces, traces.v[..., 0])))
+    speed, towards = (_at_request(traces, values) for values in (traces.v[..., 0], traces.blocked_speed))
+    return whole_steps(traces, time_to_limit(cause_of_request(traces), limit_distance(traces), speed, towards))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
-    return whole_steps(totals, time_to_limit(_limit_distance_total(totals), totals.column("request_speed")))
+    cause, speed, towards = (totals.column(f"request_{name}") for name in ("cause", "speed", "blocked_speed"))
+    return whole_steps(totals, time_to_limit(cause, _limit_distance_total(totals), speed, towards))
 
 
-def time_to_limit(distance: Floats, speed: Floats) -> Floats:
-    """Return the time until a limit is reached at unchanged speed, s; NaN at a standstill."""
-    return np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan)
+def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Floats) -> Floats:
+    """Return the time until a limit is reached at unchanged speeds, s; NaN where nothing moves.
+
+    Args:
+        cause: Code of the request's cause.
+        distance: Distance to the limit, m.
+        speed: Speed of the vehicle, m/s.
+        towards: Speed at which what blocks the path comes towards it, m/s.
+    """
+    closing = np.where(cause == CAUSE_PATH_BLOCKED, speed + towards, speed)
+    return np.where(closing > 0, distance / np.where(closing > 0, closing, 1.0), np.nan)
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
@@ -316,7 +326,7 @@ MEASURES: tuple[Measure, ...] = (
         "time_budget",
         "s",
         "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
-        "is reached at unchanged speed.",
+        "is reached at unchanged speed. The speed of what comes towards the vehicle and blocks its path is added.",
         "no request, or one that is not about a place ahead",
         time_budget,
         _time_budget_total,

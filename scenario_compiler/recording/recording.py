@@ -167,6 +167,15 @@ class Recording:
         Floats,
         Column("run", "m", "Distance from the front bumper to where the path is blocked, along the lane.", far=True),
     ]
+    blocked_speed: Annotated[
+        Floats,
+        Column(
+            "run",
+            "m/s",
+            "Speed at which what blocks the path comes towards the vehicle along the lane; 0 for what does not.",
+            nothing=0.0,
+        ),
+    ]
     lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
     lane_width: Annotated[Floats, Column("run", "m", "Width of the ego vehicle's lane; 0 off the lanes.")]
     lane_heading: Annotated[

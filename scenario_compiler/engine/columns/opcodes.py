@@ -305,6 +305,7 @@ EVENT_NO_PROGRESS = 21
 EVENT_EYES_ON = 22
 EVENT_HANDS_ON = 23
 EVENT_OVERRIDE = 24
+EVENT_OBSTRUCTION = 25
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 

@@ -47,6 +47,7 @@ class Totals(Columns):
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
     time_no_progress: list[float] = column(RUN, -1.0)
+    time_obstruction: list[float] = column(RUN, -1.0)
     time_collision: list[float] = column(RUN, -1.0)
     collision_with: list[float] = column(RUN, -1.0)
     """First entity that the ego hit."""
@@ -79,6 +80,7 @@ class Totals(Columns):
     request_cause: list[int] = column(RUN, op.CAUSE_NONE)
     """Cause in the first row from the request on that has one; the limit's distance and the speed in the same row."""
     request_blocked: list[float] = column(RUN, op.FAR)
+    request_blocked_speed: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
     time_first_brake: list[float] = column(RUN, -1.0)
@@ -131,6 +133,7 @@ class Totals(Columns):
     takeover_request: list[float] = column(TAKEOVER, -1.0)
     takeover_cause: list[float] = column(TAKEOVER, -1.0)
     takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
+    takeover_blocked_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_lane_end: list[float] = column(TAKEOVER, op.FAR)
     takeover_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_escalation: list[float] = column(TAKEOVER, -1.0)
@@ -164,6 +167,7 @@ class Totals(Columns):
     row_confidence: list[float] = column(RUN)
     """Of the better side."""
     row_blocked: list[float] = column(RUN, op.FAR)
+    row_blocked_speed: list[float] = column(RUN)
     row_lane_end: list[float] = column(RUN, op.FAR)
     row_width: list[float] = column(RUN)
     """Width of the lane, 0 off the lanes, and the heading against its direction."""
