@@ -106,6 +106,7 @@ OTHERS: dict[type[Word], Execution] = {
     entities.Follow: _engine("motion.following"),
     entities.Controller: Execution("run", "controllers"),
     entities.Property: Execution("run", "controllers"),
+    entities.Detector: Execution("run", "controllers.detectors"),
     sensors.Odometry: _engine("ego.lane_memory"),
     sensors.Camera: Execution("camera", "perception.stage"),
     markings.Markings: _engine("ego.lane_confidence", "ALL_MARKS"),
