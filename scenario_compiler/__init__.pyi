@@ -139,6 +139,7 @@ from scenario_compiler.vocabulary.driver import Effect as Effect
 from scenario_compiler.vocabulary.driver import Inputs as Inputs
 from scenario_compiler.vocabulary.driver import Person as Person
 from scenario_compiler.vocabulary.entities import Controller as Controller
+from scenario_compiler.vocabulary.entities import Detector as Detector
 from scenario_compiler.vocabulary.entities import Dynamic as Dynamic
 from scenario_compiler.vocabulary.entities import Ego as Ego
 from scenario_compiler.vocabulary.entities import Follow as Follow

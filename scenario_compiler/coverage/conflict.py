@@ -107,6 +107,7 @@ OTHERS: dict[type[Word], Execution] = {
     entities.Controller: Execution("run", "controllers"),
     entities.Property: Execution("run", "controllers"),
     sensors.ForwardSensor: _engine("ego.reach", "SENSOR_CAMERA", "SENSOR_RADAR", "SENSOR_LIDAR"),
+    entities.Detector: Execution("run", "controllers.detectors"),
     sensors.Odometry: _engine("ego.lane_memory"),
     sensors.Camera: Execution("camera", "perception.stage"),
     markings.Markings: _engine("ego.lane_confidence", "ALL_MARKS"),
