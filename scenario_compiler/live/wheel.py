@@ -58,6 +58,7 @@ class Wheel:
         self._told = Told(seq=0)
         self._asked: Wish = ""
         self._away = False
+        self._requested = False
         self._file: BinaryIO | None = None if kept is None else kept.open("wb")
         self._written_until = 0.0
 
@@ -69,6 +70,11 @@ class Wheel:
                 self._asked = "take_over"
             elif told.hand_back:
                 self._asked = "hand_back"
+
+    def request(self) -> None:
+        """Let the automation request a takeover, where it drives."""
+        with self._lock:
+            self._requested = True
 
     def leave(self) -> None:
         """Note that the page is gone."""
@@ -88,10 +94,14 @@ class Wheel:
             if self._asked == ("take_over" if by_hand else "hand_back"):
                 self._asked = ""
             wish: Wish = self._asked
+            self._requested = self._requested and state in ("automated", "warning")
+            requested = self._requested
         if away:
             wish = "leave" if by_hand else ""
         elif not by_hand and self._is_input(told):
             wish = "take_over"
+        elif requested and not wish:
+            wish = "request"
         done = PersonInput(told.throttle, told.brake, told.steer, wish)
         self.applied = told.seq
         self._keep(t, done)

@@ -60,6 +60,15 @@ def test_who_leaves_lets_the_vehicle_stop_and_may_come_back() -> None:
     assert wheel.applied == 1
 
 
+def test_a_request_is_wanted_until_it_has_come_and_of_the_automation_alone() -> None:
+    wheel = Wheel(PLAN)
+    wheel.request()
+    states = ("automated", "warning", "request", "automated")
+    assert [wheel.act(0.02 * k, state).wish for k, state in enumerate(states)] == ["request", "request", "", ""]
+    wheel.request()
+    assert [wheel.act(t, state).wish for t, state in ((0.1, "manual"), (0.12, "automated"))] == ["", ""]
+
+
 def test_inputs_are_written_as_they_happen(tmp_path: Path) -> None:
     file = tmp_path / "inputs.jsonl"
     wheel = Wheel(PLAN, file)

@@ -271,6 +271,7 @@ WISH_NONE = 0
 WISH_TAKE_OVER = 1
 WISH_HAND_BACK = 2
 WISH_LEAVE = 3
+WISH_REQUEST = 4
 """What the person at the wheel wants of the automation."""
 
 MANOEUVRE_KEEP = 0
