@@ -54,6 +54,7 @@ from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.takeover import Message, Takeover
 from scenario_compiler.vocabulary.variation import Vary
+from scenario_compiler.vocabulary.weather import is_clear
 
 
 @dataclass(frozen=True)
@@ -333,7 +334,19 @@ def compile_expanded(
         whole=whole,
     )
     check_controller(plan, sink, trust)
-    return None if sink.has_errors else Compilation(plan, network, scenario)
+    if sink.has_errors:
+        return None
+    if plan.controller is not None and _may_see_less(plan):
+        from scenario_compiler.engine.at_first import check_at_first
+
+        check_at_first(plan, network, sink)
+    return Compilation(plan, network, scenario)
+
+
+def _may_see_less(plan: Plan) -> bool:
+    """Return whether weather or noise may take something from a sensor at the start; if not, no engine is needed."""
+    sensor = plan.forward_sensor
+    return not is_clear(plan.weather) or bool(plan.camera.failures or plan.camera.sensor_noise or sensor.noise)
 
 
 def compile_scenario(

@@ -99,6 +99,7 @@ CODES: dict[str, Code] = {}
 
 CODE_HOMES = (
     "cli.run",
+    "engine.at_first",
     "roads.check",
     "roads.parse",
     "roads.xsd",

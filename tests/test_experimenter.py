@@ -11,7 +11,8 @@ from scenario_compiler import Outcome, Recording
 from tests.studies.study import compiled, row_at, runs, time_of
 
 CONFLICT = """<scenarios version="1"><scenario name="button" map="motorway" duration="{duration}" control_every="2">
-<ego speed="20"><start><spawn_point name="middle_lane"/></start></ego>{body}</scenario></scenarios>"""
+<ego speed="20"><start><spawn_point name="middle_lane"/></start>
+    <forward_sensor range="300"/></ego>{body}</scenario></scenarios>"""
 
 
 def played(folder: Path, body: str, duration: float = 12.0) -> tuple[Recording, Outcome]:
@@ -36,7 +37,7 @@ def test_a_request_a_warning_and_a_hand_back_come_when_their_triggers_say(tmp_pa
 def test_a_request_may_be_given_any_cause_and_asks_whatever_is_switched_on(tmp_path: Path) -> None:
     body = (
         '<when><time after="2"/><do><request cause="sensor_health"/></do></when>'
-        '<takeover><cause kind="path_blocked" range="200"/><driver takeover_time="2"/></takeover>'
+        '<takeover><cause kind="path_blocked"/><driver takeover_time="2"/></takeover>'
         '<criteria><requested cause="sensor_health"/></criteria>'
     )
     _, outcome = played(tmp_path, body, 4.0)
@@ -89,7 +90,7 @@ def test_slowing_down_has_the_deceleration_that_is_given(tmp_path: Path) -> None
 @pytest.mark.parametrize("budget", [4.0, 6.0])
 def test_the_budget_is_the_time_to_the_limit_at_unchanged_speed(budget: float, tmp_path: Path) -> None:
     body = BLOCKED.format(250) + (
-        f'<takeover><cause kind="path_blocked" range="300" budget="{budget}" warning_budget="{budget + 3}"/>'
+        f'<takeover><cause kind="path_blocked" budget="{budget}" warning_budget="{budget + 3}"/>'
         '<driver preset="absent"/></takeover>'
     )
     recording, outcome = played(tmp_path, body, 14.0)

@@ -58,7 +58,7 @@ HALL = (
 LEVEL = {room: level for level, row in enumerate(reversed((*ROWS, HALL))) for room in row}
 
 ENGINE_ROWS = (
-    ("reference_runs",),
+    ("reference_runs", "at_first"),
     ("simulation",),
     ("program", "entries"),
     ("story",),
@@ -100,7 +100,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "pygls": ("editor.server",),
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
-    "pyarrow": ("batch.results", "recording.store"),
+    "pyarrow": ("batch.results", "recording.arrow", "recording.store"),
     "rerun": ("report.rerun_file",),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),

@@ -30,6 +30,7 @@ from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import TAKEOVERS, Columns
 from scenario_compiler.batch.tally import Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
+from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts
 
 FORMAT = "scenario-compiler/sweep/1"
 MANIFEST = "sweep.json"
@@ -242,23 +243,12 @@ def _takeovers_in(rows: pa.Table, schema: pa.Schema) -> pa.Table:
 
 
 def arrow_array(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
-    """Return values, None where there is none, as a column of a type of the table.
-
-    It is made of bytes: `pa.array` would import pandas, which takes longer than a thousand variants.
-    """
-    missing = np.array([value is None for value in values], dtype=bool)
-    absent = pa.py_buffer(np.packbits(~missing, bitorder="little")) if missing.any() else None
+    """Return values, None where there is none, as a column of a type of the table."""
+    absent = np.array([value is None for value in values], dtype=bool)
     if pa.types.is_string(kind):
-        texts = [b"" if value is None else value.encode() for value in values]
-        ends = np.zeros(len(texts) + 1, dtype=np.int32)
-        np.cumsum([len(text) for text in texts], out=ends[1:])
-        content = [pa.py_buffer(ends), pa.py_buffer(b"".join(texts))]
-    elif pa.types.is_boolean(kind):
-        content = [pa.py_buffer(np.packbits([bool(value) for value in values], bitorder="little"))]
-    else:
-        number = np.dtype(kind.to_pandas_dtype())
-        content = [pa.py_buffer(np.array([0 if value is None else value for value in values], dtype=number))]
-    return pa.Array.from_buffers(kind, len(values), [absent, *content])
+        return arrow_texts(["" if value is None else value for value in values], absent)
+    dtype = np.dtype(kind.to_pandas_dtype())
+    return arrow_numbers(np.array([0 if value is None else value for value in values], dtype=dtype), absent)
 
 
 def read_results(path: Path) -> tuple[Columns, dict[str, Any]]:

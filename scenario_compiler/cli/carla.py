@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import asyncio
 from pathlib import Path
 
 from scenario_compiler.cli.options import FINE, Commands, WrongUse, add_maps, suggestion
@@ -42,6 +41,8 @@ def add(commands: Commands) -> None:
 
 def serve_command(options: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
+    import asyncio
+
     try:
         from scenario_compiler.carla_server.serve import LOOPBACK, CannotServeError, Service, serve
         from scenario_compiler.carla_server.towns import known_towns

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.totals import SUMMARY
 from scenario_compiler.engine.program.takeover import REFERENCES
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads.tables import RoadTables
 from scenario_compiler.vocabulary.driver import ReferenceName
 
@@ -34,7 +34,7 @@ def avoided_by(
         limit: Steps that a run has at most.
         interpreted: Whether the engine runs interpreted.
     """
-    replaced = Program(**{one.name: list(getattr(program, one.name)) for one in fields(program)})
+    replaced = Program(**{name: list(getattr(program, name)) for name in columns_of(Program)})
     replaced.replaced_by[0] = REFERENCES[name]
     summaries, _ = Simulation(tables, replaced, interpreted=interpreted).sweep(rows, draws, limit)
     return [bool(time < 0.0) for time in summaries[:, SUMMARY.index("time_collision")]]

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import Any, TypeVar
 
-from scenario_compiler.forms.declaration import Container, column_types
+from scenario_compiler.forms.declaration import Columns, Container, column_types
 
 
 def as_arrays(container: Container) -> Container:
@@ -39,7 +39,7 @@ def type_code(container: type[Any], column: str) -> str:
 Both = TypeVar("Both", bound="BothForms")
 
 
-class BothForms:
+class BothForms(Columns):
     """A container that is kept in both forms: one of lists keeps the one of arrays with the same columns.
 
     It must not change once the arrays have been asked for.
@@ -48,8 +48,9 @@ class BothForms:
     __slots__ = ("_arrays",)
     _arrays: Any
 
-    def __post_init__(self) -> None:
-        """Begin without arrays."""
+    def __init__(self, **columns: Any) -> None:
+        """Take the columns, and begin without arrays."""
+        super().__init__(**columns)
         self._arrays = None
 
     @classmethod
@@ -63,7 +64,7 @@ class BothForms:
 
     def in_arrays(self: Both) -> Both:
         """Return the container of arrays with the same columns: itself, or the one made when it is first asked for."""
-        if isinstance(getattr(self, type(self).__slots__[0]), array):
+        if isinstance(getattr(self, next(iter(column_types(type(self))))), array):
             return self
         if self._arrays is None:
             self._arrays = _copied(self)

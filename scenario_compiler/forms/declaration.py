@@ -1,10 +1,9 @@
 """How containers and their columns are declared.
 
-A container is a dataclass with slots whose fields are columns, lists of float or of int:
+A container is a class with slots, which are columns: lists of float or of int.
 
     @container("st", 2, written=True)
-    @dataclass(slots=True)
-    class State:
+    class State(Columns):
         speed: list[float] = column(ENTITY)
         "Speed of the entity, m/s."
 
@@ -15,7 +14,7 @@ of what a program holds. Marked functions take the container as the argument `st
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -45,11 +44,22 @@ class ContainerDeclaration:
 CONTAINERS: dict[str, ContainerDeclaration] = {}
 """The containers that are declared in what has been imported, by the name of the argument that takes them."""
 
+_COLUMNS: dict[type[Any], Mapping[str, ColumnDeclaration]] = {}
+_TYPES: dict[type[Any], Mapping[str, bool]] = {}
+"""What `column_types` has found: the interpreted form asks it for every column of every run."""
+
+_OF_NO_SLOTS = ("__dict__", "__weakref__")
+"""What a class has by itself where its instances have no slots."""
+
 
 def container(argument: str, place: int, *, written: bool = False) -> Callable[[type[Container]], type[Container]]:
-    """Declare a class as the container that marked functions take as `argument`; see `ContainerDeclaration`."""
+    """Declare a subclass of `Columns` as what marked functions take as `argument`; see `ContainerDeclaration`."""
 
-    def declare(columns: type[Container]) -> type[Container]:
+    def declare(declared: type[Container]) -> type[Container]:
+        names = tuple(declared.__annotations__)
+        plain = {name: value for name, value in vars(declared).items() if name not in (*names, *_OF_NO_SLOTS)}
+        columns: type[Container] = type(declared.__name__, declared.__bases__, {**plain, "__slots__": names})
+        _COLUMNS[columns] = MappingProxyType({name: vars(declared)[name] for name in names})
         CONTAINERS[argument] = ContainerDeclaration(columns, place, written)
         return columns
 
@@ -147,6 +157,10 @@ class ColumnDeclaration:
     kept: bool = False
     written: bool = False
 
+    def empty(self) -> list[float]:
+        """Return the column as it is in a program that has nothing."""
+        return [self.start] * (1 if self.starts is not None else self.of.fixed)
+
 
 RUN = fixed("run", 1)
 """What columns of a single element are of."""
@@ -154,28 +168,32 @@ RUN = fixed("run", 1)
 
 def column(of: Of, start: float = 0, values: Allowed = ANY, *, kept: bool = False, written: bool = False) -> Any:
     """Declare a column."""
-    return _field(ColumnDeclaration(of, start, values, kept=kept, written=written))
+    return ColumnDeclaration(of, start, values, kept=kept, written=written)
 
 
 def row_starts(of: Of, members: Of, *, written: bool = False) -> Any:
     """Declare a column of row starts: one more element than there are owners."""
-    return _field(ColumnDeclaration(of, values=Allowed(least=0), starts=members, written=written))
+    return ColumnDeclaration(of, values=Allowed(least=0), starts=members, written=written)
 
 
-def _field(declared: ColumnDeclaration) -> Any:
-    size = 1 if declared.starts is not None else declared.of.fixed
-    return field(default_factory=lambda: [declared.start] * size, metadata={"column": declared})
+class Columns:
+    """What every container is: columns that are made from arguments of their names, or as they are declared.
 
+    The methods of a dataclass with hundreds of fields would take longer to make than most programs run.
+    """
 
-_COLUMNS: dict[type[Any], Mapping[str, ColumnDeclaration]] = {}
-_TYPES: dict[type[Any], Mapping[str, bool]] = {}
-"""What the next two functions have found: the interpreted form asks them for every column of every run."""
+    __slots__ = ()
+
+    def __init__(self, **columns: Any) -> None:
+        """Take the columns by name; one that is left out is as long as it is in every program, else empty."""
+        for name, declared in columns_of(type(self)).items():
+            setattr(self, name, columns.pop(name) if name in columns else declared.empty())
+        if columns:
+            raise TypeError(f"{type(self).__name__} has no column {', '.join(columns)}")
 
 
 def columns_of(container: type[Any]) -> Mapping[str, ColumnDeclaration]:
     """Return the declarations of a container's columns by name, in order."""
-    if container not in _COLUMNS:
-        _COLUMNS[container] = MappingProxyType({one.name: one.metadata["column"] for one in fields(container)})
     return _COLUMNS[container]
 
 
@@ -183,7 +201,7 @@ def column_types(container: type[Any]) -> Mapping[str, bool]:
     """Return for each column, in the order of the slots, whether it holds floats."""
     if container not in _TYPES:
         _TYPES[container] = MappingProxyType(
-            {name: "float" in str(container.__annotations__[name]) for name in container.__slots__}
+            {name: "float" in str(container.__annotations__[name]) for name in columns_of(container)}
         )
     return _TYPES[container]
 

@@ -179,14 +179,13 @@ def make(*, noting_sources: bool = True) -> Note:
 def main() -> int:
     """Make the library unless it is fresh, and say which form of the engine there is."""
     note = Note.read()
-    if note is not None and note.is_fresh:
-        return 0
     try:
-        made_by = make().made_by
+        if note is None or not note.is_fresh:
+            note = make()
     except NoCompilerError as error:
         sys.stderr.write(f"the engine runs interpreted: {error}\n")
-        return 0
-    sys.stderr.write(f"the engine is built as C by {made_by}\n")
+    else:
+        sys.stderr.write(f"the engine runs as C, built by {note.made_by}\n")
     return 0
 
 

@@ -77,7 +77,11 @@ def read_attributes(element: etree._Element, word: type[Word], reading: ReadingC
                 codes.UNKNOWN_ATTRIBUTE,
                 f"<{element.tag}> has no attribute '{_short_name(name)}'",
                 reading.origin(element).name_of(name),
-                hint=did_you_mean(name, set(grammar.attributes) - set(map(str, element.attrib))),
+                hint=(
+                    f"write {word.moved[name]}"
+                    if name in word.moved
+                    else did_you_mean(name, set(grammar.attributes) - set(map(str, element.attrib)))
+                ),
             )
     for name, rule in grammar.attributes.items():
         if rule.required and name not in element.attrib:

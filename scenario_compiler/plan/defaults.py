@@ -1,14 +1,11 @@
 """The numbers of the takeover policy that an author may leave out, by kind of cause.
 
-Warning below 0.6 and request below 0.3 are the AISA toolkit's; 5 of 8 control steps, the forward sensor's range and
-angle, the gaps and the time without progress are ours: the range is that of a long-range radar, the gaps are a second
-either way, and 5 s is longer than any pause of a vehicle that only follows. The minimum-risk manoeuvre begins at once
-when the camera fails: a severe failure after UN R157 (5.4.4, not verified).
+Warning below 0.6 and request below 0.3 are the AISA toolkit's; 5 of 8 control steps, the gaps and the time without
+progress are ours: the gaps are a second either way, and 5 s is longer than any pause of a vehicle that only follows.
+The minimum-risk manoeuvre begins at once when the camera fails: a severe failure after UN R157 (5.4.4, not verified).
 """
 
 from __future__ import annotations
-
-import math
 
 from scenario_compiler.vocabulary.takeover import Cause, CauseKind, Takeover
 
@@ -22,13 +19,7 @@ CAUSE_DEFAULTS: dict[CauseKind, dict[str, float | int]] = {
         "minimum_risk_after": 0.0,
     },
     "lane_confidence": {"warning_below": 0.6, "warning_over": 0.7, "request_below": 0.3, "count": 5, "of": 8},
-    "path_blocked": {
-        "count": 2,
-        "of": 3,
-        "sensor_range": 150.0,
-        "field_of_view": math.radians(60.0),
-        "margin": 0.5,
-    },
+    "path_blocked": {"count": 2, "of": 3, "margin": 0.5},
     "lane_ends": {"count": 2, "of": 3, "gap_front": 1.0, "gap_rear": 2.0},
     "no_progress": {"after": 5.0},
     "controller": {"count": 1, "of": 1},

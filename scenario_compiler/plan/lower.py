@@ -44,7 +44,7 @@ from scenario_compiler.vocabulary.positions import (
     WorldPosition,
 )
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
-from scenario_compiler.vocabulary.sensors import Camera, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import parameters_in, replaced
@@ -142,6 +142,7 @@ def lower(
         weather=scenario.weather,
         entities=tuple(draft.entities),
         camera=Camera.model_construct() if ego is None else ego.camera,
+        forward_sensor=ForwardSensor.model_construct() if ego is None else ego.forward_sensor,
         odometry=Odometry.model_construct() if ego is None else ego.odometry,
         controller=None if ego is None else ego.controller,
         perception="ideal" if ego is None else perception,
@@ -406,7 +407,7 @@ def keep_open_parameters(draft: PlanDraft) -> None:
     """Keep the parameters that numbers still depend on."""
     scenario = draft.scenario
     words: list[Word] = [draft.storyboard, draft.takeover, *scenario.criteria]
-    words += [] if scenario.ego is None else [scenario.ego.camera, scenario.ego.odometry]
+    words += [] if scenario.ego is None else [scenario.ego.camera, scenario.ego.forward_sensor, scenario.ego.odometry]
     words += [*scenario.markings, *scenario.secondary_markings, *scenario.signal_controllers]
     words += [word for e in draft.entities for word in (e.start, e.follow, e.path) if word is not None]
     open_names = {name for word in words for name in parameters_in(word)}
@@ -420,6 +421,7 @@ def note_origins(draft: PlanDraft) -> None:
     """Remember where the author wrote the parts of the plan that later stages speak of."""
     parts: dict[str, Word] = {f"entities/{e.id}": e for e in written_entities(draft.scenario)}
     parts["scenario"] = draft.scenario
+    parts["weather"] = draft.scenario.weather
     if draft.scenario.ego is not None:
         parts["controller"] = draft.scenario.ego.controller
     parts["takeover"] = draft.scenario.takeover

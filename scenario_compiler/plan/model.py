@@ -17,7 +17,7 @@ from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePositionWord
 from scenario_compiler.vocabulary.scenario import Classification, NumberLimit, Parameter
-from scenario_compiler.vocabulary.sensors import Camera, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry
 from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
@@ -108,6 +108,9 @@ class Plan(PlanPart):
     weather: Weather = Field(description="The weather.")
     entities: tuple[Entity, ...] = Field(description="All entities in document order, an automated ego vehicle first.")
     camera: Camera = Field(description="The ego vehicle's camera.")
+    forward_sensor: ForwardSensor = Field(
+        default_factory=ForwardSensor.model_construct, description="What the ego vehicle sees objects ahead with."
+    )
     odometry: Odometry = Field(
         default_factory=Odometry.model_construct,
         description="What the ego vehicle knows of its own motion while it does not see its lane.",

@@ -22,7 +22,7 @@ def origin_at(place: Place) -> PlanOrigin:
 
 
 def place_of(plan: Plan, part: str) -> FilePlace:
-    """Return where a part ("entities/<id>", "controller", "takeover", "scenario") was written."""
+    """Return where a part ("entities/<id>", "controller", "takeover", "weather", "scenario") was written."""
     origin = plan.origins.get(part)
     return FilePlace(plan.name) if origin is None else _place(origin)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from scenario_compiler.engine.measures.lane_keeping import JUMP, SETTLING
+from scenario_compiler.engine.measures.in_lane import JUMP
+from scenario_compiler.engine.measures.lane_keeping import SETTLING
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces

@@ -18,6 +18,19 @@ from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.durations import Timed, after_request, whole_steps
+from scenario_compiler.recording.in_lane import (
+    deepest_departure,
+    heading_error_at_response,
+    lane_departures,
+    lane_departures_total,
+    least_time_to_crossing,
+    longest_departure,
+    longest_departure_total,
+    mean_time_to_crossing,
+    mean_time_to_crossing_total,
+    time_off_road,
+    time_off_road_total,
+)
 from scenario_compiler.recording.inputs import (
     braking_time,
     braking_total,
@@ -135,16 +148,26 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    return whole_steps(traces, time_to_limit(limit_distance(traces), _at_request(traces, traces.v[..., 0])))
+    speed, towards = (_at_request(traces, values) for values in (traces.v[..., 0], traces.blocked_speed))
+    return whole_steps(traces, time_to_limit(cause_of_request(traces), limit_distance(traces), speed, towards))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
-    return whole_steps(totals, time_to_limit(_limit_distance_total(totals), totals.column("request_speed")))
+    cause, speed, towards = (totals.column(f"request_{name}") for name in ("cause", "speed", "blocked_speed"))
+    return whole_steps(totals, time_to_limit(cause, _limit_distance_total(totals), speed, towards))
 
 
-def time_to_limit(distance: Floats, speed: Floats) -> Floats:
-    """Return the time until a limit is reached at unchanged speed, s; NaN at a standstill."""
-    return np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan)
+def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Floats) -> Floats:
+    """Return the time until a limit is reached at unchanged speeds, s; NaN where nothing moves.
+
+    Args:
+        cause: Code of the request's cause.
+        distance: Distance to the limit, m.
+        speed: Speed of the vehicle, m/s.
+        towards: Speed at which what blocks the path comes towards it, m/s.
+    """
+    closing = np.where(cause == CAUSE_PATH_BLOCKED, speed + towards, speed)
+    return np.where(closing > 0, distance / np.where(closing > 0, closing, 1.0), np.nan)
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
@@ -303,7 +326,7 @@ MEASURES: tuple[Measure, ...] = (
         "time_budget",
         "s",
         "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
-        "is reached at unchanged speed.",
+        "is reached at unchanged speed. The speed of what comes towards the vehicle and blocks its path is added.",
         "no request, or one that is not about a place ahead",
         time_budget,
         _time_budget_total,
@@ -433,6 +456,70 @@ MEASURES: tuple[Measure, ...] = (
         "no response",
         lateral_offset_at_response,
         total("offset_at_response"),
+    ),
+    Measure(
+        "heading_error_at_response",
+        "rad",
+        "Heading of the vehicle against its lane's direction in the row of the response, positive to the left.",
+        "no response",
+        heading_error_at_response,
+        total("heading_at_response"),
+    ),
+    Measure(
+        "lane_departures",
+        "1",
+        "Number of times that the vehicle came out of its lane: that a corner of its box passed an edge of the lane "
+        "that its reference point is in, or the point left every lane, until the box is within one lane again. A "
+        "change of lane is one of them.",
+        "never",
+        lane_departures,
+        lane_departures_total,
+    ),
+    Measure(
+        "longest_lane_departure",
+        "s",
+        "Number of rows of the longest lane departure times the step.",
+        "no lane departure",
+        longest_departure,
+        longest_departure_total,
+    ),
+    Measure(
+        "deepest_lane_departure",
+        "m",
+        "Greatest distance of a corner of the box, in lane departures, beyond the edge of the lane that it had left, "
+        "as wide as that was there; rows off every lane are left out.",
+        "no lane departure",
+        deepest_departure,
+        total("deepest_departure"),
+    ),
+    Measure(
+        "minimum_time_to_lane_crossing",
+        "s",
+        "Least over the rows from the request on of the distance from the outermost corner of the box to the lane's "
+        "edge, on the side that the vehicle moves to, over its speed across the lane: the speed times the sine of the "
+        f"heading against the lane. 0 in a lane departure. {HORIZON:g} s or more counts as none.",
+        f"no request, or no edge would have been crossed within {HORIZON:g} s",
+        least_time_to_crossing,
+        total("least_crossing"),
+        "time to line crossing (TLC), after SAE J2944, not verified",
+    ),
+    Measure(
+        "mean_time_to_lane_crossing",
+        "s",
+        "Mean of the same over the rows that have one.",
+        f"no request, or no edge would have been crossed within {HORIZON:g} s",
+        mean_time_to_crossing,
+        mean_time_to_crossing_total,
+        "time to line crossing (TLC), after SAE J2944, not verified",
+    ),
+    Measure(
+        "time_off_road",
+        "s",
+        "Time that the reference point was off the road: off every lane, or on one that is neither for motor traffic "
+        "nor a shoulder or a parking lane: the number of such rows times the step.",
+        "it was on the road throughout",
+        time_off_road,
+        time_off_road_total,
     ),
     Measure(
         "time_off_lanes",

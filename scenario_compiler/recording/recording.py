@@ -167,7 +167,24 @@ class Recording:
         Floats,
         Column("run", "m", "Distance from the front bumper to where the path is blocked, along the lane.", far=True),
     ]
+    blocked_speed: Annotated[
+        Floats,
+        Column(
+            "run",
+            "m/s",
+            "Speed at which what blocks the path comes towards the vehicle along the lane; 0 for what does not.",
+            nothing=0.0,
+        ),
+    ]
     lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
+    lane_width: Annotated[Floats, Column("run", "m", "Width of the ego vehicle's lane; 0 off the lanes.")]
+    lane_heading: Annotated[
+        Floats, Column("run", "rad", "Heading of the ego vehicle against its lane's direction, positive to the left.")
+    ]
+    on_road: Annotated[
+        Booleans,
+        Column("run", "", "It is on a lane for motor traffic, a shoulder or a parking lane.", kind="flag", nothing=0),
+    ]
     left_y0: Annotated[Floats, Column("run", "m", "Detected left boundary: distance to the left at the camera.")]
     left_slope: Annotated[Floats, Column("run", "1", "Detected left boundary: slope at the camera.")]
     left_curvature: Annotated[Floats, Column("run", "1/m", "Detected left boundary: curvature.")]

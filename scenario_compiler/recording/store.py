@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from scenario_compiler.outputs import write_whole
+from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CODES
 from scenario_compiler.recording.recording import COLUMNS, Column, Frame, Header, Recording
@@ -43,7 +44,7 @@ def write_recording(recording: Recording, path: Path) -> None:
             continue
         values = getattr(recording, column.name)
         if column.name == "t":
-            arrays["t"] = pa.array(values[row])
+            arrays["t"] = arrow_numbers(values[row])
             arrays["name"] = _named(entity, recording.header.entities)
         elif column.per == "entity":
             arrays[column.name] = _encoded(column, values[present], recording.roads)
@@ -103,8 +104,8 @@ def _metadata(recording: Recording) -> dict[bytes, bytes]:
 def _named(codes: NDArray[np.int64], names: tuple[str, ...], absent: NDArray[np.bool_] | None = None) -> pa.Array:
     """Return names for codes, null for codes below 0."""
     missing = (codes < 0) if absent is None else absent | (codes < 0)
-    indices = pa.array(codes.astype(np.int32), mask=missing)
-    return pa.DictionaryArray.from_arrays(indices, pa.array(names, pa.string())).cast(pa.string())
+    indices = arrow_numbers(codes.astype(np.int32), missing)
+    return pa.DictionaryArray.from_arrays(indices, arrow_texts(names)).cast(pa.string())
 
 
 def _encoded(
@@ -115,8 +116,8 @@ def _encoded(
     if column.kind in CODES:
         return _named(values, _code_names(column), absent)
     if column.kind == "integer":
-        return pa.array(values.astype(np.int32), mask=absent)
-    return pa.array(values, mask=absent, from_pandas=False)
+        return arrow_numbers(values.astype(np.int32), absent)
+    return arrow_numbers(values, absent)
 
 
 def _code_names(column: Column) -> tuple[str, ...]:
@@ -155,6 +156,8 @@ def _values(table: pa.Table, column: Column, roads: tuple[str, ...]) -> NDArray[
     if column.kind in CODES:
         return _codes(table, column.name, _code_names(column))
     values = table[column.name]
+    if column.kind == "flag":
+        return np.asarray(values.fill_null(False).to_numpy(zero_copy_only=False), dtype=column.dtype)
     nothing = pa.scalar(column.nothing if column.kind == "float" else int(column.nothing), values.type)
     return np.asarray(values.fill_null(nothing).to_numpy(), dtype=column.dtype)
 

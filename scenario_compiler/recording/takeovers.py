@@ -51,7 +51,7 @@ class Takeover(BaseModel):
         description="Distance from the front bumper to where the path is blocked or the lane ends, in the same row.",
         json_schema_extra={"unit": "m"},
     )
-    time_budget: float | None = _seconds("The limit's distance over the speed, to the nearest whole step.")
+    time_budget: float | None = _seconds("The limit's distance over the closing speed, to the nearest whole step.")
     takeover_buffer: float | None = _seconds("Time budget less takeover time.")
 
 
@@ -74,13 +74,15 @@ def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
     known = np.array([row >= 0 for row in rows])
     at = {
         name: np.where(known, getattr(recording, name)[rows], np.nan)
-        for name in ("blocked_distance", "lane_end_distance")
+        for name in ("blocked_distance", "blocked_speed", "lane_end_distance")
     }
     speed = np.where(known, recording.v[rows, 0], np.nan)
     codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
     distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
     ends = {kind: np.array(found) for kind, found in times.items()}
-    return tuple(_assembled(causes, request, ends, np.full(len(asked), crash), speed, distance, recording.header.step))
+    budget = time_to_limit(codes, distance, speed, at["blocked_speed"])
+    crashes = np.full(len(asked), crash)
+    return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, recording.header.step))
 
 
 def _described(recording: Recording, begin: float, end: float) -> int:
@@ -95,14 +97,16 @@ def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
     runs, places = np.nonzero(~np.isnan(request))
     picked = {
         name: totals.of_takeovers(f"takeover_{name}")[runs, places]
-        for name in ("cause", "blocked", "lane_end", "speed", *ENDS)
+        for name in ("cause", "blocked", "blocked_speed", "lane_end", "speed", *ENDS)
     }
     causes = [str(CAUSES[int(code)]) for code in picked["cause"]]
     distance = distance_to_limit(picked["cause"], picked["blocked"], picked["lane_end"])
+    budget = time_to_limit(picked["cause"], distance, picked["speed"], picked["blocked_speed"])
     ends: dict[EventKind, Floats] = {kind: picked[kind] for kind in ENDS}
     crash = totals.times["collision"][runs]
     found: list[list[Takeover]] = [[] for _ in range(len(request))]
-    made = _assembled(causes, request[runs, places], ends, crash, picked["speed"], distance, totals.step, places)
+    asked = request[runs, places]
+    made = _assembled(causes, asked, ends, crash, picked["speed"], distance, budget, totals.step, places)
     for run, one in zip(runs.tolist(), made, strict=True):
         found[run].append(one)
     return [tuple(some) for some in found]
@@ -115,12 +119,13 @@ def _assembled(
     crash: Floats,
     speed: Floats,
     distance: Floats,
+    until_limit: Floats,
     step: float,
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
 ) -> list[Takeover]:
     """Return takeovers of which each array has one number, (k,)."""
     answered = np.round((ends["response"] - request) / step) * step
-    budget = np.round(time_to_limit(distance, speed) / step) * step
+    budget = np.round(until_limit / step) * step
     numbers = {
         "request_time": request,
         **{f"{kind}_time": times for kind, times in ends.items()},

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import jinja2
-
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.comparison import Comparison
 from scenario_compiler.report.embedding import player_head, player_place, player_start
-from scenario_compiler.report.palette import WORDS
 from scenario_compiler.report.replay import Picture
 from scenario_compiler.report.run import Run
-from scenario_compiler.report.wording import decimal, summary_of, unit_words
+from scenario_compiler.report.templates import page_environment
+from scenario_compiler.report.wording import summary_of
 
 TEMPLATE = "compare.html.jinja"
 
@@ -36,16 +34,7 @@ def write_comparison(
         pictures: The first-person pictures of each, ordered by time.
         path: Where the page is written.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["number"] = lambda value: "–" if value is None else decimal(value)
-    environment.filters["unit"] = unit_words
-    environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
+    environment = page_environment()
     page = environment.get_template(TEMPLATE).render(
         names=names,
         summaries=[summary_of(run) for run in runs],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,7 +9,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import jinja2
 import numpy as np
 
 from scenario_compiler.outputs import write_whole
@@ -22,6 +20,7 @@ from scenario_compiler.report.palette import WORDS
 from scenario_compiler.report.pictures import Sights, row_at, stills
 from scenario_compiler.report.preview import start_of, way_ahead
 from scenario_compiler.report.run import Run
+from scenario_compiler.report.templates import page_environment
 from scenario_compiler.report.wording import CAUSE_WORDS, decimal
 from scenario_compiler.roads.network import Network
 from scenario_compiler.roads.positions import Pose
@@ -157,14 +156,7 @@ def write_gallery(cards: Iterable[Card], path: Path, *, title: str = "Conflicts"
     for card in cards:
         groups.setdefault(card.group, []).append(card)
     held = [card for group in groups.values() for card in group]
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
+    environment = page_environment()
     page = environment.get_template(TEMPLATE).render(
         title=title,
         groups=groups,

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-import jinja2
-
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.report import plots
 from scenario_compiler.report.embedding import player_head, player_place, player_start, source_of
 from scenario_compiler.report.folding import Folded, folded
-from scenario_compiler.report.palette import STATE_COLOURS, WORDS
+from scenario_compiler.report.palette import STATE_COLOURS
 from scenario_compiler.report.replay import Picture, pictures_of
 from scenario_compiler.report.run import Run
+from scenario_compiler.report.templates import page_environment
 from scenario_compiler.report.wording import (
     Summary,
     classification,
@@ -25,7 +24,6 @@ from scenario_compiler.report.wording import (
     fixed,
     place_words,
     summary_of,
-    unit_words,
 )
 
 TEMPLATE = "report.html.jinja"
@@ -95,18 +93,10 @@ def write_report(
 
 def render(runs: Sequence[Run], *, title: str = "", pictures: Sequence[Sequence[Picture]] | None = None) -> str:
     """Return the page; see `write_report`."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment()
     environment.filters["number"] = fixed
     environment.filters["place"] = place_words
-    environment.filters["unit"] = unit_words
     environment.filters["source"] = source_of
-    environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
     taken = [pictures_of(run) for run in runs] if pictures is None else pictures
     sections = [
         _section(run, shown, f"run-{number}", alone=len(runs) == 1)

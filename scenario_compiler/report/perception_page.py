@@ -173,13 +173,12 @@ _LEARNED = """\
 <!-- Written by `scenario-compiler calibrate`. -->
 # The learned lane detector
 
-`<property name="detector" value="learned"/>` of the [controller](language.md#Controller) takes a small network in the
-place of the classical detector of [lane detection](perception.md). It sees the picture at 256 x 128 and tells, for
-each side and each second row, in which of 128 columns the boundary lies or that it is not there; the width of that
-distribution is the row's uncertainty. Beside that it tells whether either side is painted, the camera's tilt and the
-lane's width. Rows are laid on the ground under the tilt, and a parabola is fitted to them by their certainty. The
-three probabilities of each side mean what the classical detector's mean, and are made in the same way of what the
-rows say.
+`<detector model="learned"/>` in the [controller](language.md#Detector) takes a small network in the place of the
+classical detector of [lane detection](perception.md). It sees the picture at 256 x 128 and tells, for each side and
+each second row, in which of 128 columns the boundary lies or that it is not there; the width of that distribution is
+the row's uncertainty. Beside that it tells whether either side is painted, the camera's tilt and the lane's width.
+Rows are laid on the ground under the tilt, and a parabola is fitted to them by their certainty. The three
+probabilities of each side mean what the classical detector's mean, and are made in the same way of what the rows say.
 
 It has 239 826 parameters in 965 kB, and OpenCV runs it in 7 ms of one core (AMD EPYC, idle, OpenCV 5.0.0). It was
 trained for the default mounting; the picture of another camera is turned to how that one would see it.

@@ -73,7 +73,7 @@ lies `vehicle.center` metres (plan.json) ahead of it; CARLA's actors are placed 
 right-hand traffic, against it (h + pi) on positive ones, and the other way round in left-hand traffic. What is placed
 by road, s and t faces along s.
 
-**Times**: t is the sum of the steps, so that 35 s may read 35.00000000000015; events.csv and the timeline are rounded
+**Times**: t is the number of steps times their length; events.csv and the timeline are rounded
 to the nanosecond. The first row, t = 0, is the state after the init actions. There is one row a step and entity that is
 present, entities in document order, an automated vehicle first. Where the stop trigger is true, that row is the last; a
 duration D ends with the first row of t >= D - 1e-6 s.

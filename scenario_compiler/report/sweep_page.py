@@ -5,14 +5,12 @@ It takes plain tables: rows by column, as the sweep's Parquet file holds them, a
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 
 from scenario_compiler.expressions import format_value
@@ -20,10 +18,10 @@ from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.recording import Booleans, Floats, Integers
 from scenario_compiler.report import plots, sweep_plots
-from scenario_compiler.report.palette import WORDS
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.statistics import wilson_interval
-from scenario_compiler.report.wording import decimal, unit_words, with_unit
+from scenario_compiler.report.templates import page_environment
+from scenario_compiler.report.wording import decimal, with_unit
 from scenario_compiler.vocabulary.criteria import references_in
 
 TEMPLATE = "sweep.html.jinja"
@@ -146,18 +144,8 @@ class SweepPage:
 
 def write_sweep_report(page: SweepPage, folder: Path) -> Path:
     """Write report.html into a folder and return its path; equal sweeps give equal bytes."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["number"] = lambda value: "–" if value is None else decimal(value)
+    environment = page_environment()
     environment.filters["percent"] = lambda share: f"{100 * share:.3g} %"
-    environment.filters["png"] = lambda data: "data:image/png;base64," + base64.b64encode(data).decode()
-    environment.filters["unit"] = unit_words
-    environment.filters["words"] = lambda name: WORDS.get(name, name.replace("_", " "))
     text = environment.get_template(TEMPLATE).render(
         page=page,
         rates=rates_of(page.rows, judged=page.judged, automated=page.automated),

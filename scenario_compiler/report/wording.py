@@ -175,6 +175,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
             ("Desired speed", number(plan.ego.desired_speed, "m/s")),
             ("Controller", plan.controller.model),
             ("Lane confidence from", CONFIDENCE_FROM[header.perception]),
+            ("Forward sensor", f"{plan.forward_sensor.kind}, {number(plan.forward_sensor.range, 'm')}"),
             ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
             ("Time budget", number(policy.budget, "s")),
             ("Escalation after", number(policy.escalate_after, "s")),
@@ -210,8 +211,6 @@ def _cause(cause: Cause) -> str:
     words = {
         "warning_below": ("warning below", "", 1.0),
         "request_below": ("request below", "", 1.0),
-        "sensor_range": ("range", "m", 1.0),
-        "field_of_view": ("field of view", "°", 180 / math.pi),
         "margin": ("margin", "m", 1.0),
         "gap_front": ("gap ahead", "s", 1.0),
         "gap_rear": ("gap behind", "s", 1.0),

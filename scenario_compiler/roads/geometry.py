@@ -1,10 +1,8 @@
 """Reference line, elevation and lateral profile: from (road, s, t) to a pose.
 
-A line and an arc are evaluated in closed form; a spiral is stored as short pieces (`parse` cuts them) over
-which the three-point
-Gauss-Legendre rule is exact to 1e-9 m; poly3 and paramPoly3 are evaluated at a parameter that is linear in
-s, as CARLA and
-esmini do, although the standard's s is the arc length. Curvature is 0 there only if the polynomial is
+A line and an arc are evaluated in closed form; a spiral is stored as short pieces (`parse` cuts them) over which the
+three-point Gauss-Legendre rule is exact to 1e-9 m; poly3 and paramPoly3 are evaluated at a parameter that is linear in
+s, as CARLA and esmini do, although the standard's s is the arc length. Curvature is 0 there only if the polynomial is
 straight.
 
 The cross-section is rolled by superelevation about the reference line (`lateral_axis`).

@@ -182,8 +182,7 @@ def lane_type(n: RoadTables, road: int, lane: int, s: float) -> int:
 def lane_direction(n: RoadTables, road: int, lane: int) -> int:
     """Return 1 when travel in the lane is along increasing s, -1 against it.
 
-    Right lanes go along s in right-hand traffic, left lanes in left-hand traffic; a lane declared "reversed"
-    goes the
+    Right lanes go along s in right-hand traffic, left lanes in left-hand traffic; a lane declared "reversed" goes the
     other way. The centre lane counts as a right lane.
     """
     direction = n.road_rule[road]

@@ -1,10 +1,8 @@
 """From a point of the plane to (road, s, t) and to lanes.
 
-The plane is cut into square cells; each knows the chunks (`locate_build`) whose surface may touch it. A
-chunk lies in one piece
-of the reference line and one lane section, so a point is projected onto the piece alone: in closed form on
-lines and arcs, by
-Newton's method on spirals and polynomials.
+The plane is cut into square cells; each knows the chunks (`locate_build`) whose surface may touch it. A chunk lies in
+one piece of the reference line and one lane section, so a point is projected onto the piece alone: in closed form on
+lines and arcs, by Newton's method on spirals and polynomials.
 """
 
 from math import atan2, cos, floor, sin, sqrt
@@ -345,9 +343,8 @@ def track_on(
 def track(n: RoadTables, x: float, y: float, road_hint: int, s_hint: float) -> tuple[int, int, float, float]:
     """Return (found, road, s, t) of a point that was at (road, s) a short while ago, found 0 off every road.
 
-    Looked for on that road, then on the roads linked to the end that was passed, then by the index. A
-    negative road hint goes
-    straight to the index.
+    Looked for on that road, then on the roads linked to the end that was passed, then by the index. A negative road
+    hint goes straight to the index.
     """
     if in_plane(x, y) == 0:
         return 0, -1, 0.0, 0.0

@@ -1,8 +1,7 @@
 """Codes of road marks, their default widths and lines, and the mark of a lane's border at s with its quality.
 
-Quality says how well a mark can be seen, 1 (new) to 0 (gone). A file gives it in `<userData
-code="marking_quality" value="0.3"/>`
-inside `<roadMark>`; a scenario overrides it by stretch (`Network.with_mark_quality`).
+Quality says how well a mark can be seen, 1 (new) to 0 (gone). A file gives it in `<userData code="marking_quality"
+value="0.3"/>` inside `<roadMark>`; a scenario overrides it by stretch (`Network.with_mark_quality`).
 """
 
 from scenario_compiler.marker import compiled

@@ -1,10 +1,8 @@
 """The network as quads: road surfaces by material and painted marks, for the camera, plots and mesh export.
 
-Lanes are cut at stations every two metres, of which those are left out between which the surface is flat and
-straight. A mark
-is drawn by the lines of its type where the file gives them, else by `_LINES_OF_TYPE`: the standard leaves
-the dashes
-of a "broken" mark open, and 3 m of paint and 9 m of gap is the American and CARLA's habit.
+Lanes are cut at stations every two metres, of which those are left out between which the surface is flat and straight.
+A mark is drawn by the lines of its type where the file gives them, else by `_LINES_OF_TYPE`: the standard leaves the
+dashes of a "broken" mark open, and 3 m of paint and 9 m of gap is the American and CARLA's habit.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """What a road file holds beside the tables: header, objects, signals, controllers, junctions.
 
-Running a scenario needs none of it, so it is read only when asked for (`Network.model`). Words are kept as
-the file spells
-them; numbers are in metres and radians in the road's frame (s, t, h). What these values do not name stays
-reachable as `rest`:
-names of child elements and attributes that were read and not interpreted.
+Running a scenario needs none of it, so it is read only when asked for (`Network.model`). Words are kept as the file
+spells them; numbers are in metres and radians in the road's frame (s, t, h). What these values do not name stays
+reachable as `rest`: names of child elements and attributes that were read and not interpreted.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """OpenDRIVE XML to `RoadTables`, with diagnostics for what cannot be used.
 
-Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is
-read. Errors are
-left for files that give no network at all. What the tables do not hold (objects, signals, controllers,
-header) is read by
-`model` when it is asked for.
+Faults of a road file are warnings: the record is left out or takes the standard's default, and the rest is read. Errors
+are left for files that give no network at all. What the tables do not hold (objects, signals, controllers, header) is
+read by `model` when it is asked for.
 """
 
 from __future__ import annotations

@@ -13,9 +13,8 @@ if TYPE_CHECKING:
 class Pose(NamedTuple):
     """A point on the road surface with the orientation of the surface there.
 
-    OpenDRIVE axes: metres; heading counterclockwise from +x in [0, 2 pi), pitch positive nose down, roll
-    positive left side
-    up, radians.
+    OpenDRIVE axes: metres; heading counterclockwise from +x in [0, 2 pi), pitch positive nose down, roll positive left
+    side up, radians.
     """
 
     x: float

@@ -33,11 +33,9 @@ class _Step:
 def find_route(n: RoadTables, road_ids: list[str], start: LanePosition, goal: LanePosition) -> Route | None:
     """Return the shortest route in the lanes' directions of travel, None where there is none.
 
-    Lane changes are made as early as marks allow them (`laneChange`, or the mark's type where the file does
-    not say); where
-    only forbidden ones lead to the goal, those are taken. Offsets play no part. A start on a lane that motor
-    traffic may use
-    stays on such lanes, another one on lanes of its own type.
+    Lane changes are made as early as marks allow them (`laneChange`, or the mark's type where the file does not say);
+    where only forbidden ones lead to the goal, those are taken. Offsets play no part. A start on a lane that motor
+    traffic may use stays on such lanes, another one on lanes of its own type.
 
     Raises:
         ValueError: When the start or the goal lies on no lane.

@@ -64,7 +64,6 @@ CONTACT = codes(AT_END + 1, least=-1)
 
 
 @container("n", 0)
-@dataclass(slots=True)
 class RoadTables(BothForms):
     """The columns of a network."""
 

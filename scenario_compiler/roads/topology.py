@@ -1,12 +1,9 @@
 """Links of roads, lanes and junctions, resolved to rows: which lane goes on in which.
 
-A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both
-directions, whoever of the
-two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of roads;
-the lane links
-of junction connections (default and direct); where a connection names no lanes, the connecting road's own
-lane links. Where
-a joint names no lane at all, lanes of the same id go on in each other.
+A link joins an end of a lane's row (in one lane section) to an end of another's, and is kept in both directions,
+whoever of the two files it. Sources: the lanes' own predecessors and successors, at joints of lane sections and of
+roads; the lane links of junction connections (default and direct); where a connection names no lanes, the connecting
+road's own lane links. Where a joint names no lane at all, lanes of the same id go on in each other.
 """
 
 from __future__ import annotations

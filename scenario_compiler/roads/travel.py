@@ -1,7 +1,6 @@
 """Along the lanes: what follows a lane, moving on by a distance, how far a lane still goes.
 
-Forward is a lane's direction of travel. At a junction the preferred road is taken where it can be entered,
-else the
+Forward is a lane's direction of travel. At a junction the preferred road is taken where it can be entered, else the
 straightest exit (the smallest change of heading), the first in the file among equals.
 """
 

@@ -67,7 +67,11 @@ RUN_COLUMNS = {
     "sensor_health": "health",
     "sigma": "sigma",
     "blocked_distance": "blocked_distance",
+    "blocked_speed": "blocked_speed",
     "lane_end_distance": "lane_end_distance",
+    "lane_width": "lane_width",
+    "lane_heading": "path_heading",
+    "on_road": "on_road",
 }
 """Recorded column to the engine's."""
 

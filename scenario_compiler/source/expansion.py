@@ -292,7 +292,7 @@ class _Attempt:
         written = self.words.get("weather_numbers")
         if isinstance(written, Weather):
             return settled_weather(written, self.sink)
-        return weather or Weather.model_construct()
+        return (weather or Weather.model_construct()).written_at(self.reading.origin(self.part.element, "weather"))
 
     def _takeover(self, catalogs: Catalogs) -> Takeover:
         """Return the policy with the driver taken from the catalog."""

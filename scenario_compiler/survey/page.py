@@ -6,10 +6,9 @@ import re
 from collections import Counter
 from pathlib import Path
 
-import jinja2
-
 from scenario_compiler.files import split_target
 from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.report.templates import page_environment
 from scenario_compiler.survey.odd import NOT_LOOKED_FOR
 from scenario_compiler.survey.openlabel import openlabel_of
 from scenario_compiler.survey.survey import ConditionCoverage, Survey
@@ -36,14 +35,7 @@ def write_survey(found: Survey, folder: Path) -> None:
 
 def page_of(found: Survey) -> str:
     """Return a survey as a page of HTML that needs no other file."""
-    folders = [Path(__file__).parent, Path(__file__).parents[1] / "report"]
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folders),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment(Path(__file__).parent)
     environment.filters["short"] = _short
     environment.filters["ranges"] = _ranges
     groups = dict.fromkeys(one.group for one in found.conditions)

@@ -4,7 +4,7 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.actions.path import Path
 from scenario_compiler.vocabulary.positions import Position
-from scenario_compiler.vocabulary.sensors import Camera, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry
 from scenario_compiler.vocabulary.storyboard import When
 from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute, child
 
@@ -68,6 +68,18 @@ class Property(Word):
     value: str = attribute("Its value.")
 
 
+class Detector(Word):
+    """What finds the lane in the camera's image for the controller `lane_detection`."""
+
+    word: Literal["detector"] = "detector"
+
+    model: str = attribute(
+        "Name of a lane detector, or `package.module:Class` or `file.py:Class` of your own.",
+        default="classical",
+        names="detector",
+    )
+
+
 class Controller(Word):
     """What drives the ego vehicle between control steps."""
 
@@ -79,6 +91,11 @@ class Controller(Word):
         names="controller",
     )
     properties: tuple[Property, ...] = child("Its parameters.", default=())
+    detector: Detector | None = child(
+        "What finds the lane in the image, for `lane_detection` and controllers that derive from it; the classical "
+        "detector when left out.",
+        default=None,
+    )
 
 
 class Ego(Word):
@@ -99,6 +116,9 @@ class Ego(Word):
     start: Position = child("Where it starts.", wrapper="start")
     destination: Position | None = child("Where the run ends.", default=None, wrapper="destination")
     camera: Camera = child("Its forward camera.", default_factory=Camera.model_construct)
+    forward_sensor: ForwardSensor = child(
+        "What it sees objects ahead with.", default_factory=ForwardSensor.model_construct
+    )
     odometry: Odometry = child(
         "What it knows of its own motion while it does not see its lane.", default_factory=Odometry.model_construct
     )

@@ -77,6 +77,42 @@ class Camera(Word):
         return 1.0 if self.rate is None else 1.0 / (self.rate * period)
 
 
+SensorKind = Literal["camera", "radar", "lidar"]
+"""What the forward sensor is."""
+
+
+class ForwardSensor(Word):
+    """What the automation sees vehicles, people and things ahead with, from the middle of its front bumper.
+
+    Rain, fog, dust and night shorten what a camera sees, rain, fog and dust what a lidar sees; a radar is hardly
+    touched: of 150 m the thickest fog takes 3 %, and a cloudburst (50 mm/h) 22 %. It follows the weather while
+    that changes. A camera is the one of `<camera>`: its noise and its failures count. docs/takeover.md has the formulas
+    and their sources.
+    """
+
+    word: Literal["forward_sensor"] = "forward_sensor"
+
+    kind: SensorKind = attribute("What it is.", default="camera")
+    range: Number = attribute(
+        "How far it sees in clear air, by day for a camera, m.", default=150.0, quantity="length", minimum=1
+    )
+    field_of_view: Number = attribute(
+        "Its full angle, degrees.", default=radians(60.0), quantity="angle", minimum=1, maximum=360
+    )
+    headlights: Number | None = attribute(
+        "camera: how far the vehicle's headlights reach at night, to 5 lux, m; 100 when left out, a good low beam.",
+        default=None,
+        quantity="length",
+        minimum=1,
+    )
+    noise: Number | None = attribute(
+        "radar, lidar: noise at the receiver above that for which `range` holds, dB; 0 when left out. 12 dB halve the "
+        "range.",
+        default=None,
+        quantity="level",
+    )
+
+
 class Odometry(Word):
     """What the vehicle knows of its own motion while it does not see its lane, and how wrong that is.
 

@@ -4,7 +4,9 @@ Defaults: warning and request thresholds are the AISA toolkit's; escalation afte
 after the request and its 4 m/s2 are after UN R157; the budget of 7 s is the most studied one.
 """
 
-from typing import Literal
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import ClassVar, Literal
 
 from scenario_compiler.vocabulary.driver import Driver, DriverModel, Inputs
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
@@ -20,6 +22,9 @@ class Cause(Word):
     """A cause that is switched on, and its limits. Numbers left out take the kind's defaults."""
 
     word: Literal["cause"] = "cause"
+    moved: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {name: f'<forward_sensor {name}="..."/> in <ego>' for name in ("range", "field_of_view")}
+    )
 
     kind: CauseKind = attribute("What makes the automation ask.")
     warning_below: Number | None = attribute(
@@ -44,20 +49,6 @@ class Cause(Word):
     )
     of: int | None = attribute(
         "Number of control steps that `count` looks back on.", default=None, minimum=1, maximum=32
-    )
-    sensor_range: Number | None = attribute(
-        "path_blocked: range of the forward sensor, m.",
-        default=None,
-        name="range",
-        quantity="length",
-        minimum=1,
-    )
-    field_of_view: Number | None = attribute(
-        "path_blocked: full angle of the forward sensor, degrees.",
-        default=None,
-        quantity="angle",
-        minimum=1,
-        maximum=360,
     )
     margin: Number | None = attribute(
         "path_blocked: free width needed beside the vehicle's own width, m.",

@@ -114,6 +114,13 @@ def weather_numbers(weather: Weather) -> tuple[float, ...]:
     return tuple(clear if number == -1.0 else number for number, clear in zip(written, CLEAR_NOON, strict=True))
 
 
+def is_clear(weather: Weather) -> bool:
+    """Return whether it is dry, with no dust, no fog to speak of (5 %) and the sun above the horizon."""
+    named = dict(zip(_NUMBERS, weather_numbers(weather), strict=True))
+    water = max(named["precipitation"], named["precipitation_deposits"], named["wetness"], named["dust_storm"])
+    return water <= 0.0 and named["fog_density"] <= 5.0 and named["sun_altitude_angle"] > 0.0
+
+
 def weather_of(numbers: Sequence[float]) -> Weather:
     """Return the weather of 14 numbers; none of them is left to the map."""
     return Weather.model_validate({name: _told(one) for name, one in zip(_NUMBERS, numbers, strict=True)})

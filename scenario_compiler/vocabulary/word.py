@@ -7,7 +7,8 @@ these declarations.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeAlias
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr
 from pydantic.fields import FieldInfo
@@ -41,6 +42,7 @@ QUANTITIES: dict[str, Quantity] = {
         Quantity("angle_rate", "deg/s", 0.017453292519943295),
         Quantity("angle_random_walk", "deg/sqrt(s)", 0.017453292519943295),
         Quantity("grey_levels", "grey levels"),
+        Quantity("level", "dB"),
     )
 }
 
@@ -92,6 +94,9 @@ class Word(BaseModel):
     model_config = ConfigDict(
         frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True, allow_inf_nan=False
     )
+
+    moved: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Attributes of before that another word has now: what is to be written in their place, for the hint."""
 
     _origin: Place | None = PrivateAttr(default=None)
 

@@ -57,10 +57,23 @@ def server(tmp_path_factory: pytest.TempPathFactory, client_version: str) -> Ite
         yield running
 
 
-def test_lights_stand_in_groups_and_switch_by_their_times(world: Any) -> None:
+@pytest.fixture
+def lights(world: Any) -> Iterator[list[Any]]:
+    """All lights of the map; afterwards they have the times that they had, and begin anew."""
+    lights = list(world.get_actors().filter("traffic.traffic_light"))
+    times = [(light.get_green_time(), light.get_yellow_time(), light.get_red_time()) for light in lights]
+    yield lights
+    for light, (green, yellow, red) in zip(lights, times, strict=True):
+        light.set_green_time(green)
+        light.set_yellow_time(yellow)
+        light.set_red_time(red)
+    world.freeze_all_traffic_lights(False)
+    world.reset_all_traffic_lights()
+
+
+def test_lights_stand_in_groups_and_switch_by_their_times(world: Any, lights: list[Any]) -> None:
     import carla
 
-    lights = list(world.get_actors().filter("traffic.traffic_light"))
     assert len(lights) == 8
     one = lights[0]
     group = one.get_group_traffic_lights()
@@ -83,24 +96,22 @@ def test_lights_stand_in_groups_and_switch_by_their_times(world: Any) -> None:
     assert greens.count(1) == pytest.approx(80, abs=4)
 
 
-def test_a_light_can_be_set_and_frozen(world: Any) -> None:
+def test_a_light_can_be_set_and_frozen(world: Any, lights: list[Any]) -> None:
     import carla
 
-    one = world.get_actors().filter("traffic.traffic_light")[0]
+    one = lights[0]
     world.freeze_all_traffic_lights(True)
     one.set_state(carla.TrafficLightState.Yellow)
     for _ in range(100):
         world.tick()
     assert one.state == carla.TrafficLightState.Yellow
     assert one.is_frozen()
-    world.freeze_all_traffic_lights(False)
-    world.reset_all_traffic_lights()
 
 
-def test_a_car_before_a_light_is_at_it(world: Any, spawn: Any) -> None:
+def test_a_car_before_a_light_is_at_it(world: Any, spawn: Any, lights: list[Any]) -> None:
     import carla
 
-    one = world.get_actors().filter("traffic.traffic_light")[0]
+    one = lights[0]
     way = one.get_stop_waypoints()[0].previous(6.0)[0].transform
     car = spawn("vehicle.audi.tt", carla.Transform(way.location + carla.Location(z=0.3), way.rotation))
     world.freeze_all_traffic_lights(True)
@@ -111,7 +122,6 @@ def test_a_car_before_a_light_is_at_it(world: Any, spawn: Any) -> None:
     assert car.get_traffic_light().id == one.id
     assert car.get_traffic_light_state() == carla.TrafficLightState.Red
     assert car.get_speed_limit() == pytest.approx(50.0)
-    world.freeze_all_traffic_lights(False)
 
 
 def crossed(one: Any, before: Any, now: Any) -> bool:
@@ -126,7 +136,7 @@ def crossed(one: Any, before: Any, now: Any) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cars", [20])
-def test_the_traffic_manager_drives_for_a_minute(server: Served, world: Any, cars: int) -> None:
+def test_the_traffic_manager_drives_for_a_minute(server: Served, world: Any, lights: list[Any], cars: int) -> None:
     import carla
 
     client = server.client()
@@ -143,7 +153,6 @@ def test_the_traffic_manager_drives_for_a_minute(server: Served, world: Any, car
     ids = [one.actor_id for one in client.apply_batch_sync(spawning, True)]
     assert all(ids)
     driven, off, ran = dict.fromkeys(ids, 0.0), 0, []
-    lights = list(world.get_actors().filter("traffic.traffic_light"))
     before: dict[int, Any] = {}
     red = {light.id: False for light in lights}
     for tick in range(int(60.0 / STEP)):

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.program.stage import build_stage
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.roads import Network, Pose, load_network
 from scenario_compiler.vocabulary.entities import Vehicle
 from tests.engine.make import bend, highway
@@ -29,7 +30,7 @@ def staged(network: Network, places: int = 4, *, interpreted: bool = False) -> S
 
 
 def columns(simulation: Simulation) -> dict[str, bytes]:
-    return {name: simulation.column(name).astype(float).tobytes() for name in State.__slots__}
+    return {name: simulation.column(name).astype(float).tobytes() for name in columns_of(State)}
 
 
 @pytest.fixture(params=[False, True], ids=["compiled", "interpreted"])

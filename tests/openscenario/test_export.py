@@ -202,6 +202,7 @@ def test_every_part_of_a_plan_is_written_or_kept() -> None:
     kept = {rule.field for rule in grammar_of(Scenario).children} & set(Plan.model_fields) - set(SAID)
     elsewhere = {
         "summary",
+        "forward_sensor",
         "odometry",
         "step",
         "control_every",

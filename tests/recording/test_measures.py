@@ -129,6 +129,8 @@ def test_without_a_request_there_is_no_time_nor_distance() -> None:
     assert {name for name in BY_NAME if math.isnan(value(name, run))} == set(BY_NAME) - {
         "final_speed",
         "time_off_lanes",
+        "lane_departures",
+        "longest_lane_departure",
     }
 
 
@@ -166,6 +168,19 @@ def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: f
     late = record(("ego",), 80, row, [(5.0, "request", "path_blocked")])
     assert value("maximum_lateral_offset", late) == pytest.approx(0.25)
     assert value("maximum_lateral_offset", record(("ego",), 80, row)) == pytest.approx(math.nan, nan_ok=True)
+
+
+def test_the_time_budget_counts_the_speed_of_what_comes_towards_the_vehicle() -> None:
+    budgets = []
+    for towards, cause in ((0.0, opcodes.CAUSE_PATH_BLOCKED), (5.0, opcodes.CAUSE_PATH_BLOCKED), (5.0, 0)):
+        code = cause or opcodes.CAUSE_LANE_ENDS
+
+        def row(t: float, towards: float = towards, code: int = code) -> Row:
+            ahead = {"blocked_distance": (60.0,), "blocked_speed": (towards,), "lane_end_distance": (60.0,)}
+            return {"x": (t,), "v": (10.0,), "cause": (code,), **ahead}
+
+        budgets.append(value("time_budget", record(("ego",), 60, row, [(1.0, "request", "path_blocked")])))
+    assert budgets == pytest.approx([6.0, 4.0, 6.0])
 
 
 def test_equal_durations_are_equal_numbers() -> None:
@@ -467,6 +482,9 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
         takeover_state=states,
         requests=np.ones(6),
         steer=steer,
+        lane_width=np.where(lane[..., 0] != 0, dice.choice([3.5, 3.5, 2.5], request.shape)[:, None], 0.0),
+        lane_heading=dice.choice([0.0, 0.02, -0.1], runs.t.shape),
+        on_road=dice.random(runs.t.shape) < 0.9,
     )
     totals = added_up(runs)
     for measure in MEASURES:

@@ -33,7 +33,7 @@ def plan() -> Plan:
     takeover = Takeover(
         causes=(
             Cause(kind="lane_confidence", warning_below=0.6, request_below=0.3, count=5, of=8),
-            Cause(kind="path_blocked", sensor_range=100.0, field_of_view=math.radians(60), margin=0.4),
+            Cause(kind="path_blocked", margin=0.4),
         ),
         driver=DriverModel(name="study_means", mu=0.876, sigma=0.5, lapse=0.03),
     )

@@ -99,7 +99,7 @@ def test_elements_close_and_ids_are_unique_and_found(name: str, request: pytest.
         *("path blocked", "Takeover request, 4.00 s", "Driver takes over, 6.40 s", "5f" * 32),
         *("takeover time", "Time from the request to the driver's response", "no collision", "nothing was touched"),
         *("Take over: the lane ahead is blocked", "<slow down>", "lognormal takeover time, median 2.4 s"),
-        *("path blocked (range 100 m, field of view 60 °, margin 0.4 m)", "warning below 0.6", "5 of 8 control steps"),
+        *("path blocked (margin 0.4 m)", "warning below 0.6", "5 of 8 control steps"),
         *("scenario-compiler run plan.json --seed 1 -o again", "town_grid", "2.4.6", "How it ended"),
     ],
 )

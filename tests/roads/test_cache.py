@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.forms.declaration import columns_of
 from scenario_compiler.resources import cache_folder
 from scenario_compiler.roads import cache, load_network
 from tests.roads.make import lane, network, road, section
@@ -29,7 +30,7 @@ def load(path: Path) -> tuple[dict[str, object], list[str]]:
     sink = Diagnostics()
     made = load_network(path, sink=sink)
     assert made is not None
-    return {name: getattr(made.tables, name) for name in made.tables.__slots__}, [d.message for d in sink]
+    return {name: getattr(made.tables, name) for name in columns_of(type(made.tables))}, [d.message for d in sink]
 
 
 def test_the_second_load_gives_the_same_tables_and_findings(folder: Path, path: Path) -> None:

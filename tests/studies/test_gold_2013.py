@@ -23,12 +23,12 @@ from tests.studies.study import compiled, row_at, runs, time_of
 
 GOLD = """<scenarios version="1"><scenario name="gold" map="motorway" duration="30" control_every="2">
 <parameter name="budget" type="time" default="7" min="1" max="20"/>
-<ego speed="33.333"><start><spawn_point name="right_lane"/></start></ego>
+<ego speed="33.333"><start><spawn_point name="right_lane"/></start><forward_sensor range="300"/></ego>
 <static id="accident" model="vehicle.audi.tt">
   <at><ahead_of entity="ego" distance="500" turn="90"/></at>
 </static>
 <takeover budget="$budget">
-  <cause kind="path_blocked" range="300"/>
+  <cause kind="path_blocked"/>
   <driver preset="study_means"/>
   <automation before="{before}"/>
 </takeover>

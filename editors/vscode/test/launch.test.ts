@@ -22,7 +22,7 @@ test("the workspace's environment goes before the PATH, and the setting before b
 });
 
 test("folders of maps are given with the workspace's folder before them", () => {
-  const launch = launchOf({ command: "", maps: ["maps", "~/towns", "/srv/maps"] }, ["/work"], "/home/me");
-  const maps = ["--maps", "/work/maps", "--maps", "/home/me/towns", "--maps", "/srv/maps"];
+  const launch = launchOf({ command: "", maps: ["maps", "~/towns", "/srv/maps"] }, ["/srv/library"], "/home/me");
+  const maps = ["--maps", "/srv/library/maps", "--maps", "/home/me/towns", "--maps", "/srv/maps"];
   assert.deepEqual(launch.args, ["lsp", "--stdio", ...maps]);
 });

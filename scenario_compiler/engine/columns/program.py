@@ -6,13 +6,12 @@ order, parents before children, so that `element_end[e]` closes the subtree of `
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.forms.declaration import (
     FLAG,
     RUN,
     Allowed,
+    Columns,
     Of,
     codes,
     column,
@@ -70,8 +69,7 @@ COUNT = whole(0)
 
 
 @container("p", 1)
-@dataclass(slots=True)
-class Program:
+class Program(Columns):
     """The columns of a plan: SI units, radians, indices into other columns, codes of `opcodes`."""
 
     const: list[float] = column(NUMBER, written=True)
@@ -82,6 +80,7 @@ class Program:
     ego: list[int] = column(RUN, op.NONE, index_or_none(ENTITY))
     """Number of the vehicle that the takeover is about, or NONE."""
     perception: list[int] = column(RUN, 0, codes(op.PERCEPTION_CAMERA + 1))
+    forward_sensor: list[int] = column(RUN, op.SENSOR_CAMERA, codes(op.SENSOR_LIDAR + 1))
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))
     """Number of time steps between two images of the camera, whole control steps."""

@@ -82,7 +82,9 @@ K_LANE_END_BUDGET = 79
 K_LANE_END_WARNING = 80
 """The budgets of requests and warnings, s; negative where the policy's hold."""
 K_SLOW_DOWN = 81
-K_ENTITIES = 82
+K_HEADLIGHTS = 82
+K_SENSOR_NOISE = 83
+K_ENTITIES = 84
 """First slot after those of the run."""
 
 # An entity's block.

@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import (
     ACTION,
@@ -24,7 +22,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
-from scenario_compiler.forms.declaration import RUN, Of, at_start, column, container, fixed
+from scenario_compiler.forms.declaration import RUN, Columns, Of, at_start, column, container, fixed
 from scenario_compiler.randomness import hash_bits, normal
 
 RECORD = Of("past value", lambda p: p.ring_count[0] * op.DELAY_RECORDS)
@@ -43,15 +41,14 @@ driver's.
 
 
 @container("st", 2, written=True)
-@dataclass(slots=True)
-class State:
+class State(Columns):
     """The columns of a run: SI units, radians, OpenDRIVE axes; codes of `opcodes`."""
 
     # The run, one element each.
     clock: list[float] = column(RUN)
     """Time, s: the number of steps times the step, so that equal times are equal numbers."""
     steps: list[int] = column(RUN)
-    """Time, s: the sum of the steps."""
+    """Time, s: the number of steps times their length."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""
     stop: list[int] = column(RUN, op.STOP_NONE)
@@ -313,6 +310,11 @@ class State:
     """The 14 numbers now."""
     paint_seen: list[float] = column(RUN)
     """What the weather leaves of the confidence in a line, 0 to 1."""
+    reach_known: list[int] = column(RUN)
+    """1 while the weather is the one for which the forward sensor's reach was worked out."""
+    reach_health: list[float] = column(RUN)
+    """The camera's health for which it was, and the reach, m."""
+    sensor_reach: list[float] = column(RUN)
     weather_from: list[float] = column(WEATHER_NUMBER)
     """The numbers when the present change began."""
     weather_to: list[int] = column(RUN, op.NONE)
@@ -337,6 +339,10 @@ class State:
     """Offset from the path lane's centre, positive to the left of the travel."""
     path_heading: list[float] = column(RUN)
     """Heading of the ego relative to the path's direction."""
+    lane_width: list[float] = column(RUN)
+    """Width of the lane that the ego's point is in, 0 off every lane."""
+    on_road: list[int] = column(RUN)
+    """1 where that lane is one for motor traffic, or a shoulder or parking lane beside it."""
     path_found: list[int] = column(RUN)
     route_at: list[int] = column(RUN)
     """Row of `Program.route_road` that the ego has come to."""
@@ -397,6 +403,8 @@ class State:
     """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
     """From the front bumper to where the path is blocked, FAR when it is free."""
+    blocked_speed: list[float] = column(RUN)
+    """Speed at which what blocks the path comes towards the ego along the way, m/s; 0 for what does not."""
     blocked_far: list[float] = column(RUN, op.FAR)
     """From the front bumper to the far end of what blocks the path."""
     clear_row: list[int] = column(RUN, op.NONE)
@@ -444,6 +452,7 @@ class State:
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
     time_no_progress: list[float] = column(RUN, -1.0)
+    time_obstruction: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
@@ -486,6 +495,8 @@ class State:
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""
+    still_noted: list[int] = column(RUN)
+    """1 from when a stop by hand was logged until the ego has driven on."""
     held_up_since: list[float] = column(RUN, -1.0)
     """Time since which the automated ego stands without a reason, -1 while it does not."""
     held_up: list[int] = column(RUN)

@@ -6,11 +6,9 @@ it measures did not happen. `MEASURES` in `recording` says what each means and c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
-from scenario_compiler.forms.declaration import RUN, column, columns_of, container, fixed
+from scenario_compiler.forms.declaration import RUN, Columns, column, columns_of, container, fixed
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 CORNER = fixed("corner of a box", 4)
@@ -24,8 +22,7 @@ TAKEOVER = fixed("takeover", TAKEOVERS)
 
 
 @container("m", 3, written=True)
-@dataclass(slots=True)
-class Totals:
+class Totals(Columns):
     """The columns of the measures: SI units; times of what never happened are -1, least values FAR before the first."""
 
     # What the run came to.
@@ -50,6 +47,7 @@ class Totals:
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
     time_no_progress: list[float] = column(RUN, -1.0)
+    time_obstruction: list[float] = column(RUN, -1.0)
     time_collision: list[float] = column(RUN, -1.0)
     collision_with: list[float] = column(RUN, -1.0)
     """First entity that the ego hit."""
@@ -71,12 +69,18 @@ class Totals:
     """Distance from the lane's centre, m."""
     time_off_lanes: list[float] = column(RUN, -1.0)
     rows_off_lanes: list[int] = column(RUN)
+    rows_off_road: list[int] = column(RUN)
+    departures: list[int] = column(RUN)
+    """Times that the ego came out of its lane, rows of the longest, and how far a side was beyond the edge, m."""
+    longest_departure: list[int] = column(RUN)
+    deepest_departure: list[float] = column(RUN, -1.0)
     speed_before_collision: list[float] = column(RUN, op.FAR)
 
     # From the first request on.
     request_cause: list[int] = column(RUN, op.CAUSE_NONE)
     """Cause in the first row from the request on that has one; the limit's distance and the speed in the same row."""
     request_blocked: list[float] = column(RUN, op.FAR)
+    request_blocked_speed: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
     time_first_brake: list[float] = column(RUN, -1.0)
@@ -96,6 +100,12 @@ class Totals:
 
     offset_at_response: list[float] = column(RUN, op.FAR)
     """Distance to the left of the centre of the lane at the request, m."""
+    heading_at_response: list[float] = column(RUN, op.FAR)
+    """Heading against the lane's direction, rad."""
+    least_crossing: list[float] = column(RUN, HORIZON)
+    """Time until a side crosses the lane's edge, s: the least, the sum and the number of rows that have one."""
+    crossing_sum: list[float] = column(RUN)
+    crossing_rows: list[int] = column(RUN)
 
     # The steering wheel while the driver drives who took over first: coarse reversals, and fine ones.
     driven_rows: list[int] = column(RUN)
@@ -123,6 +133,7 @@ class Totals:
     takeover_request: list[float] = column(TAKEOVER, -1.0)
     takeover_cause: list[float] = column(TAKEOVER, -1.0)
     takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
+    takeover_blocked_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_lane_end: list[float] = column(TAKEOVER, op.FAR)
     takeover_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_escalation: list[float] = column(TAKEOVER, -1.0)
@@ -156,7 +167,12 @@ class Totals:
     row_confidence: list[float] = column(RUN)
     """Of the better side."""
     row_blocked: list[float] = column(RUN, op.FAR)
+    row_blocked_speed: list[float] = column(RUN)
     row_lane_end: list[float] = column(RUN, op.FAR)
+    row_width: list[float] = column(RUN)
+    """Width of the lane, 0 off the lanes, and the heading against its direction."""
+    row_heading: list[float] = column(RUN)
+    row_on_road: list[int] = column(RUN)
     curvature: list[float] = column(RUN)
     """Curvature that was driven to the last row, 1/m, positive to the left; known from the second row on."""
 
@@ -171,6 +187,9 @@ class Totals:
     """Offset to the left in the direction of travel."""
     added_inside: list[int] = column(RUN)
     before_lane: list[int] = column(RUN)
+    before_v: list[float] = column(RUN)
+    before_width: list[float] = column(RUN)
+    before_heading: list[float] = column(RUN)
     before_after: list[int] = column(RUN)
     """1 where it lies behind the request."""
     added_after: list[int] = column(RUN)
@@ -184,6 +203,17 @@ class Totals:
     sense: list[int] = column(RUN)
     """Sign of the last step along the road, 0 where there was none, and of the last that had one."""
     sense_kept: list[int] = column(RUN)
+
+    # The present departure from the lane.
+    departed: list[int] = column(RUN)
+    """1 while the ego is out of its lane."""
+    departed_rows: list[int] = column(RUN)
+    departed_width: list[float] = column(RUN)
+    """Width of the lane that was left, the offset in the row before, its change to there, and what changes of lane made
+    of it since."""
+    departed_left: list[float] = column(RUN)
+    departed_step: list[float] = column(RUN)
+    departed_aside: list[float] = column(RUN)
 
     # Boxes.
     seen_h: list[float] = column(ENTITY)

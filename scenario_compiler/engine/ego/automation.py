@@ -15,6 +15,7 @@ from scenario_compiler.engine.ego.merging import consider_merge
 from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
 from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
+from scenario_compiler.engine.ego.reach import sensor_reach
 from scenario_compiler.engine.ego.reference import drive_by_reference
 from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
 from scenario_compiler.engine.ego.takeover import step_takeover
@@ -43,7 +44,8 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
     if driven_by_hand(st) == 1:
         look_ahead(n, p, st, i, SIGHT, VIEW)
     else:
-        look_ahead(n, p, st, i, p.const[slot.K_SENSOR_RANGE], p.const[slot.K_FIELD_OF_VIEW])
+        reach = sensor_reach(p, st)
+        look_ahead(n, p, st, i, reach, p.const[slot.K_FIELD_OF_VIEW])
     st.red_line[0] = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
     judge_objects(p, st, i)
     return find_block(p, st, i)
@@ -98,8 +100,8 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
         if p.person[0] == 0 and st.manoeuvre[0] != op.MANOEUVRE_EVADE:
             consider_merge(n, p, st, i, SIGHT, SIGHT)
     elif state not in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL) and p.cause_on[op.CAUSE_LANE_ENDS] == 1:
-        within = request_distance(p, st, i, slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
-        look = max(warning_distance(p, st, i, slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET), within)
+        within = request_distance(p, st.v[i], slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
+        look = max(warning_distance(p, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET), within)
         consider_merge(n, p, st, i, within, look)
 
 

@@ -27,6 +27,7 @@ def note_events(st: State, m: Totals) -> None:
     m.time_minimum_risk[0] = st.time_minimum_risk[0]
     m.time_standstill[0] = st.time_standstill[0]
     m.time_no_progress[0] = st.time_no_progress[0]
+    m.time_obstruction[0] = st.time_obstruction[0]
     if st.crashed[0] == 1 and m.time_collision[0] < 0.0:
         at = first_logged(st, op.EVENT_COLLISION)
         if at >= 0:
@@ -47,6 +48,8 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
             m.rows_off_lanes[0] += 1
             if m.time_off_lanes[0] < 0.0:
                 m.time_off_lanes[0] = m.row_time[0]
+        if m.row_on_road[0] == 0:
+            m.rows_off_road[0] += 1
     before = m.time_collision[0] < 0.0 or m.row_time[0] < m.time_collision[0] - SAME_TIME
     if before or m.rows[0] == 1:
         m.speed_before_collision[0] = m.row_v[0]
@@ -54,7 +57,7 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
     add_takeovers(st, m)
     add_inputs(p, m)
     add_steering(p, m)
-    add_to_keeping(m)
+    add_to_keeping(p, m)
 
 
 @compiled
@@ -76,7 +79,7 @@ def note_fault(st: State, m: Totals) -> None:
 def finish_totals(p: Program, st: State, m: Totals) -> None:
     """Add the last row, after which none follows, and how the run ended."""
     judge_row(p, st, m)
-    add_keeping(m, 0)
+    add_keeping(p, m, 0)
     m.stop[0] = st.stop[0]
     note_fault(st, m)
     asked = first_logged(st, op.EVENT_REQUEST)

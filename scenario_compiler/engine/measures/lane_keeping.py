@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.totals import Totals
+from scenario_compiler.engine.measures.in_lane import JUMP, add_in_lane
 from scenario_compiler.engine.measures.takeover import SAME_TIME, since
 from scenario_compiler.marker import compiled
 
 SETTLING = 10.0
 """Length of the window after the response that lane keeping is measured in, s."""
-
-JUMP = 1.0
-"""Change of the lane offset from one row to the next that means another lane, m."""
 
 
 @compiled
@@ -47,12 +46,13 @@ def add_offset(m: Totals, left: float) -> None:
         m.greatest_offset_after[0] = max(m.greatest_offset_after[0], abs(left + m.aside[0]))
     if m.before_answered[0] == 1 and m.before_present[0] == 1 and m.offset_at_response[0] >= op.FAR:
         m.offset_at_response[0] = left + m.aside[0]
+        m.heading_at_response[0] = m.before_heading[0]
     m.added_count[0] += 1
     m.added_after[0] = m.before_after[0]
 
 
 @compiled
-def add_keeping(m: Totals, step: int) -> None:
+def add_keeping(p: Program, m: Totals, step: int) -> None:
     """Add the row that waits, now that the step along the road after it is known.
 
     Its offset counts to the left in the direction of travel: that of the step after it, else of the step before, else
@@ -64,6 +64,7 @@ def add_keeping(m: Totals, step: int) -> None:
     m.sense[0] = step
     left = -m.before_off[0] if m.sense_kept[0] < 0 else m.before_off[0]
     add_offset(m, left)
+    add_in_lane(p, m, left)
     if m.before_inside[0] == 1:
         if m.before_present[0] == 0 or (m.added_inside[0] == 1 and abs(left - m.added_left[0]) > JUMP):
             m.keeping_broken[0] = 1
@@ -73,15 +74,19 @@ def add_keeping(m: Totals, step: int) -> None:
 
 
 @compiled
-def add_to_keeping(m: Totals) -> None:
+def add_to_keeping(p: Program, m: Totals) -> None:
     """Take the last row as the one that is added when the next is there."""
     if m.rows[0] > 1:
-        add_keeping(m, step_to_last_row(m))
+        step = step_to_last_row(m)
+        add_keeping(p, m, step)
     m.before_road[0] = m.row_road[0]
     m.before_s[0] = m.row_s[0]
     m.before_off[0] = m.row_off[0]
     m.before_present[0] = m.row_present[0]
     m.before_lane[0] = m.row_lane[0]
+    m.before_v[0] = m.row_v[0]
+    m.before_width[0] = m.row_width[0]
+    m.before_heading[0] = m.row_heading[0]
     m.before_after[0] = since(m, m.time_request[0])
     m.before_answered[0] = since(m, m.time_response[0])
     m.before_inside[0] = 0

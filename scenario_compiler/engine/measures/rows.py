@@ -50,6 +50,9 @@ def take_row(p: Program, st: State, m: Totals) -> None:
         m.row_off[0] = st.off[ego] if st.road[ego] >= 0 else 0.0
         m.row_steer[0] = st.steer[ego]
         m.row_brake[0] = st.brake[ego]
+        m.row_width[0] = st.lane_width[0]
+        m.row_heading[0] = st.path_heading[0]
+        m.row_on_road[0] = st.on_road[0]
     else:
         m.row_present[0] = 0
         m.row_v[0] = op.FAR
@@ -61,4 +64,5 @@ def take_row(p: Program, st: State, m: Totals) -> None:
     m.row_cause[0] = st.cause[0]
     m.row_confidence[0] = max(st.conf_left[0], st.conf_right[0])
     m.row_blocked[0] = st.blocked_distance[0]
+    m.row_blocked_speed[0] = st.blocked_speed[0]
     m.row_lane_end[0] = st.lane_end_distance[0]

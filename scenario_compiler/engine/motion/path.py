@@ -11,7 +11,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.geometry import piece_heading
-from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lane_types import is_drivable, is_roadside
 from scenario_compiler.roads.lanes import (
     lane_at,
     lane_centre,
@@ -195,13 +195,18 @@ def locate_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         s = st.path_s[0]
         off = t - measure_path_at(n, st, i, t)
         inside = 1 if beside > -1.0 and beside < n.road_length[road] + 1.0 else 0
-        if inside == 1 and within_row(n, st.path_row[0], s, off) == 1:
-            note_place(st, i, road, s, t, st.path_lane[0], off)
-            st.path_found[0] = 1
-            return
+        row = st.path_row[0]
+        if inside == 1 and row >= 0:
+            wide = row_width(n, row, s)
+            if abs(off) < 0.5 * wide - CLEARLY:
+                note_place(st, i, road, s, t, st.path_lane[0], off)
+                note_ground(n, st, row, wide)
+                st.path_found[0] = 1
+                return
         lane = lane_at(n, road, s, t)
         if inside == 1 and lane != 0:
             note_lane(n, st, i, road, s, t, lane)
+            note_ground_below(n, st, road, lane, s)
             st.path_found[0] = 1
             return
     locate_anew(n, st, i)
@@ -223,11 +228,22 @@ def locate_free(n: RoadTables, st: State, i: int) -> int:
 
 
 @compiled
-def within_row(n: RoadTables, row: int, s: float, off: float) -> int:
-    """Return 1 where an offset from the centre of a lane's row lies clearly inside the lane."""
+def note_ground(n: RoadTables, st: State, row: int, wide: float) -> None:
+    """Write how wide the ego's lane is, and whether it is for motor traffic or beside it."""
+    st.lane_width[0] = wide
+    kind = n.lane_type[row]
+    st.on_road[0] = 1 if is_drivable(kind) == 1 or is_roadside(kind) == 1 else 0
+
+
+@compiled
+def note_ground_below(n: RoadTables, st: State, road: int, lane: int, s: float) -> None:
+    """Do what `note_ground` does for a lane; off every lane (0) there is neither width nor road."""
+    row = lane_row(n, road, lane, s) if lane != 0 else -1
     if row < 0:
-        return 0
-    return 1 if abs(off) < 0.5 * row_width(n, row, s) - CLEARLY else 0
+        st.lane_width[0] = 0.0
+        st.on_road[0] = 0
+        return
+    note_ground(n, st, row, row_width(n, row, s))
 
 
 @compiled
@@ -238,6 +254,7 @@ def locate_anew(n: RoadTables, st: State, i: int) -> None:
     st.path_anew[0] = 1
     if found == 1:
         lane = lane_at(n, road, s, t)
+    note_ground_below(n, st, road, lane, s)
     if lane == 0:
         leave_road(st, i)
         st.path_found[0] = 0

@@ -22,7 +22,7 @@ from scenario_compiler.engine.motion.spring import spring_acceleration
 from scenario_compiler.engine.motion.steering import plan_shift, shift_distance
 from scenario_compiler.engine.motion.watching import WATCH_MOTION
 from scenario_compiler.engine.moves.entry import HOLDS_LANE, Entry
-from scenario_compiler.engine.moves.keeping_distance import limit_or
+from scenario_compiler.engine.moves.keeping_distance import limit_or, within_jerk
 from scenario_compiler.forms.declaration import index
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lanes import lane_centre
@@ -76,6 +76,7 @@ def start_keep_aside(n: RoadTables, p: Program, st: State, k: int) -> None:
     if flags & op.FLAG_PRESENT != 0 and left < op.FAR:
         st.action_b[k] = -side * same * left - widths_between(p, k)
     st.action_change[k] = 0.0
+    st.action_span[k] = 0.0
 
 
 @compiled
@@ -140,14 +141,19 @@ def drift(st: State, j: int) -> float:
 
 @compiled
 def drive_aside(n: RoadTables, p: Program, st: State, k: int, error: float, dt: float) -> None:
-    """Move for one step to the side as the spring and the limits say, and ahead by what is left of the way."""
+    """Move for one step to the side as the spring and the limits say, and ahead by what is left of the way.
+
+    Kept between steps: the speed to the left as `action_change`, the acceleration as `action_span`.
+    """
     i = p.action_entity[k]
     fastest = limit_or(p, k, slot.A_MOST_SPEED, op.FAR)
     most = limit_or(p, k, slot.A_ACCELERATION, p.const[p.action_const[k] + slot.A_DECELERATION])
     speed = error / max(dt, op.TOLERANCE)
     if most >= 0.0:
         vanishing = st.action_change[k] - drift(st, p.action_other[k])
-        speed = st.action_change[k] + spring_acceleration(error, vanishing, most, most, most) * dt
+        acceleration = spring_acceleration(error, vanishing, most, most, most)
+        st.action_span[k] = within_jerk(p, k, st.action_span[k], acceleration, dt)
+        speed = st.action_change[k] + st.action_span[k] * dt
     speed = clip(speed, -fastest, fastest)
     st.action_change[k] = speed
     path = abs(st.v[i]) * dt

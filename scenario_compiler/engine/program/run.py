@@ -5,7 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.program.builder import ProgramBuilder
-from scenario_compiler.vocabulary.sensors import Failure, FailureKind
+from scenario_compiler.vocabulary.sensors import Failure, FailureKind, SensorKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
 
 FAILURE_CODES: dict[FailureKind, int] = {
@@ -17,6 +17,15 @@ FAILURE_CODES: dict[FailureKind, int] = {
     "dirt": op.FAILURE_DIRT,
 }
 
+SENSOR_CODES: dict[SensorKind, int] = {
+    "camera": op.SENSOR_CAMERA,
+    "radar": op.SENSOR_RADAR,
+    "lidar": op.SENSOR_LIDAR,
+}
+LOW_BEAM = 100.0
+"""Distance to which headlights give 5 lux, m: 330 feet on a straight road are good in the tests of the Insurance
+Institute for Highway Safety, which measure that."""
+
 
 def add_run(draft: ProgramBuilder) -> None:
     """Write the run's numbers, its camera and weather, and the ego's way."""
@@ -24,6 +33,7 @@ def add_run(draft: ProgramBuilder) -> None:
     k[slot.K_STEP] = plan.step
     k[slot.K_DURATION] = plan.duration
     k[slot.K_NOISE] = plan.camera.sensor_noise
+    _add_forward_sensor(draft)
     k[slot.K_PLACE_ERROR] = plan.odometry.place_error
     k[slot.K_HEADING_ERROR] = plan.odometry.heading_error
     k[slot.K_GYRO_BIAS] = plan.odometry.gyro_bias
@@ -46,6 +56,16 @@ def add_run(draft: ProgramBuilder) -> None:
         if not p.route_road or p.route_road[-1] != road:
             p.route_road.append(road)
     p.route_count[0] = len(p.route_road)
+
+
+def _add_forward_sensor(draft: ProgramBuilder) -> None:
+    """Write what the automation sees objects ahead with."""
+    sensor, k = draft.plan.forward_sensor, draft.numbers
+    draft.program.forward_sensor[0] = SENSOR_CODES[sensor.kind]
+    k[slot.K_SENSOR_RANGE] = sensor.range
+    k[slot.K_FIELD_OF_VIEW] = sensor.field_of_view
+    k[slot.K_HEADLIGHTS] = LOW_BEAM if sensor.headlights is None else sensor.headlights
+    k[slot.K_SENSOR_NOISE] = 0.0 if sensor.noise is None else sensor.noise
 
 
 def add_failure(draft: ProgramBuilder, failure: Failure, *, waits: bool) -> int:

@@ -38,8 +38,6 @@ CAUSE_LIMITS: tuple[tuple[CauseKind, str, int], ...] = (
     ("sensor_health", "count", slot.K_HEALTH_COUNT),
     ("sensor_health", "of", slot.K_HEALTH_OF),
     ("path_blocked", "margin", slot.K_BLOCKED_MARGIN),
-    ("path_blocked", "sensor_range", slot.K_SENSOR_RANGE),
-    ("path_blocked", "field_of_view", slot.K_FIELD_OF_VIEW),
     ("path_blocked", "count", slot.K_BLOCKED_COUNT),
     ("path_blocked", "of", slot.K_BLOCKED_OF),
     ("lane_ends", "gap_front", slot.K_GAP_FRONT),

@@ -35,6 +35,7 @@ def entity_kept(plan: Plan, entity: Entity) -> list[etree._Element]:
             start=_NOWHERE,
             destination=plan.destination,
             camera=plan.camera,
+            forward_sensor=plan.forward_sensor,
             odometry=plan.odometry,
             controller=plan.controller or Controller(),
         )

@@ -1,4 +1,4 @@
-"""Every limit of a cause is one that its kind has, and the numbers agree with each other."""
+"""Every limit of a cause, and of the forward sensor, is one that its kind has, and the numbers agree."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from scenario_compiler.vocabulary.word import AttributeSpelling, spelling_of
 FOREIGN_LIMIT = Code(
     "SC501",
     "foreign-limit",
-    "A <cause> has an attribute that belongs to another kind of cause, and would do nothing. Thresholds belong to "
-    "lane_confidence and sensor_health, range, field_of_view and margin to path_blocked, the gaps to lane_ends, "
-    "after to no_progress, which has no count."
+    "A <cause> or <forward_sensor> has an attribute that belongs to another kind, and would do nothing. Of a cause, "
+    "thresholds belong to lane_confidence and sensor_health, margin to path_blocked, the gaps to lane_ends, after to "
+    "no_progress, which has no count. Of a sensor, headlights belong to a camera, noise to a radar and a lidar; the "
+    "noise of a camera is that of <camera>."
     '\n\n    <cause kind="lane_ends" request_below="0.3"/>     a lane that ends has gaps, no confidence',
 )
 IMPOSSIBLE_COUNT = Code(
@@ -26,8 +27,12 @@ IMPOSSIBLE_COUNT = Code(
 
 
 def check_causes(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report attributes that a cause's kind does not have, and counts that can never be reached."""
+    """Report attributes that the kind of a cause or of the sensor does not have, and counts that are never reached."""
     del network
+    sensor = plan.forward_sensor
+    for name in ("noise",) if sensor.kind == "camera" else ("headlights",):
+        if getattr(sensor, name) is not None:
+            sink.add(FOREIGN_LIMIT, f"'{name}' is nothing that a {sensor.kind} has", sensor.place_of(name))
     for cause in plan.takeover.causes:
         counted = set() if cause.kind == "no_progress" else {"count", "of"}
         budgets = {"budget", "warning_budget"} if cause.kind in ("path_blocked", "lane_ends") else set()

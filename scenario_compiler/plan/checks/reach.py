@@ -38,8 +38,9 @@ BLIND_BUDGET = Code(
     "blind-budget",
     "The forward sensor does not see as far as the car drives in the time budget, so a limit ahead is asked for later "
     "than the budget says: as soon as it is seen. The range must be at least budget x v:\n\n"
-    '    <ego speed="33.3" ...> <takeover budget="7"> <cause kind="path_blocked" range="150"/>     7 * 33.3 = 233 m\n\n'
-    "Give the cause a longer `range`, a shorter `budget`, or the car a lower speed.",
+    '    <ego speed="33.3" ...> <takeover budget="7"> ...     7 * 33.3 = 233 m, but a range of 150 m\n\n'
+    'Give `<forward_sensor range="..."/>` of <ego> a longer range, or the takeover a shorter `budget`, or the car a '
+    "lower speed.",
     Severity.WARNING,
 )
 
@@ -52,11 +53,11 @@ def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
     values = parameter_values(plan.parameters)
     takeover = plan.takeover
     cause = next((one for one in takeover.causes if one.kind == "path_blocked"), None)
-    if cause is None or cause.sensor_range is None:
+    if cause is None:
         return
     speed = number_value(plan.ego.desired_speed, values)
     budget = number_value(takeover.budget if cause.budget is None else cause.budget, values)
-    reach = number_value(cause.sensor_range, values)
+    reach = number_value(plan.forward_sensor.range, values)
     if reach < budget * speed:
         message = (
             f"a budget of {budget:g} s at {speed:g} m/s is {budget * speed:.0f} m, but the forward sensor sees "

@@ -395,3 +395,59 @@ def test_the_state_of_a_signal_is_seen_from_when_it_is_set_on(tmp_path: Path) ->
     told = condition('<TrafficSignalCondition name="s1" state="green"/>')
     run = play(tmp_path, {"W": W}, [Event("W", state, 1.0), Event("W", speed(DONE), told)], seconds=3.0)
     assert run.acts("W", DONE) == pytest.approx(1.05)
+
+
+CROSSING = (
+    '<TrafficSignals><TrafficSignalController name="crossing">'
+    '<Phase name="go" duration="2"><TrafficSignalState trafficSignalId="s1" state="green"/></Phase>'
+    '<Phase name="stop" duration="3"><TrafficSignalState trafficSignalId="s1" state="red"/></Phase>'
+    "</TrafficSignalController></TrafficSignals>"
+)
+
+
+@pytest.mark.law("TrafficSignalControllerCondition", "used")
+@pytest.mark.parametrize(("phase", "state", "wanted"), [("stop", "red", 2.05), ("go", "green", 5.05)])
+def test_the_phases_of_a_controller_follow_each_other_in_a_circle(
+    tmp_path: Path, phase: str, state: str, wanted: float
+) -> None:
+    """Go lasts from 0 to 2 s, stop from 2 to 5 s; a condition from 1 s on waits for go until it comes again."""
+    in_phase = condition(
+        f'<TrafficSignalControllerCondition trafficSignalControllerRef="crossing" phase="{phase}"/>', "rising"
+    )
+    in_state = condition(f'<TrafficSignalCondition name="s1" state="{state}"/>', "rising")
+    for told in (in_phase, in_state):
+        run = play(tmp_path, {"W": W}, [Event("W", speed(DONE), told)], seconds=7.0, signals=CROSSING)
+        assert run.acts("W", DONE) == pytest.approx(wanted)
+
+
+@pytest.mark.law("TrafficSignalControllerAction", "used")
+def test_a_controller_goes_on_from_the_phase_that_it_is_set_to(tmp_path: Path) -> None:
+    """Stop is set at 1 s and lasts 3 s."""
+    stop = (
+        '<GlobalAction><InfrastructureAction><TrafficSignalAction><TrafficSignalControllerAction phase="stop" '
+        'trafficSignalControllerRef="crossing"/></TrafficSignalAction></InfrastructureAction></GlobalAction>'
+    )
+    for phase, wanted in (("stop", 1.05), ("go", 4.05)):
+        told = f'<TrafficSignalControllerCondition trafficSignalControllerRef="crossing" phase="{phase}"/>'
+        events = [Event("W", stop), Event("W", speed(DONE), condition(told, "rising"))]
+        run = play(tmp_path, {"W": W}, events, seconds=7.0, signals=CROSSING)
+        assert run.acts("W", DONE) == pytest.approx(wanted)
+
+
+@pytest.mark.law("TimeToCollisionCondition", "lateral")
+def test_a_time_to_collision_across(tmp_path: Path) -> None:
+    """Only the distance is that across: 3.5 m to the left over A's 10 m/s towards what stands (esmini 3.6)."""
+    target = '<TimeToCollisionConditionTarget><EntityRef entityRef="B"/></TimeToCollisionConditionTarget>'
+    more = 'coordinateSystem="road" relativeDistanceType="lateral"'
+    for value, wanted in ((0.4, 0.0), (0.3, None)):
+        told = gap("TimeToCollisionCondition", more, value, where=target)
+        assert seen(tmp_path, told, A=Actor(lane=-2), B=Actor(s=200.0, speed=0.0)) == wanted
+
+
+@pytest.mark.law("UserDefinedValueCondition", "used")
+def test_a_value_that_no_program_gives_never_compares(tmp_path: Path) -> None:
+    """The value is defined outside of the file; where nobody defines it, the condition is false whatever the rule."""
+    for rule in ("equalTo", "notEqualTo", "lessThan"):
+        told = condition(f'<UserDefinedValueCondition name="outside" value="1" rule="{rule}"/>')
+        run = play(tmp_path, {"W": W}, [Event("W", speed(DONE), told)], seconds=1.0)
+        assert run.acts("W", DONE) is None

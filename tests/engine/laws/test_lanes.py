@@ -263,3 +263,24 @@ def test_without_limits_an_entity_is_put_at_its_distance(tmp_path: Path, side: s
     run = play(tmp_path, actors, [Event("A", distance(told))], seconds=4.0)
     assert run.at("A", 3.0).v == pytest.approx(8.0)
     assert run.at("A", 3.0).x - run.at("B", 3.0).x == pytest.approx(sign * 20.0)
+
+
+@pytest.mark.law("LateralDistanceAction", "with limits of jerk")
+def test_a_limited_jerk_lets_the_motion_aside_grow_with_the_cube_of_time(tmp_path: Path) -> None:
+    """A wants to be 3 m to the left of B, with which it begins; 0.6 m/s3 for 1 s, in 20 steps, are 0.1155 m.
+
+    Without that limit the acceleration of 2 m/s2 is there at once. Either way A comes to its distance.
+    """
+    moved = []
+    for rate in ('maxAccelerationRate="0.6" maxDecelerationRate="0.6"', ""):
+        limits = f'<DynamicConstraints maxAcceleration="2" maxDeceleration="2" maxSpeed="3" {rate}/>'
+        aside = (
+            '<LateralAction><LateralDistanceAction entityRef="B" distance="3" freespace="false" continuous="true" '
+            f'coordinateSystem="road" displacement="leftToReferencedEntity">{limits}</LateralDistanceAction>'
+            "</LateralAction>"
+        )
+        run = play(tmp_path, {"B": Actor(lane=-2), "A": Actor(lane=-2)}, [Event("A", aside)], seconds=20.0)
+        moved.append(run.at("A", 2.05).y - run.at("A", 1.05).y)
+        assert run.at("A", 20.0).y == pytest.approx(-5.25 + 3.0, abs=0.1)
+    assert moved[0] == pytest.approx(0.6 * 0.05**3 * 20 * 21 * 22 / 6)
+    assert moved[1] > 0.5

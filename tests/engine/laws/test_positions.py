@@ -108,3 +108,39 @@ def test_a_position_on_a_trajectory_is_beside_and_turned_from_where_that_goes(
 ) -> None:
     place = put(tmp_path, f'<TrajectoryPosition s="4" t="1">{more}{LINE}</TrajectoryPosition>')
     assert (place.x, place.y, place.h) == pytest.approx((99.0, 2.25, h))
+
+
+@pytest.mark.law("GeoPosition", "used")
+@pytest.mark.law("GeoPosition", "turned against the road")
+@pytest.mark.law("GeoPosition", "turned in the world")
+@pytest.mark.parametrize("kind", ["relative", "absolute"])
+def test_a_geographic_position_is_projected_and_turned(tmp_path: Path, kind: str) -> None:
+    """On the central meridian of the zone, 9 degrees east, x is 0; the road runs along x, so both turns are one.
+
+    The map lies 5 427 000 m north of the equator, and UTM has the scale 0.9996 on its meridians.
+    """
+    word = f'<GeoPosition latitudeDeg="49" longitudeDeg="9">{turned(kind)}</GeoPosition>'
+    place = put(tmp_path, word)
+    assert (place.x, place.h) == pytest.approx((0.0, 0.3), abs=1e-3)
+    assert place.y == pytest.approx(0.9996 * MERIDIAN_49 - 5_427_000.0, abs=1e-3)
+
+
+MERIDIAN_49 = 5_429_627.632
+"""Length of the meridian of WGS 84 from the equator to 49 degrees, m: the integral of a (1-e2) / (1 - e2 sin2)^1.5."""
+
+
+ROUTE = (
+    '<RouteRef><Route name="r" closed="false"><Waypoint routeStrategy="shortest"><Position>'
+    '<LanePosition roadId="1" laneId="-1" s="100"/></Position></Waypoint><Waypoint routeStrategy="shortest"><Position>'
+    '<LanePosition roadId="1" laneId="-1" s="600"/></Position></Waypoint></Route></RouteRef>'
+)
+
+
+@pytest.mark.law("RoutePosition", "used")
+@pytest.mark.law("RoutePosition", "turned against the road")
+@pytest.mark.law("RoutePosition", "turned in the world")
+@pytest.mark.parametrize("kind", ["relative", "absolute"])
+def test_a_position_on_a_route_counts_from_its_begin(tmp_path: Path, kind: str) -> None:
+    where = '<InRoutePosition><FromLaneCoordinates pathS="40" laneId="-2"/></InRoutePosition>'
+    place = put(tmp_path, f"<RoutePosition>{ROUTE}{turned(kind)}{where}</RoutePosition>")
+    assert (place.x, place.y, place.h) == pytest.approx((140.0, -5.25, 0.3))

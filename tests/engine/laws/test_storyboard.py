@@ -163,3 +163,27 @@ def test_groups_are_alternatives_of_conditions_that_all_hold(tmp_path: Path) -> 
     second = f"<ConditionGroup>{after(3.0)}</ConditionGroup>"
     run = play(tmp_path, {"W": W}, [Event("W", speed(3.0), first + second)])
     assert run.acts("W", 3.0) == pytest.approx(3.05)
+
+
+@pytest.mark.law("Storyboard", "triggering entities as actors")
+def test_the_triggering_entities_act_where_they_are_selected(tmp_path: Path) -> None:
+    """B is over 11 m/s from 2 s on; A, which its condition does not name, goes on."""
+    over = of_entity("B", '<SpeedCondition value="11" rule="greaterOrEqual"/>')
+    events = [Event("B", speed(20.0, by("linear", "rate", 1.0))), Event("", speed(3.0), over)]
+    run = play(tmp_path, {"A": Actor(), "B": Actor(lane=-2)}, events, seconds=4.0)
+    assert run.acts("B", 3.0) == pytest.approx(2.05)
+    assert run.acts("A", 3.0) is None
+
+
+@pytest.mark.law("AnimationAction", "used")
+@pytest.mark.parametrize(("duration", "wanted"), [(2.0, 3.05), (0.5, 1.55)])
+def test_an_animation_ends_after_its_duration(tmp_path: Path, duration: float, wanted: float) -> None:
+    """It begins at 1 s and ends in the row a duration later; the next frame sees that."""
+    door = (
+        f'<AppearanceAction><AnimationAction animationDuration="{duration}" loop="false"><AnimationType>'
+        '<ComponentAnimation><VehicleComponent vehicleComponentType="doorFrontRight"/></ComponentAnimation>'
+        '</AnimationType><AnimationState state="1"/></AnimationAction></AppearanceAction>'
+    )
+    done = state("event", "door", "completeState")
+    run = play(tmp_path, {**A, "W": W}, [Event("A", door, name="door"), Event("W", speed(3.0), done)])
+    assert run.acts("W", 3.0) == pytest.approx(wanted)

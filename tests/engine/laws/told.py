@@ -56,7 +56,7 @@ class Event:
     """An event of the story, in a group and maneuver of its own unless `maneuver` names one.
 
     Attributes:
-        actor: Who acts.
+        actor: Who acts; empty where the triggering entities do.
         action: What is done, as the content of a PrivateAction.
         trigger: When: a time, or conditions as elements.
         name: Name of the event.
@@ -114,10 +114,20 @@ class Played:
         return next((round(time, 6) for time in times), None)
 
 
-def play(folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0) -> Played:
-    """Run a story in both forms, which must leave the same numbers, and return its rows."""
+def play(
+    folder: Path, actors: dict[str, Actor], events: Sequence[Event], seconds: float = 10.0, signals: str = ""
+) -> Played:
+    """Run a story in both forms, which must leave the same numbers, and return its rows.
+
+    Args:
+        folder: Where the file is written.
+        actors: The entities by name.
+        events: What they do.
+        seconds: How long, s.
+        signals: Controllers of traffic signals, as elements.
+    """
     file = folder / "told.xosc"
-    file.write_text(document(actors, events, seconds), encoding="utf-8")
+    file.write_text(document(actors, events, seconds, signals), encoding="utf-8")
     sink = Diagnostics()
     done = compile_target(file, {}, sink, overrides=Overrides(perception="ideal", step=STEP, duration=seconds))
     assert done is not None, [as_text(one) for one in sink]
@@ -146,14 +156,13 @@ def seen_by(simulation: Simulation, names: Sequence[str]) -> dict[str, Seen]:
     }
 
 
-def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float) -> str:
+def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float, signals: str = "") -> str:
     """Return the file of a story."""
     groups: dict[str, list[Event]] = {}
     for k, one in enumerate(events):
         groups.setdefault(one.maneuver or f"maneuver {k}", []).append(one)
     story = "".join(
-        f'<ManeuverGroup name="{name}" maximumExecutionCount="1"><Actors selectTriggeringEntities="false">'
-        f'<EntityRef entityRef="{of[0].actor}"/></Actors><Maneuver name="{name}">'
+        f'<ManeuverGroup name="{name}" maximumExecutionCount="1">{_actors(of[0].actor)}<Maneuver name="{name}">'
         + "".join(one.text() for one in of)
         + "</Maneuver></ManeuverGroup>"
         for name, of in groups.items()
@@ -161,13 +170,19 @@ def document(actors: dict[str, Actor], events: Sequence[Event], seconds: float) 
     return (
         "<OpenSCENARIO>"
         f'<FileHeader revMajor="1" revMinor="3" date="2026-01-01T00:00:00" description="" author=""/>'
-        f'<CatalogLocations/><RoadNetwork><LogicFile filepath="{ROADS / "straight.xodr"}"/></RoadNetwork>'
+        f'<CatalogLocations/><RoadNetwork><LogicFile filepath="{ROADS / "straight.xodr"}"/>{signals}</RoadNetwork>'
         f"<Entities>{''.join(map(_object, actors))}</Entities>"
         f"<Storyboard><Init><Actions>{''.join(one.init(name) for name, one in actors.items())}</Actions></Init>"
         f'<Story name="story"><Act name="act">{story}<StartTrigger><ConditionGroup>{after(0.0)}</ConditionGroup>'
         f"</StartTrigger></Act></Story><StopTrigger><ConditionGroup>{after(seconds)}</ConditionGroup></StopTrigger>"
         "</Storyboard></OpenSCENARIO>"
     )
+
+
+def _actors(name: str) -> str:
+    if not name:
+        return '<Actors selectTriggeringEntities="true"/>'
+    return f'<Actors selectTriggeringEntities="false"><EntityRef entityRef="{name}"/></Actors>'
 
 
 def _object(name: str) -> str:

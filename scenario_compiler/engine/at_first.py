@@ -1,0 +1,134 @@
+"""What the weather and the sensors' noise do before a conflict: what a plan's automation is short of from the start.
+
+A scenario in HardRainSunset asks as soon as it begins, because the camera does not see the paint, and whatever comes
+200 m on is never met. That is found by the engine itself: the same plan is run in clear weather, with a camera without
+fault, and both first requests are compared. Both runs are of ideal perception, whose camera has the curves that the
+rendered one was measured to have.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenario_compiler.diagnostics import Code, Diagnostics, Severity
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.state import State, make_draws, new_state
+from scenario_compiler.engine.ego.failures import reset_camera
+from scenario_compiler.engine.ego.reach import sensor_reach
+from scenario_compiler.engine.ego.weather import reset_weather
+from scenario_compiler.engine.program.build import build_program
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.plan.provenance import place_of
+from scenario_compiler.roads.network import Network
+from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.weather import weather_preset
+from scenario_compiler.vocabulary.word import number_value
+
+ASKS_AT_FIRST = Code(
+    "SC512",
+    "asks-at-first",
+    "A cause of a request holds from the start of the run, and for the weather or the camera's noise alone, whatever "
+    "else is in the scenario: the car asks before it meets the conflict. In clear weather and without noise it would "
+    "not:\n\n"
+    '    <scenario ... weather="HardRainSunset">     asks at 1.3 s because of HardRainSunset, before the conflict at '
+    "200 m\n\n"
+    "Choose another weather or less noise, let it begin later (`rain_front` of the library's templates, or the action "
+    "<weather>), or switch the cause off: <takeover> has the causes that it names, and no others. Where the weather is "
+    'the conflict, the file can say so: <allow code="SC512"/>.',
+    Severity.WARNING,
+)
+SHORT_SIGHT = Code(
+    "SC513",
+    "short-sight",
+    "The forward sensor sees far enough for the time budget in clear air by day, but not in the scenario's weather, or "
+    "with its noise: a limit ahead is asked for as soon as it is seen, which is later than the budget says:\n\n"
+    '    <scenario ... weather="HardRainNoon">  <ego speed="22">     7 s are 154 m, but the camera sees 96 m\n\n'
+    "That may be what the scenario is about. If not, choose another weather, another sensor "
+    '(<forward_sensor kind="radar"/>), a longer range, a shorter `budget` or a lower speed.',
+    Severity.WARNING,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class FirstRequest:
+    """The first request of a run: when, for which cause (CAUSE_...), and how far from the start its limit lies, m."""
+
+    time: float
+    cause: int
+    place: float
+
+
+def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report what weather and noise alone do from the start: a sensor that sees too little, a cause that holds."""
+    ideal = plan.model_copy(update={"perception": "ideal"})
+    program = build_program(ideal, network)
+    state = new_state(program)
+    reset_camera(program, state)
+    reset_weather(program, state)
+    if program.cause_on[op.CAUSE_PATH_BLOCKED] == 1:
+        _check_sight(plan, sensor_reach(program, state), sink)
+    values = program.const
+    seen = state.image_health[0] * state.paint_seen[0]
+    causes = (
+        (op.CAUSE_SENSOR_HEALTH, state.image_health[0] < values[slot.K_HEALTH_REQUEST]),
+        (op.CAUSE_LANE_CONFIDENCE, seen < values[slot.K_CONFIDENCE_REQUEST]),
+    )
+    if any(holds and program.cause_on[cause] == 1 for cause, holds in causes):
+        _check_request(plan, ideal, network, state, values[slot.K_CONFIDENCE_REQUEST], sink)
+
+
+def _check_sight(plan: Plan, reach: float, sink: Diagnostics) -> None:
+    """Warn where the sensor sees as far as the budget in clear air alone."""
+    values = parameter_values(plan.parameters)
+    cause = next((one for one in plan.takeover.causes if one.kind == "path_blocked"), None)
+    own = None if cause is None else cause.budget
+    speed = number_value(plan.ego.desired_speed, values)
+    budget = number_value(plan.takeover.budget if own is None else own, values)
+    if reach < budget * speed <= number_value(plan.forward_sensor.range, values):
+        message = (
+            f"a budget of {budget:g} s at {speed:g} m/s is {budget * speed:.0f} m, but in this weather and with its "
+            f"noise the {plan.forward_sensor.kind} sees {reach:.0f} m: the car asks {reach / speed:.1f} s before what "
+            "it sees"
+        )
+        sink.add(SHORT_SIGHT, message, place_of(plan, "weather"))
+
+
+def _check_request(plan: Plan, ideal: Plan, network: Network, state: State, enough: float, sink: Diagnostics) -> None:
+    """Warn where the first request comes for what the weather or the camera's noise hide, and no limit is the cause."""
+    asked = first_request(ideal, network, plan.duration)
+    if asked is None or asked.cause not in (op.CAUSE_SENSOR_HEALTH, op.CAUSE_LANE_CONFIDENCE):
+        return
+    clear = first_request(_in_clear_weather(ideal), network, plan.duration)
+    if clear is not None and clear.time <= asked.time:
+        return
+    by_weather = asked.cause == op.CAUSE_LANE_CONFIDENCE and state.paint_seen[0] < enough
+    by_camera = asked.cause == op.CAUSE_SENSOR_HEALTH or state.image_health[0] < enough
+    weather = "the weather" if plan.weather.preset == "custom" else plan.weather.preset
+    reasons = [weather] if by_weather or not by_camera else []
+    reasons += ["the camera's noise or failures"] if by_camera or not by_weather else []
+    then = "without it the car would not ask" if clear is None else f"before the conflict at {clear.place:.0f} m"
+    message = f"asks at {asked.time:.1f} s because of {' and '.join(reasons)}, {then}"
+    place = plan.camera.place_of("sensor_noise") if by_camera and not by_weather else place_of(plan, "weather")
+    sink.add(ASKS_AT_FIRST, message, place)
+
+
+def first_request(plan: Plan, network: Network, until: float) -> FirstRequest | None:
+    """Return the first request of a plan that the engine drives, None where there is none until a time, s."""
+    simulation = Simulation(network.tables, build_program(plan, network))
+    simulation.reset(make_draws(1))
+    st, ego = simulation.state, simulation.program.ego[0]
+    start = st.odometer[ego]
+    while st.requests[0] == 0:
+        if st.clock[0] > until or not simulation.step():
+            return None
+    ahead = {op.CAUSE_PATH_BLOCKED: st.blocked_distance[0], op.CAUSE_LANE_ENDS: st.lane_end_distance[0]}
+    cause = int(st.cause[0])
+    return FirstRequest(st.request_at[0], cause, st.odometer[ego] - start + ahead.get(cause, 0.0))
+
+
+def _in_clear_weather(plan: Plan) -> Plan:
+    """Return a plan as it would be in clear weather, with a camera that has no noise and no fault of its own."""
+    camera = plan.camera.model_copy(update={"sensor_noise": 0.0, "failures": ()})
+    return plan.model_copy(update={"weather": weather_preset("ClearNoon"), "camera": camera})
