@@ -28,6 +28,7 @@ from scenario_compiler.engine.ego.passing import (
     meets_oncoming,
 )
 from scenario_compiler.engine.ego.sensor import (
+    CROSSING,
     GAP_HORIZON,
     SLOW,
     gap_behind_free,
@@ -402,7 +403,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
         go_on_evading(p, st, i, blocker)
         return
     if blocker >= 0 and reacts_to(p, st, blocker) == 1:
-        if st.style[0] != op.STYLE_BRAKES:
+        if st.style[0] != op.STYLE_BRAKES and abs(st.across[blocker]) < CROSSING:
             found, centre = find_corridor(n, p, st, i, blocker)
             if found == 1:
                 evade(p, st, i, centre)
