@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
-from scenario_compiler.engine.measures.lane_keeping import SETTLING
+from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, WINDOW
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
@@ -41,9 +41,11 @@ from scenario_compiler.recording.inputs import (
 )
 from scenario_compiler.recording.lateral import (
     lane_position_deviation,
-    lane_position_deviation_total,
     lateral_offset_at_response,
     maximum_lateral_offset,
+    settled_deviation,
+    stabilisation_time,
+    stabilisation_time_total,
     time_off_lanes,
     time_off_lanes_total,
 )
@@ -407,8 +409,28 @@ MEASURES: tuple[Measure, ...] = (
         f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
         f"no response, a lane change, or a run that ends within {SETTLING:g} s of it",
         lane_position_deviation,
-        lane_position_deviation_total,
+        total("settling_deviation"),
         "standard deviation of lateral position (SDLP)",
+    ),
+    Measure(
+        "settled_lane_position_deviation",
+        "m",
+        f"The same from {SETTLING:g} s to {SETTLED:g} s after the response.",
+        f"no response, a lane change in that time, or a run that ends within {SETTLED:g} s of the response",
+        settled_deviation,
+        total("settled_deviation"),
+        "standard deviation of lateral position (SDLP)",
+    ),
+    Measure(
+        "stabilisation_time",
+        "s",
+        f"Time from the request until lane keeping is stable: to the begin of the first of the windows of {WINDOW:g} s, "
+        "one after the other from the response on while the driver drives, from which on the standard deviation of "
+        f"the lateral position is at most {BAND:g} m in all of them. A change of lane counts as motion.",
+        f"no response, no such window, or the driver drove for less than {WINDOW:g} s",
+        stabilisation_time,
+        stabilisation_time_total,
+        "after Merat et al. 2014, whose criterion is not verified",
     ),
     Measure(
         "maximum_lateral_offset",

@@ -14,6 +14,8 @@ from scenario_compiler.vocabulary.horizon import HORIZON
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
 
+SPREAD = fixed("spread of the lateral position", 3)
+
 VARIANT = fixed("variant of the steering reversal rate", 2)
 
 TAKEOVERS = 8
@@ -139,13 +141,19 @@ class Totals(Columns):
     takeover_standstill: list[float] = column(TAKEOVER, -1.0)
     takeover_hand_back: list[float] = column(TAKEOVER, -1.0)
 
-    # Lane keeping after the response: the rows of its window.
-    keeping_count: list[int] = column(RUN)
-    keeping_mean: list[float] = column(RUN)
+    # Lane keeping after the response: of the two windows, and of the one that may be stable.
+    spread_count: list[int] = column(SPREAD)
+    spread_mean: list[float] = column(SPREAD)
     """Mean of the lateral position, and the sum of squared distances from it."""
-    keeping_squares: list[float] = column(RUN)
-    keeping_broken: list[int] = column(RUN)
+    spread_squares: list[float] = column(SPREAD)
+    spread_broken: list[int] = column(SPREAD)
     """1 from when the lane was changed, or the ego was gone, in the window."""
+    settling_deviation: list[float] = column(RUN, -1.0)
+    """Standard deviation of the first window, m, and of the second."""
+    settled_deviation: list[float] = column(RUN, -1.0)
+    windows: list[int] = column(RUN)
+    """Windows that are over, and the first of those that were stable up to the last one, or NONE."""
+    stable_from: list[int] = column(RUN, op.NONE)
 
     # The ego in the last row.
     row_time: list[float] = column(RUN, -1.0)
@@ -177,11 +185,13 @@ class Totals(Columns):
     before_s: list[float] = column(RUN)
     before_off: list[float] = column(RUN)
     before_present: list[int] = column(RUN)
-    before_inside: list[int] = column(RUN)
+    before_inside: list[int] = column(SPREAD)
     """1 where it lies in the window."""
+    before_driven: list[int] = column(RUN)
+    """1 where the driver drove who took over first."""
     added_left: list[float] = column(RUN)
     """Offset to the left in the direction of travel."""
-    added_inside: list[int] = column(RUN)
+    added_inside: list[int] = column(SPREAD)
     before_lane: list[int] = column(RUN)
     before_v: list[float] = column(RUN)
     before_width: list[float] = column(RUN)
