@@ -20,6 +20,7 @@ from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.durations import Timed, after_request, whole_steps
 from scenario_compiler.recording.in_lane import (
     deepest_departure,
+    first_departure,
     heading_error_at_response,
     lane_departures,
     lane_departures_total,
@@ -150,16 +151,33 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    return whole_steps(traces, time_to_limit(limit_distance(traces), _at_request(traces, traces.v[..., 0])))
+    speed, left = _at_request(traces, traces.v[..., 0]), _at_request(traces, traces.limit_time)
+    return whole_steps(traces, time_to_limit(limit_distance(traces), speed, left))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
-    return whole_steps(totals, time_to_limit(_limit_distance_total(totals), totals.column("request_speed")))
+    speed, left = totals.column("request_speed"), totals.column("request_limit_time")
+    return whole_steps(totals, time_to_limit(_limit_distance_total(totals), speed, left))
 
 
-def time_to_limit(distance: Floats, speed: Floats) -> Floats:
-    """Return the time until a limit is reached at unchanged speed, s; NaN at a standstill."""
-    return np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan)
+def time_to_limit(distance: Floats, speed: Floats, left: Floats) -> Floats:
+    """Return the time until a limit is reached at unchanged speed, s; NaN at a standstill.
+
+    Args:
+        distance: Distance to an obstacle or the lane's end, m; NaN where the request is not about one.
+        speed: Speed, m/s.
+        left: The time itself, s, where the request is not about an obstacle; NaN else.
+    """
+    return np.where(np.isnan(distance), left, np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan))
+
+
+def request_lead(traces: Traces) -> Floats:
+    """Time from the request to what it came before."""
+    return after_request(traces, np.fmin(first_departure(traces), traces.times["collision"]))
+
+
+def _request_lead_total(totals: RunTotals) -> Floats:
+    return after_request(totals, np.fmin(totals.column("time_departed"), totals.times["collision"]))
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
@@ -318,8 +336,11 @@ MEASURES: tuple[Measure, ...] = (
         "time_budget",
         "s",
         "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
-        "is reached at unchanged speed.",
-        "no request, or one that is not about a place ahead",
+        "is reached at unchanged speed. The limit is where the path is blocked or the lane ends; of lane confidence, "
+        "where neither side has paint that is seen well enough, up to 60 m ahead. Of other causes, and where no such "
+        "end is in sight, it is the time until a side of the vehicle would be beyond its lane with its speed and its "
+        f"steering angle unchanged, if that is less than {HORIZON:g} s.",
+        "no request, or one whose limit would not be reached",
         time_budget,
         _time_budget_total,
         "lead time, Eriksson and Stanton 2017",
@@ -332,6 +353,15 @@ MEASURES: tuple[Measure, ...] = (
         takeover_buffer,
         _takeover_buffer_total,
         "arXiv 2507.22262",
+    ),
+    Measure(
+        "request_lead",
+        "s",
+        "Time from the request to the first collision, or to the first row from the request on in a lane departure, "
+        "whichever was first: how early the request was for what came of it.",
+        "no request, or neither came",
+        request_lead,
+        _request_lead_total,
     ),
     Measure(
         "limit_distance",
@@ -424,7 +454,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "stabilisation_time",
         "s",
-        f"Time from the request until lane keeping is stable: to the begin of the first of the windows of {WINDOW:g} s, "
+        f"Time from the request until lane keeping is stable: to the begin of the first window of {WINDOW:g} s, of those "
         "one after the other from the response on while the driver drives, from which on the standard deviation of "
         f"the lateral position is at most {BAND:g} m in all of them. A change of lane counts as motion.",
         f"no response, no such window, or the driver drove for less than {WINDOW:g} s",

@@ -51,7 +51,9 @@ class Takeover(BaseModel):
         description="Distance from the front bumper to where the path is blocked or the lane ends, in the same row.",
         json_schema_extra={"unit": "m"},
     )
-    time_budget: float | None = _seconds("The limit's distance over the speed, to the nearest whole step.")
+    time_budget: float | None = _seconds(
+        "Time until the limit is reached, as `time_budget` of the run says of the first request."
+    )
     takeover_buffer: float | None = _seconds("Time budget less takeover time.")
 
 
@@ -77,10 +79,13 @@ def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
         for name in ("blocked_distance", "lane_end_distance")
     }
     speed = np.where(known, recording.v[rows, 0], np.nan)
+    left = np.where(known, recording.limit_time[rows], np.nan)
     codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
     distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
     ends = {kind: np.array(found) for kind, found in times.items()}
-    return tuple(_assembled(causes, request, ends, np.full(len(asked), crash), speed, distance, recording.header.step))
+    return tuple(
+        _assembled(causes, request, ends, np.full(len(asked), crash), speed, distance, left, recording.header.step)
+    )
 
 
 def _described(recording: Recording, begin: float, end: float) -> int:
@@ -95,14 +100,16 @@ def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
     runs, places = np.nonzero(~np.isnan(request))
     picked = {
         name: totals.of_takeovers(f"takeover_{name}")[runs, places]
-        for name in ("cause", "blocked", "lane_end", "speed", *ENDS)
+        for name in ("cause", "blocked", "lane_end", "speed", "limit_time", *ENDS)
     }
     causes = [str(CAUSES[int(code)]) for code in picked["cause"]]
     distance = distance_to_limit(picked["cause"], picked["blocked"], picked["lane_end"])
     ends: dict[EventKind, Floats] = {kind: picked[kind] for kind in ENDS}
     crash = totals.times["collision"][runs]
     found: list[list[Takeover]] = [[] for _ in range(len(request))]
-    made = _assembled(causes, request[runs, places], ends, crash, picked["speed"], distance, totals.step, places)
+    made = _assembled(
+        causes, request[runs, places], ends, crash, picked["speed"], distance, picked["limit_time"], totals.step, places
+    )
     for run, one in zip(runs.tolist(), made, strict=True):
         found[run].append(one)
     return [tuple(some) for some in found]
@@ -115,12 +122,13 @@ def _assembled(
     crash: Floats,
     speed: Floats,
     distance: Floats,
+    left: Floats,
     step: float,
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
 ) -> list[Takeover]:
     """Return takeovers of which each array has one number, (k,)."""
     answered = np.round((ends["response"] - request) / step) * step
-    budget = np.round(time_to_limit(distance, speed) / step) * step
+    budget = np.round(time_to_limit(distance, speed, left) / step) * step
     numbers = {
         "request_time": request,
         **{f"{kind}_time": times for kind, times in ends.items()},

@@ -118,6 +118,7 @@ class Traces:
         confidence_right: See confidence_left.
         blocked_distance: (..., n), m, NaN where the path is free.
         lane_end_distance: (..., n), m, NaN where the lane goes on.
+        limit_time: (..., n), s, that the last request left which was not about an obstacle; NaN without one.
         lane_width: (..., n), m, of the ego vehicle's lane; 0 off the lanes.
         lane_heading: (..., n), rad, of the ego vehicle against its lane's direction, positive to the left.
         on_road: (..., n), on a lane for motor traffic, a shoulder or a parking lane.
@@ -151,6 +152,7 @@ class Traces:
     confidence_right: Floats
     blocked_distance: Floats
     lane_end_distance: Floats
+    limit_time: Floats
     lane_width: Floats
     lane_heading: Floats
     on_road: Booleans
@@ -240,7 +242,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
         *("takeover_state", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "lane_end_distance"),
-        *("lane_width", "lane_heading", "on_road"),
+        *("limit_time", "lane_width", "lane_heading", "on_road"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
     return Traces(

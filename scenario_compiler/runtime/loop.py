@@ -68,6 +68,7 @@ RUN_COLUMNS = {
     "sigma": "sigma",
     "blocked_distance": "blocked_distance",
     "lane_end_distance": "lane_end_distance",
+    "limit_time": "limit_time",
     "lane_width": "lane_width",
     "lane_heading": "path_heading",
     "on_road": "on_road",

@@ -83,6 +83,10 @@ class Totals(Columns):
     request_blocked: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
+    request_limit_time: list[float] = column(RUN, op.FAR)
+    """Time that it left, where it was not about an obstacle."""
+    time_departed: list[float] = column(RUN, -1.0)
+    """Time of the first row behind the request in which the ego was out of its lane."""
     time_first_brake: list[float] = column(RUN, -1.0)
     driving: list[int] = column(RUN)
     """1 while the driver drives who took over first, 2 from when control was handed back."""
@@ -140,6 +144,7 @@ class Totals(Columns):
     takeover_minimum_risk: list[float] = column(TAKEOVER, -1.0)
     takeover_standstill: list[float] = column(TAKEOVER, -1.0)
     takeover_hand_back: list[float] = column(TAKEOVER, -1.0)
+    takeover_limit_time: list[float] = column(TAKEOVER, op.FAR)
 
     # Lane keeping after the response: of the two windows, and of the one that may be stable.
     spread_count: list[int] = column(SPREAD)
@@ -173,6 +178,7 @@ class Totals(Columns):
     """Of the better side."""
     row_blocked: list[float] = column(RUN, op.FAR)
     row_lane_end: list[float] = column(RUN, op.FAR)
+    row_limit_time: list[float] = column(RUN, op.FAR)
     row_width: list[float] = column(RUN)
     """Width of the lane, 0 off the lanes, and the heading against its direction."""
     row_heading: list[float] = column(RUN)
@@ -193,6 +199,7 @@ class Totals(Columns):
     """Offset to the left in the direction of travel."""
     added_inside: list[int] = column(SPREAD)
     before_lane: list[int] = column(RUN)
+    before_time: list[float] = column(RUN)
     before_v: list[float] = column(RUN)
     before_width: list[float] = column(RUN)
     before_heading: list[float] = column(RUN)

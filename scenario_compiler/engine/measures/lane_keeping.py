@@ -139,6 +139,7 @@ def add_to_keeping(p: Program, m: Totals) -> None:
     m.before_off[0] = m.row_off[0]
     m.before_present[0] = m.row_present[0]
     m.before_lane[0] = m.row_lane[0]
+    m.before_time[0] = m.row_time[0]
     m.before_v[0] = m.row_v[0]
     m.before_width[0] = m.row_width[0]
     m.before_heading[0] = m.row_heading[0]
