@@ -13,11 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
+from scenario_compiler.engine.measures.encroachment import LONGEST
 from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, WINDOW
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.durations import Timed, after_request, whole_steps
+from scenario_compiler.recording.encroachment import least_encroachment, least_encroachment_total
 from scenario_compiler.recording.in_lane import (
     deepest_departure,
     first_departure,
@@ -406,6 +408,19 @@ MEASURES: tuple[Measure, ...] = (
         of_takeover=False,
     ),
     Measure(
+        "minimum_post_encroachment_time",
+        "s",
+        "Least over the run of the time between one vehicle's leaving a place and the other's coming there, of the "
+        "vehicle and any entity that has moved: whole rows between its box and that of the other which overlap. 0 "
+        "while boxes overlap at one time. What is followed on one way has one too: its time gap. "
+        f"{LONGEST:g} s or more counts as none.",
+        f"no place that both came to within {LONGEST:g} s",
+        least_encroachment,
+        least_encroachment_total,
+        "post-encroachment time (PET), Allen, Shin and Cooper 1978",
+        of_takeover=False,
+    ),
+    Measure(
         "minimum_distance",
         "m",
         "Least distance in the plane between the vehicle's box and another entity's over the run; 0 when they overlap.",
@@ -454,9 +469,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "stabilisation_time",
         "s",
-        f"Time from the request until lane keeping is stable: to the begin of the first window of {WINDOW:g} s, of those "
-        "one after the other from the response on while the driver drives, from which on the standard deviation of "
-        f"the lateral position is at most {BAND:g} m in all of them. A change of lane counts as motion.",
+        f"Time from the request until lane keeping is stable: to the begin of the first window of {WINDOW:g} s, of "
+        "those one after the other from the response on while the driver drives, from which on the standard deviation "
+        f"of the lateral position is at most {BAND:g} m in all of them. A change of lane counts as motion.",
         f"no response, no such window, or the driver drove for less than {WINDOW:g} s",
         stabilisation_time,
         stabilisation_time_total,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
-from scenario_compiler.forms.declaration import RUN, Columns, column, columns_of, container, fixed
+from scenario_compiler.forms.declaration import RUN, Columns, Of, column, columns_of, container, fixed
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 CORNER = fixed("corner of a box", 4)
@@ -21,6 +21,11 @@ VARIANT = fixed("variant of the steering reversal rate", 2)
 TAKEOVERS = 8
 """Takeovers of a run that are kept, the first ones; all are counted."""
 TAKEOVER = fixed("takeover", TAKEOVERS)
+
+
+TRAIL_ROWS = 1024
+"""Rows that are kept of where each entity was."""
+TRAIL = Of("place on an entity's trail", lambda program: TRAIL_ROWS * ENTITY.count(program))
 
 
 @container("m", 3, written=True)
@@ -63,6 +68,8 @@ class Totals(Columns):
     least_headway: list[float] = column(RUN, HORIZON)
     least_room: list[float] = column(RUN, op.FAR)
     """Twice the gap over the square of the closing speed, s2/m: the inverse of the deceleration that would do."""
+    encroachment_rows: list[int] = column(RUN)
+    """Least number of kept rows between one vehicle's being at a place and the ego's, or the other way."""
     touched: list[int] = column(RUN)
     """1 from when the ego's box has overlapped that of another entity; all these least values are 0 then."""
     least_confidence: list[float] = column(RUN, op.FAR)
@@ -227,6 +234,17 @@ class Totals(Columns):
     departed_left: list[float] = column(RUN)
     departed_step: list[float] = column(RUN)
     departed_aside: list[float] = column(RUN)
+
+    # Where everybody was: middle of the box, height, heading and whether it was there, in a ring for each entity.
+    trail_x: list[float] = column(TRAIL, kept=True)
+    trail_y: list[float] = column(TRAIL, kept=True)
+    trail_z: list[float] = column(TRAIL, kept=True)
+    trail_h: list[float] = column(TRAIL, kept=True)
+    trail_there: list[int] = column(TRAIL, kept=True)
+    trail_count: list[int] = column(RUN)
+    """Number of rows that have been kept."""
+    trail_step: list[float] = column(ENTITY)
+    """Greatest way from one to the next, m."""
 
     # Boxes.
     seen_h: list[float] = column(ENTITY)
