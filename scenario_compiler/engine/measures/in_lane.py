@@ -79,6 +79,8 @@ def add_in_lane(p: Program, m: Totals, left: float) -> None:
     if m.before_after[0] == 0:
         return
     if out == 1:
+        if m.time_departed[0] < 0.0:
+            m.time_departed[0] = m.before_time[0]
         add_crossing(m, 0.0)
         return
     across = m.before_v[0] * turned
