@@ -349,9 +349,9 @@ MEASURES: tuple[Measure, ...] = (
         "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
         "is reached at unchanged speed. The limit is where the path is blocked or the lane ends; of lane confidence, "
         "where neither side has paint that is seen well enough, up to 60 m ahead. The speed of what comes towards the "
-        "vehicle and blocks its path is added. Of other causes, and where no such end is in sight, it is the time until "
-        "a side of the vehicle would be beyond its lane with its speed and its steering angle unchanged, if that is "
-        f"less than {HORIZON:g} s.",
+        "vehicle and blocks its path is added. Of other causes, and where no such end is in sight, it is the time "
+        "until a side of the vehicle would be beyond its lane with its speed and its steering angle unchanged, if "
+        f"that is less than {HORIZON:g} s.",
         "no request, or one whose limit would not be reached",
         time_budget,
         _time_budget_total,
