@@ -12,11 +12,11 @@ from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.live.cockpit import Cockpit
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.outputs import make_folder
-from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem
+from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
 from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
 from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
 from scenario_compiler.study.pilot import planned_run
-from scenario_compiler.study.procedure import Step, procedure
+from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
 from scenario_compiler.study.situation import CHOICES
 from scenario_compiler.trust import Trust
@@ -186,8 +186,9 @@ class Attendance:
         if kind == "answers":
             self._answer(message)
             return None
-        if kind == "search" and self.rules.compilation.study.task is not None:
-            return {"search": self._searched(message)}
+        task, trial = self.rules.compilation.study.task, self.step.trial
+        if kind == "search" and task is not None and trial is not None:
+            return {"search": self._searched(message, task, trial)}
         return None
 
     def _answer(self, message: Mapping[str, Any]) -> None:
@@ -200,17 +201,15 @@ class Attendance:
             if len(given) > LONGEST_NOTE or given not in CHOICES.get(query.about, (given,)):
                 raise OutOfPlaceError(f"'{query.name}' has no answer of its choices")
             answers[query.name] = given
-        attempt, seconds = self._search["attempt"], round(float(message["seconds"]), 3)
+        attempt, seconds = self._search["attempt"], _seconds(message)
         self.journal.add("probe", self.step.number, attempt=attempt, t=session.now, answers=answers, seconds=seconds)
         session.go_on()
 
-    def _searched(self, message: Mapping[str, Any]) -> dict[str, Any]:
-        task, trial, session = self.rules.compilation.study.task, self.step.trial, self.session
-        assert task is not None
-        seed = 0 if trial is None else trial.seed
-        number = self._search.get("number", 0)
+    def _searched(self, message: Mapping[str, Any], task: SearchTask, trial: Trial) -> dict[str, Any]:
+        """Write an answer to the present picture of the secondary task, if it is one; return the picture to show."""
+        session, number = self.session, self._search.get("number", 0)
         if session is not None and message.get("number") == number:
-            shown, chosen = search_picture(task, seed, number), int(message["chosen"])
+            shown, chosen = search_picture(task, trial.seed, number), int(message["chosen"])
             self.journal.add(
                 "search",
                 self.step.number,
@@ -218,10 +217,10 @@ class Attendance:
                 t=session.now,
                 number=number,
                 right=chosen == shown.target,
-                seconds=round(float(message["seconds"]), 3),
+                seconds=_seconds(message),
             )
             number = self._search["number"] = number + 1
-        return {"number": number, "circles": search_picture(task, seed, number).circles}
+        return {"number": number, "circles": search_picture(task, trial.seed, number).circles}
 
     # Runs.
 
@@ -283,6 +282,14 @@ class Attendance:
         with self.rules.writing:
             write_run_tables(self.rules.compilation, self.seat)
             write_dataset(self.rules.compilation, self.rules.root, pilot=False)
+
+
+def _seconds(message: Mapping[str, Any]) -> float:
+    """Return the duration that a page tells, s."""
+    found = float(message["seconds"])
+    if not 0.0 <= found < 86_400.0:
+        raise OutOfPlaceError("a duration is from 0 s to a day")
+    return round(found, 3)
 
 
 def _typed(asked: QuestionnaireElement, answers: Mapping[str, str]) -> dict[str, int | float | str]:

@@ -117,7 +117,8 @@ class StudyServer:
     def _rendered(self, template: str, **values: Any) -> Response:
         study = self.rules.compilation.study
         page = self._environment.get_template(template)
-        return HTMLResponse(page.render(words=self.words, study=study, language=study.language, **values))
+        given = {"words": self.words, "study": study, "language": study.language} | values
+        return HTMLResponse(page.render(**given))
 
     # The participant's pages.
 
@@ -215,7 +216,7 @@ class StudyServer:
     # The experimenter's page.
 
     def _experimenter(self, request: Request) -> Response:
-        return self.desk.entered(request, lambda: self._rendered("experimenter.html.jinja"))
+        return self.desk.entered(request, lambda: self._rendered("experimenter.html.jinja", language="en"))
 
     def _overview(self, request: Request) -> Response:
         def rows() -> Response:
