@@ -41,6 +41,9 @@ MIRROR_EVERY = 2
 BEHIND = 0.1
 """Delay from which the page says that the machine does not keep up, s."""
 
+SLOWEST = 0.2
+"""Time from one picture to the next at most, s: a run that is behind leaves out pictures before it loses time."""
+
 GIVEN_UP = 0.5
 """Delay that is not caught up any more: the clock of the run is set back by it, s."""
 
@@ -231,7 +234,7 @@ class Session(threading.Thread):
         sight = Sight(execution, self.drive.size, plain=self.drive.plain)
         every = max(1, round(FRAME_TIME / self.drive.plan.step))
         begin = time.perf_counter()
-        steps = 0
+        steps, shown_at = 0, 0.0
         self._publish(execution, sight, 0.0)
         while execution.going and not self._stopping.is_set():
             begin += self._hold()
@@ -248,7 +251,11 @@ class Session(threading.Thread):
                 self._stopping.wait(-late)
             if steps % every == 0:
                 self._late.append(max(late, 0.0))
-                self._publish(execution, sight, late)
+                if late < BEHIND or self.now - shown_at >= SLOWEST - 1e-9:
+                    shown_at = self.now
+                    self._publish(execution, sight, late)
+                else:
+                    self._lost += 1
 
     def _hold(self) -> float:
         """Stand still as long as there is a reason to; return for how long, s.
