@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,9 +12,10 @@ from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.live.cockpit import Cockpit
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.outputs import make_folder
+from scenario_compiler.recording.events import EventRow
 from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
 from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
-from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
+from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
 from scenario_compiler.study.pilot import planned_run
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
@@ -40,6 +41,7 @@ class Rules:
         root: Folder of its data.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        mark: Takes what happens to any participant, as it happens; None where nobody listens.
         writing: Held by whoever writes tables of all participants.
     """
 
@@ -47,7 +49,8 @@ class Rules:
     root: Path
     trust: Trust | None
     size: tuple[int, int]
-    writing: threading.Lock
+    mark: Callable[[dict[str, Any]], None] | None = None
+    writing: threading.Lock = field(default_factory=threading.Lock)
 
 
 class Attendance:
@@ -79,7 +82,7 @@ class Attendance:
             self.steps = procedure(study, self.participant, session)
             if step_reached(read_journal(self.seat.journal)) < len(self.steps) - 1:
                 break
-        self.journal = Journal(self.seat.journal)
+        self.journal = Journal(self.seat.journal, self._mark)
         declined = any(one["kind"] == "declined" for one in self.journal.records)
         self.presence: Presence = "declined" if declined else "waiting"
         self._settle()
@@ -263,7 +266,14 @@ class Attendance:
             assert drive.folder is not None
             make_folder(drive.folder)
             self.journal.add("begun", step.number, attempt=attempt)
-            return Session(drive, show, attempt, probe_at=step.trial.probe_at, kept=self._keep)
+            return Session(drive, show, attempt, probe_at=step.trial.probe_at, kept=self._keep, happened=self._tell)
+
+    def _mark(self, record: Record) -> None:
+        if self.rules.mark is not None:
+            self.rules.mark({"participant": self.seat.sub, "session": self.seat.ses, **record})
+
+    def _tell(self, event: EventRow) -> None:
+        self._mark({"step": self.step.number, **event.model_dump(exclude_defaults=True)})
 
     def _keep(self, session: Session) -> None:
         """Write that a run has ended; called in its thread, before the page hears of it."""

@@ -6,7 +6,6 @@ A participant's page is made anew at each step, so that a page that is loaded ag
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -284,6 +283,7 @@ def serve_study(
     port: int = 0,
     trust: Trust | None = None,
     size: tuple[int, int] = (1280, 720),
+    mark: Callable[[dict[str, Any]], None] | None = None,
     told: Callable[[str, str], None],
 ) -> None:
     """Serve a study until the program is interrupted; what its folder holds is gone on with.
@@ -295,6 +295,7 @@ def serve_study(
         port: Its port; 0 takes a free one.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        mark: Takes what happens to any participant, as it happens.
         told: Is given the participants' address and the experimenter's, once they can be opened.
 
     Raises:
@@ -305,7 +306,7 @@ def serve_study(
         door = Door(host, taken, new_token(host))
         desk = Door(host, taken, new_token(host), cookie="experimenter")
         write_dataset(compilation, root, pilot=False)
-        study = StudyServer(Rules(compilation, root, trust, size, threading.Lock()), door, desk)
+        study = StudyServer(Rules(compilation, root, trust, size, mark), door, desk)
         server: list[Server] = []
         server.append(server_of(study.app, lambda: told(address_of(door), address_of(desk, "/experimenter"))))
         try:
