@@ -310,6 +310,10 @@ class RecordingBuilder:
         """Take down an event as it is."""
         self._events.append(row)
 
+    def events_since(self, count: int) -> list[EventRow]:
+        """Return the events that were taken down after the first `count`."""
+        return self._events[count:]
+
     def frame(self, t: float, label: str, png: bytes) -> None:
         """Take down a first-person picture."""
         self._frames.append(Frame(t, label, png))
