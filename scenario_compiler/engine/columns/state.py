@@ -524,6 +524,8 @@ class State(Columns):
     merging: list[int] = column(RUN)
     merge_from_lane: list[int] = column(RUN)
     merge_from_road: list[int] = column(RUN, op.NONE)
+    seeks_gap: list[int] = column(RUN)
+    """1 while the driver looks for a gap in a lane beside before he brakes."""
     evade_until: list[float] = column(RUN)
     """Odometer at which the driver may go back to the lane's centre."""
     evade_commit: list[float] = column(RUN)
