@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
-from scenario_compiler.engine.measures.encroachment import LONGEST
+from scenario_compiler.engine.measures.encroachment import APART, LONGEST
 from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, WINDOW
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
@@ -421,9 +421,9 @@ MEASURES: tuple[Measure, ...] = (
         "minimum_post_encroachment_time",
         "s",
         "Least over the run of the time between one vehicle's leaving a place and the other's coming there, of the "
-        "vehicle and any entity that has moved: whole rows between its box and that of the other which overlap. 0 "
-        "while boxes overlap at one time. What is followed on one way has one too: its time gap. "
-        f"{LONGEST:g} s or more counts as none.",
+        "vehicle and any entity that has moved: the time between its box and that of the other which overlap, of rows "
+        f"that are at most {APART:g} s apart. 0 while boxes overlap at one time. What is followed on one way has one "
+        f"too: its time gap. {LONGEST:g} s or more counts as none.",
         f"no place that both came to within {LONGEST:g} s",
         least_encroachment,
         least_encroachment_total,

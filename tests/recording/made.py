@@ -201,6 +201,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
     count = runs.x.shape[-1]
     program = Program()
     program.entity_count[:], program.ego[:] = [count], [0]
+    program.entity_motion[:] = [opcodes.MOTION_SCRIPTED] * count
     program.entity_const[:] = [slots.K_ENTITIES + i * BLOCK for i in range(count)]
     program.const[:] = [0.0] * (slots.K_ENTITIES + count * BLOCK)
     program.const[slots.K_STEP] = runs.step

@@ -23,7 +23,7 @@ TAKEOVERS = 8
 TAKEOVER = fixed("takeover", TAKEOVERS)
 
 
-TRAIL_ROWS = 1024
+TRAIL_ROWS = 256
 """Rows that are kept of where each entity was."""
 TRAIL = Of("place on an entity's trail", lambda program: TRAIL_ROWS * ENTITY.count(program))
 
@@ -239,16 +239,29 @@ class Totals(Columns):
     departed_step: list[float] = column(RUN)
     departed_aside: list[float] = column(RUN)
 
-    # Where everybody was: middle of the box, height, heading and whether it was there, in a ring for each entity.
+    # Where everybody was: middle of the box, height, cosine and sine of the heading, and whether it was there.
     trail_x: list[float] = column(TRAIL, kept=True)
     trail_y: list[float] = column(TRAIL, kept=True)
     trail_z: list[float] = column(TRAIL, kept=True)
-    trail_h: list[float] = column(TRAIL, kept=True)
+    trail_cos: list[float] = column(TRAIL, kept=True)
+    trail_sin: list[float] = column(TRAIL, kept=True)
     trail_there: list[int] = column(TRAIL, kept=True)
     trail_count: list[int] = column(RUN)
     """Number of rows that have been kept."""
-    trail_step: list[float] = column(ENTITY)
-    """Greatest way from one to the next, m."""
+    trail_at: list[int] = column(RUN)
+    """Where in the rings the next row goes."""
+    trail_square: list[float] = column(ENTITY)
+    """Square of the greatest way from one row to the next, m2."""
+    trail_way: list[float] = column(ENTITY)
+    """Way from the row before, m."""
+    free_before: list[float] = column(ENTITY)
+    """How far the ego and the entity may drive together until it may be where the ego was, and the other way, m."""
+    free_behind: list[float] = column(ENTITY)
+    trail_every: list[int] = column(RUN, 1)
+    """Steps from one kept row to the next, and the number of rows that are looked back at, and one."""
+    trail_limit: list[int] = column(RUN, 1)
+    movers: list[int] = column(RUN)
+    """Number of other entities that may move."""
 
     # Boxes.
     seen_h: list[float] = column(ENTITY)
