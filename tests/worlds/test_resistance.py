@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from scenario_compiler.worlds.resistance import resistance
 
-NUMBERS = st.floats(allow_nan=False, width=32)
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False, width=32)
+"""What the layouts of calls let through."""
 
 
 def test_wheels_and_air_add_up() -> None:
