@@ -127,6 +127,7 @@ from scenario_compiler.vocabulary.criteria import MinimumTimeToCollision as Mini
 from scenario_compiler.vocabulary.criteria import NoAvoidableCollision as NoAvoidableCollision
 from scenario_compiler.vocabulary.criteria import NoCollision as NoCollision
 from scenario_compiler.vocabulary.criteria import NoMinimumRisk as NoMinimumRisk
+from scenario_compiler.vocabulary.criteria import NoObstruction as NoObstruction
 from scenario_compiler.vocabulary.criteria import ReachDestination as ReachDestination
 from scenario_compiler.vocabulary.criteria import Requested as Requested
 from scenario_compiler.vocabulary.criteria import StayOnRoad as StayOnRoad
@@ -138,6 +139,7 @@ from scenario_compiler.vocabulary.driver import Effect as Effect
 from scenario_compiler.vocabulary.driver import Inputs as Inputs
 from scenario_compiler.vocabulary.driver import Person as Person
 from scenario_compiler.vocabulary.entities import Controller as Controller
+from scenario_compiler.vocabulary.entities import Detector as Detector
 from scenario_compiler.vocabulary.entities import Dynamic as Dynamic
 from scenario_compiler.vocabulary.entities import Ego as Ego
 from scenario_compiler.vocabulary.entities import Follow as Follow

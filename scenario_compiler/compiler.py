@@ -198,6 +198,10 @@ class StudyCompilation:
     others: Mapping[str, Compilation]
 
 
+SILENT = (Message.model_construct(modality=("none",)),)
+"""The messages of a variant of the interface that has none: without any, pages would show texts of their own."""
+
+
 def compile_study(
     source: StudyFile,
     sink: Diagnostics,
@@ -232,7 +236,7 @@ def compile_study(
         place, inner = word.place_of("target"), Diagnostics(insisted=sink.insisted)
         values = () if condition is None or condition.setting is None else condition.setting.values
         hmi = None if condition is None else condition.hmi
-        changed = settings if hmi is None else replace(settings, messages=hmi.messages)
+        changed = settings if hmi is None else replace(settings, messages=hmi.messages or SILENT)
         if not Path(split_target(target)[0]).is_file():
             sink.add(UNREADABLE_PART, f"there is no file '{split_target(target)[0]}'", place)
             return None

@@ -40,6 +40,7 @@ WITHOUT_CASE = {
     "SC506": "speaks of --perception: tests/plan/test_findings.py",
     "SC520": "speaks of worlds that are lost: tests/worlds/test_own_physics.py",
     "SC521": "speaks of controllers that fail: tests/runtime/test_failures.py",
+    "SC528": "speaks of controllers of one's own, which have to be trusted: tests/test_trust.py",
     **dict.fromkeys(("SC524", "SC525", "SC526"), "speak of --world carla: tests/worlds"),
     "SC522": "speaks of faults of this program: tests/runtime/test_failures.py",
     "SC783": "speaks of exported files: tests/openscenario/test_export.py",

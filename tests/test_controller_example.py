@@ -98,7 +98,7 @@ def test_the_network_can_be_trained_again(example: Path) -> None:
 
 def test_the_pages_controller_works() -> None:
     page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    code = re.findall(r"```python\n(.*?)```", page, re.DOTALL)[0]
     names: dict[str, object] = {"__name__": "page"}
     exec(compile(code, "controllers.md", "exec"), names)
     straight = names["Straight"]

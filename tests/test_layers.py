@@ -22,6 +22,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / NAME
 ROWS = (
     ("__main__",),
     ("cli",),
+    ("study",),
     ("batch", "live", "carla_server", "editor", "survey"),
     ("report", "validation", "listing"),
     ("runtime", "compiler", "coverage"),
@@ -100,12 +101,13 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
     "pyarrow": ("batch.results", "recording.arrow", "recording.store"),
+    "pylsl": ("study.outlet",),
     "rerun": ("report.rerun_file",),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),
-    "scipy": ("batch.sampling", "batch.search", "perception.calibration.fit"),
-    "starlette": ("live.server",),
-    "uvicorn": ("live.server",),
+    "scipy": ("batch.sampling", "batch.search", "perception.calibration.fit", "study.effects"),
+    "starlette": ("live.server", "live.cockpit", "live.web", "study.server"),
+    "uvicorn": ("live.web",),
 }
 """Packages that cost start-up time or are extras, and the module (or package) that alone imports each."""
 

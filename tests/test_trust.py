@@ -9,8 +9,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from scenario_compiler.recording.store import read_recording
 from scenario_compiler.trust import CodeName, ConfigurationError, Trust, code_name
 from tests.command import call
 
@@ -387,6 +389,90 @@ def test_a_controller_that_fails_in_a_run_ends_it_and_keeps_the_recording(
     assert (outcome["result"], outcome["stop_reason"]) == ("error", "controller_failed")
     if name == "Failing":
         assert outcome["duration"] == pytest.approx(0.15)
+
+
+LANES = """
+from dataclasses import replace
+from scenario_compiler.perception.detectors import create_detector
+
+class Mine:
+    def __init__(self, camera):
+        self.inner = create_detector("classical", camera)
+
+    def detect(self, image, prior=None, pitch=None):
+        found = self.inner.detect(image, prior, pitch)
+        return replace(found, left=replace(found.left, p=0.5))
+
+class Failing(Mine):
+    def detect(self, image, prior=None, pitch=None):
+        raise RuntimeError("blind")
+
+class Certain(Mine):
+    def detect(self, image, prior=None, pitch=None):
+        found = super().detect(image, prior, pitch)
+        return replace(found, left=replace(found.left, p=2.0))
+
+class Silent(Mine):
+    def detect(self, image, prior=None, pitch=None):
+        return None
+
+class Deaf:
+    pass
+"""
+"""Lane detectors of a stranger."""
+
+
+def with_detector(folder: Path, name: str) -> Path:
+    """Write a scenario that names a detector of a stranger, and the stranger's code; return the scenario."""
+    (folder / "stranger.py").write_text(LANES)
+    file = folder / "named.xml"
+    text = NAMED.format(model="lane_detection", properties=f'<detector model="{name}"/>')
+    file.write_text(text)
+    return file
+
+
+def test_a_stranger_s_detector_runs_only_where_it_is_trusted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = with_detector(tmp_path, "stranger.py:Mine")
+    assert call("validate", file) == 0
+    capsys.readouterr()
+    assert call("run", file, "--duration", "0.2", "--format", "json") == 1
+    assert {one["code"] for one in json.loads(capsys.readouterr().out)} == {"SC507"}
+    assert str(tmp_path / "stranger.py") not in sys.modules
+    assert call("run", file, "--duration", "0.2", "--trust", file, "-o", tmp_path / "out") == 0
+    confidence = read_recording(tmp_path / "out" / "recording.parquet").confidence_left
+    assert 0.0 < np.nanmax(confidence[1:]) <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "said"),
+    [
+        ("Failing", "SC521", "RuntimeError: blind"),
+        ("Certain", "SC521", "p of the left boundary is 2.0, not from 0 to 1"),
+        ("Silent", "SC521", "it returned NoneType, which is no LaneResult"),
+        ("Deaf", "SC527", "does not have a method `detect`"),
+        ("Gone", "SC527", "there is no 'Gone' in it"),
+    ],
+)
+def test_a_detector_that_fails_is_a_finding_with_its_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, code: str, said: str
+) -> None:
+    file = with_detector(tmp_path, f"stranger.py:{name}")
+    assert call("run", file, "--duration", "0.2", "--trust", file, "--format", "json") == 1
+    (found,) = json.loads(capsys.readouterr().out)
+    assert found["code"] == code
+    assert said in found["message"]
+    assert f"'stranger.py:{name}'" in found["message"]
+
+
+def test_a_detector_is_ignored_by_a_controller_that_looks_for_no_lane(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = written(tmp_path, "stranger.py:Mine", '<detector model="learned"/>')
+    assert call("run", file, "--trust", file, "--format", "json") == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert (found["code"], found["severity"]) == ("SC528", "warning")
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,10 @@ class Sweep:
     def trust(self) -> Trust:
         """What a worker may import: what was found to be trusted when the sweep was prepared."""
         trust, controller = self.spec.trusted(self.target), self.families.base.plan.controller
-        return trust if controller is None else Trust((*trust.named, controller.model), trust.beside)
+        if controller is None:
+            return trust
+        detector = () if controller.detector is None else (controller.detector.model,)
+        return Trust((*trust.named, controller.model, *detector), trust.beside)
 
     @property
     def parts(self) -> int:

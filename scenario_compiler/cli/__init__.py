@@ -27,6 +27,7 @@ from scenario_compiler.cli import (
     maps,
     report,
     run,
+    study,
     sweep,
     validate,
 )
@@ -40,6 +41,7 @@ GROUPS = (
     validate,
     run,
     live,
+    study,
     report,
     compare,
     sweep,

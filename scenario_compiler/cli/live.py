@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -94,14 +96,21 @@ def drive_command(options: argparse.Namespace) -> int:
     return FINE
 
 
-def serve_plan(plan: Plan, network: Network, options: argparse.Namespace, *, watched: bool = False) -> list[Session]:
-    """Serve a plan's page; WrongUse where the server's packages are missing."""
+@contextmanager
+def serving() -> Iterator[None]:
+    """Say which extra installs what a server of pages needs and is missing."""
     try:
-        from scenario_compiler.live.server import serve
+        yield
     except ModuleNotFoundError as missing:
-        if (missing.name or "").partition(".")[0] not in ("starlette", "uvicorn", "websockets"):
+        if (missing.name or "").partition(".")[0] not in ("starlette", "uvicorn", "websockets", "markdown_it"):
             raise
         raise WrongUse("the page needs starlette and uvicorn: pip install 'scenario-compiler[study]'") from None
+
+
+def serve_plan(plan: Plan, network: Network, options: argparse.Namespace, *, watched: bool = False) -> list[Session]:
+    """Serve a plan's page; WrongUse where the server's packages are missing."""
+    with serving():
+        from scenario_compiler.live.server import serve
     from scenario_compiler.live.session import Drive
 
     folder = None if watched else options.output

@@ -1,8 +1,8 @@
 """What drives the ego vehicle from Python between steps, and the table of its names.
 
 In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, the plan and the
-hall. A controller of one's own is named `package.module:Class` or `file.py:Class`; it is imported only where `Trust`
-allows it.
+hall. A controller or lane detector of one's own is named `package.module:Class` or `file.py:Class`; it is imported only
+where `Trust` allows it.
 """
 
 from __future__ import annotations
@@ -13,6 +13,12 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
+from scenario_compiler.controllers.detectors import (
+    IDLE_DETECTOR,
+    UNKNOWN_DETECTOR,
+    DetectorMaker,
+    detector_maker,
+)
 from scenario_compiler.controllers.foreign import (
     CONTROLLER_FAILED,
     UNKNOWN_CONTROLLER,
@@ -29,10 +35,11 @@ from scenario_compiler.controllers.model import (
     VehicleState,
 )
 from scenario_compiler.diagnostics import Code, Diagnostics, Place, Related, Severity, did_you_mean
+from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.trust import CodeName, Trust, code_name
-from scenario_compiler.vocabulary.entities import Controller
+from scenario_compiler.vocabulary.entities import Controller, Detector, Property
 
 CONTROLLERS: dict[str, str] = {
     "lane_detection": "scenario_compiler.controllers.lane_detection:LaneDetectionController",
@@ -49,7 +56,8 @@ BAD_PROPERTY = Code(
 UNTRUSTED_CONTROLLER = Code(
     "SC507",
     "untrusted-controller",
-    "The scenario names code of its author's own as its controller. Reading a file never runs code that it names, so "
+    "The scenario names code of its author's own as its controller or lane detector. Reading a file never runs code "
+    "that it names, so "
     "`validate`, `compile`, `export`, `preview` and `list` check the spelling of the name alone, and not the "
     "controller's properties; `run` and `sweep` refuse to run it. Read the code, then say that you trust it: by "
     "naming a class, a module, a Python file or the scenario's file with --trust, or for good with the class, module "
@@ -83,11 +91,27 @@ def controller_class(name: str, trust: Trust | None = None, named_in: str = "") 
     trust = trust or Trust()
     if not trust.allows(code, named_in):
         raise ControllerError(_untrusted(name), UNTRUSTED_CONTROLLER)
-    return load_class(name, code, trust, named_in)
+    loaded: type[ControllerModel] = load_class(name, code, trust, named_in)
+    return loaded
 
 
-def _untrusted(name: str) -> str:
-    return f"the scenario names code of its own, '{name}', which is not trusted: its properties were not checked"
+def _untrusted(name: str, unchecked: str = ": its properties were not checked") -> str:
+    return f"the scenario names code of its own, '{name}', which is not trusted{unchecked}"
+
+
+def _maker_of(detector: Detector, trust: Trust | None) -> DetectorMaker:
+    """Return what makes the detectors that a scenario names.
+
+    Raises:
+        ControllerError: There is no such detector, it is not trusted, or importing it fails.
+        ConfigurationError: The user's configuration file cannot be read.
+    """
+    named_in, code, trust = detector.place_of("model").file, None, trust or Trust()
+    if detector.model not in DETECTORS:
+        code = code_name(detector.model)
+        if code is not None and not trust.allows(code, named_in):
+            raise ControllerError(_untrusted(detector.model, ""), UNTRUSTED_CONTROLLER)
+    return detector_maker(detector.model, code, trust, named_in)
 
 
 def create_controller(controller: Controller, trust: Trust | None = None) -> ControllerModel:
@@ -101,9 +125,15 @@ def create_controller(controller: Controller, trust: Trust | None = None) -> Con
     named_in = controller.place_of("model").file
     found = controller_class(controller.model, trust, named_in)
     params = found.Params.model_validate(_values(controller, found, named_in, trust))
-    if controller.model in CONTROLLERS:
-        return found(params)
-    return ForeignController(controller.model, lambda: found(params))
+    maker = None if controller.detector is None else _maker_of(controller.detector, trust)
+
+    def make() -> ControllerModel:
+        made = found(params)
+        if maker is not None:
+            made.make_detector = maker
+        return made
+
+    return make() if controller.model in CONTROLLERS else ForeignController(controller.model, make)
 
 
 def _values(controller: Controller, found: type[ControllerModel], named_in: str, trust: Trust | None) -> dict[str, str]:
@@ -128,7 +158,7 @@ def _is_path(annotation: Any) -> bool:
 
 
 def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
-    """Report a controller that does not exist and properties that it does not take.
+    """Report a controller or a detector that does not exist, and properties that the controller does not take.
 
     Of code that is not trusted the spelling alone is checked, and a warning says so. One of ours without properties is
     not even imported: its parameters have defaults.
@@ -137,7 +167,11 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
         ConfigurationError: The user's configuration file cannot be read.
     """
     controller = plan.controller
-    if controller is None or (controller.model in CONTROLLERS and not controller.properties):
+    if controller is None:
+        return
+    if controller.detector is not None:
+        _check_detector(controller.detector, sink, trust)
+    if controller.model in CONTROLLERS and not controller.properties and controller.detector is None:
         return
     place = controller.place_of("model")
     try:
@@ -145,6 +179,9 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
     except ControllerError as error:
         report_controller(controller.model, error, place, sink)
         return
+    if controller.detector is not None and not found.uses_detector:
+        message = f"the controller '{controller.model}' looks for no lane: '{controller.detector.model}' is ignored"
+        sink.add(IDLE_DETECTOR, message, controller.detector.place_of("model"))
     words = {p.name: p for p in controller.properties}
     try:
         found.Params.model_validate(_values(controller, found, place.file, trust))
@@ -152,8 +189,22 @@ def check_controller(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
         for fault in error.errors(include_url=False):
             name = str(fault["loc"][0]) if fault["loc"] else ""
             at = words[name].place_of("value") if name in words else place_of(plan, "controller")
-            hint = did_you_mean(name, found.Params.model_fields) if fault["type"] == "extra_forbidden" else ""
+            hint = _meant(words[name], found) if fault["type"] == "extra_forbidden" else ""
             sink.add(BAD_PROPERTY, f"property '{name}' of '{controller.model}': {fault['msg']}", at, hint=hint)
+
+
+def _meant(written: Property, found: type[ControllerModel]) -> str:
+    """Return what to write in the place of a property that there is none of."""
+    if written.name == Detector.tag() and found.uses_detector:
+        return f'the detector is an element of the controller: <detector model="{written.value}"/>'
+    return did_you_mean(written.name, found.Params.model_fields)
+
+
+def _check_detector(detector: Detector, sink: Diagnostics, trust: Trust | None) -> None:
+    try:
+        _maker_of(detector, trust)
+    except ControllerError as error:
+        report_controller(detector.model, error, detector.place_of("model"), sink)
 
 
 def refuse_untrusted(plan: Plan, sink: Diagnostics, trust: Trust | None = None) -> None:
@@ -165,30 +216,31 @@ def refuse_untrusted(plan: Plan, sink: Diagnostics, trust: Trust | None = None) 
         ConfigurationError: The user's configuration file cannot be read.
     """
     controller = plan.controller
-    if controller is None or plan.perception != "camera" or controller.model in CONTROLLERS:
+    if controller is None or plan.perception != "camera":
         return
-    place = controller.place_of("model")
-    code = code_name(controller.model)
-    if code is not None and not (trust or Trust()).allows(code, place.file):
-        sink.add(
-            UNTRUSTED_CONTROLLER,
-            _untrusted(controller.model),
-            place,
-            hint=_how_to_trust(code),
-            severity=Severity.ERROR,
-        )
+    named: list[tuple[Controller | Detector, str]] = []
+    if controller.model not in CONTROLLERS:
+        named.append((controller, _untrusted(controller.model)))
+    if controller.detector is not None and controller.detector.model not in DETECTORS:
+        named.append((controller.detector, _untrusted(controller.detector.model, "")))
+    for word, message in named:
+        place, code = word.place_of("model"), code_name(word.model)
+        if code is not None and not (trust or Trust()).allows(code, place.file):
+            sink.add(UNTRUSTED_CONTROLLER, message, place, hint=_how_to_trust(code), severity=Severity.ERROR)
 
 
 def report_controller(name: str, error: ControllerError, named_at: Place, sink: Diagnostics) -> None:
-    """Report why a controller could not be had, at the line of its code where one is known, else where it is named."""
+    """Report why a controller or detector could not be had: at the line of its code if known, else at its name."""
     hint = ""
     code = code_name(name)
     if error.code is UNTRUSTED_CONTROLLER and code is not None:
         hint = _how_to_trust(code)
     elif error.code is UNKNOWN_CONTROLLER:
         hint = did_you_mean(name, CONTROLLERS)
+    elif error.code is UNKNOWN_DETECTOR:
+        hint = did_you_mean(name, DETECTORS)
     if error.place.file:
-        sink.add(error.code, str(error), error.place, related=(Related("the controller is named here", named_at),))
+        sink.add(error.code, str(error), error.place, related=(Related("it is named here", named_at),))
     else:
         sink.add(error.code, str(error), named_at, hint=hint)
 

@@ -1,7 +1,7 @@
-"""Controllers of the user's own: found by name, imported, and asked so that what they raise becomes a value.
+"""Controllers and lane detectors of the user's own: found by name, imported, and asked so that a failure is a value.
 
 Whatever code raises that is not ours (an exception, `SystemExit`, a model's file that is missing) is a
-`ControllerError` with the controller's name and the file and line at which it was raised; never a traceback.
+`ControllerError` with the code's name and the file and line at which it was raised; never a traceback.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import sysconfig
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -38,24 +39,50 @@ UNKNOWN_CONTROLLER = Code(
 CONTROLLER_FAILED = Code(
     "SC521",
     "controller-failed",
-    "A controller of your own raised an exception, ended the program, or gave a command that is not a `Command`: "
-    "when its module was imported, when it was made, or at a step of the run. The place is the line of the "
-    "controller's code. The run ends there, and the recording up to there is kept.\n\n"
+    "A controller or a lane detector of your own raised an exception, ended the program, or gave an answer that is not "
+    "a `Control` or a `LaneResult` of finite numbers: when its module was imported, when it was made, or at a step of "
+    "the run. The place is the line of its code. The run ends there, and the recording up to there is kept.\n\n"
     "    controller 'steering:Mine', steering.py:31: FileNotFoundError: [Errno 2] No such file or directory: "
     "'model.onnx'\n\n"
-    "Mend the controller. A property that its `Params` declare as a `pathlib.Path` starts from the scenario's folder.",
+    "Mend the code. A property that a controller's `Params` declare as a `pathlib.Path` starts from the scenario's "
+    "folder.",
 )
 
 _PACKAGE = str(Path(__file__).resolve().parent.parent)
 _Answer = TypeVar("_Answer")
 
 
+@dataclass(frozen=True)
+class Kind:
+    """A kind of code that a scenario can name.
+
+    Attributes:
+        name: What messages call it.
+        unknown: The diagnostic of a name under which there is none.
+        fits: Tells whether what was found under the name is of the kind.
+        must: What it must be, for messages.
+    """
+
+    name: str
+    unknown: Code
+    fits: Callable[[Any], bool]
+    must: str
+
+
+CONTROLLER = Kind(
+    "controller",
+    UNKNOWN_CONTROLLER,
+    lambda found: isinstance(found, type) and issubclass(found, ControllerModel),
+    "derive from ControllerModel",
+)
+
+
 class ControllerError(Exception):
-    """A controller of the user's own cannot be found, imported or made, or it failed.
+    """A controller or detector of the user's own cannot be found, imported or made, or it failed.
 
     Attributes:
         code: The diagnostic's code.
-        place: Where in the controller's code it happened; line 0 where that is not known.
+        place: Where in its code it happened; line 0 where that is not known.
     """
 
     def __init__(self, message: str, code: Code = UNKNOWN_CONTROLLER, place: FilePlace | None = None) -> None:
@@ -65,66 +92,71 @@ class ControllerError(Exception):
         self.place = FilePlace("") if place is None else place
 
     @classmethod
-    def of(cls, name: str, fault: BaseException) -> ControllerError:
-        """Return what a controller raised as its failure, with the file and line of its code that raised it."""
+    def of(cls, name: str, fault: BaseException, kind: Kind = CONTROLLER) -> ControllerError:
+        """Return what code of the user's raised as its failure, with the file and line that raised it."""
         what = f"{type(fault).__name__}: {fault}" if str(fault) else type(fault).__name__
-        return cls.at(name, _place_of(fault), what)
+        return cls.at(name, _place_of(fault), what, kind)
 
     @classmethod
-    def at(cls, name: str, place: FilePlace, what: str) -> ControllerError:
-        """Return the failure of a controller at a place in its code."""
+    def at(cls, name: str, place: FilePlace, what: str, kind: Kind = CONTROLLER) -> ControllerError:
+        """Return the failure of a controller or detector at a place in its code."""
         where = f", {Path(place.file).name}:{place.line}" if place.file else ""
-        return cls(f"controller '{name}'{where}: {what}", CONTROLLER_FAILED, place)
+        return cls(f"{kind.name} '{name}'{where}: {what}", CONTROLLER_FAILED, place)
 
 
-def load_class(name: str, code: CodeName, trust: Trust, named_in: str) -> type[ControllerModel]:
+def load_class(name: str, code: CodeName, trust: Trust, named_in: str, kind: Kind = CONTROLLER) -> Any:
     """Import a class that the user trusts; nobody else may call this.
 
     Args:
-        name: The controller's name, for messages.
+        name: The name as it was given, for messages.
         code: What to import.
         trust: What the user has named: such modules are looked for in the current folder and beside the scenario too.
         named_in: Path of the file that names it.
+        kind: What it has to be.
 
     Raises:
         ControllerError: There is no such class, or importing it fails.
     """
     file = trust.file_of(code, named_in)
-    with _blamed(name):
+    with blamed(name, kind):
         if file is not None:
-            module = _file_module(name, file)
+            module = _file_module(name, file, kind)
         else:
             named = trust.names(code, named_in)
             folders = [Path.cwd(), *([] if trust.beside is None else [trust.beside])] if named else []
-            module = _module(name, code.source, folders)
+            module = _module(name, code.source, folders, kind)
     found = getattr(module, code.attribute, None)
     if found is None:
-        raise ControllerError(f"cannot import the controller '{name}': there is no '{code.attribute}' in it")
-    if not (isinstance(found, type) and issubclass(found, ControllerModel)):
-        raise ControllerError(f"'{name}' does not derive from ControllerModel")
+        raise _not_there(name, f"there is no '{code.attribute}' in it", kind)
+    if not kind.fits(found):
+        raise ControllerError(f"'{name}' does not {kind.must}", kind.unknown)
     return found
 
 
-def _module(name: str, source: str, folders: Sequence[Path]) -> Any:
+def _not_there(name: str, why: str, kind: Kind) -> ControllerError:
+    return ControllerError(f"cannot import the {kind.name} '{name}': {why}", kind.unknown)
+
+
+def _module(name: str, source: str, folders: Sequence[Path], kind: Kind) -> Any:
     try:
         with _looked_for_in(folders):
             return importlib.import_module(source)
     except ModuleNotFoundError as missing:
         if missing.name is not None and f"{source}.".startswith(f"{missing.name}."):
-            raise ControllerError(f"cannot import the controller '{name}': {missing}") from None
+            raise _not_there(name, str(missing), kind) from None
         raise
 
 
-def _file_module(name: str, file: Path) -> Any:
+def _file_module(name: str, file: Path, kind: Kind) -> Any:
     """Return the module of a Python file, which is executed once."""
     known = sys.modules.get(str(file))
     if known is not None:
         return known
     if not file.is_file():
-        raise ControllerError(f"cannot import the controller '{name}': there is no file {file}")
+        raise _not_there(name, f"there is no file {file}", kind)
     spec = importlib.util.spec_from_file_location(str(file), file)
     if spec is None or spec.loader is None:
-        raise ControllerError(f"cannot import the controller '{name}': {file} is no Python file")
+        raise _not_there(name, f"{file} is no Python file", kind)
     module = importlib.util.module_from_spec(spec)
     sys.modules[str(file)] = module
     try:
@@ -149,14 +181,14 @@ def _looked_for_in(folders: Sequence[Path]) -> Iterator[None]:
 
 
 @contextmanager
-def _blamed(name: str) -> Iterator[None]:
+def blamed(name: str, kind: Kind = CONTROLLER) -> Iterator[None]:
     """Turn what code of the user's raises into a ControllerError; an interruption by the user passes."""
     try:
         yield
     except (ControllerError, KeyboardInterrupt):
         raise
     except BaseException as fault:
-        raise ControllerError.of(name, fault) from None
+        raise ControllerError.of(name, fault, kind) from None
 
 
 def _place_of(fault: BaseException) -> FilePlace:
@@ -187,7 +219,7 @@ class ForeignController(ControllerModel):
         super().__init__(self._inner.params)
 
     def _ask(self, call: Callable[..., _Answer], *arguments: Any) -> _Answer:
-        with _blamed(self.name):
+        with blamed(self.name):
             return call(*arguments)
 
     def reset(self, seed: int) -> None:

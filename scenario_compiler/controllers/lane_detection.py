@@ -25,7 +25,6 @@ from scenario_compiler.controllers.model import (
     VehicleState,
 )
 from scenario_compiler.controllers.planned_way import LOOKED_AT, shape_of, worth_on_way
-from scenario_compiler.perception.detectors import DetectorName, create_detector
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,7 +62,6 @@ USUAL_WIDTH = 3.5
 class LaneDetectionParams(ControllerParams):
     """Parameters of the lane-keeping automation."""
 
-    detector: DetectorName = Field("classical", description="The lane detector's name.")
     look_ahead_time: float = Field(0.4, gt=0, le=5, description="Look-ahead of the pure pursuit, s.")
     look_ahead_min: float = Field(3.0, gt=0, le=50, description="Least look-ahead, m.")
     look_ahead_max: float = Field(20.0, gt=0, le=100, description="Greatest look-ahead, m.")
@@ -80,6 +78,7 @@ class LaneDetectionController(ControllerModel):
 
     Params: ClassVar[type[ControllerParams]] = LaneDetectionParams
     params: LaneDetectionParams
+    uses_detector: ClassVar[bool] = True
 
     def reset(self, seed: int) -> None:
         """Forget the lane and the path."""
@@ -203,7 +202,7 @@ class LaneDetectionController(ControllerModel):
 
         if self._detector is None:
             self._camera = sensor_data.camera.camera()
-            self._detector = create_detector(self.params.detector, self._camera)
+            self._detector = self.make_detector(self._camera)
             self._monitor = SensorMonitor()
             self._prior = LaneState()
         assert self._prior is not None

@@ -6,17 +6,21 @@ Method names are those of the AISA toolkit (HRI 2025): a controller written for 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
+
+from scenario_compiler.perception.detectors import create_detector
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from scenario_compiler.perception.camera import Camera
-    from scenario_compiler.perception.lane_detector import LaneResult
+    from scenario_compiler.perception.lane_detector import LaneDetector, LaneResult
 
 
 class ControllerParams(BaseModel):
@@ -153,9 +157,13 @@ class ControllerModel(ABC):
 
     Params: ClassVar[type[ControllerParams]] = ControllerParams
 
+    uses_detector: ClassVar[bool] = False
+    """Whether it looks for the lane with `make_detector`, so that a scenario can name the detector."""
+
     def __init__(self, params: Any) -> None:
         """Keep the parameters, an instance of the class's `Params`."""
         self.params = params
+        self.make_detector: Callable[[Camera], LaneDetector] = partial(create_detector, "classical")
 
     def reset(self, seed: int) -> None:
         """Forget everything: a run begins. `seed` is the run's, for controllers that draw numbers."""

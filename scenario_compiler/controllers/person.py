@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal, Protocol
 if TYPE_CHECKING:
     from scenario_compiler.recording.recording import Recording
 
-Wish = Literal["", "take_over", "hand_back", "leave"]
-"""What a person wants of the automation; who leaves lets it stop the vehicle."""
+Wish = Literal["", "take_over", "hand_back", "leave", "request"]
+"""What a person wants of the automation; who leaves lets it stop the vehicle, and who looks on may let it request."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,6 +55,48 @@ The second drives with that controller, whatever the scenario names. A module or
 may lie in the current folder or beside the scenario. The scenario's properties stay with the controller that it names.
 [The page on commands](commands.md#code-that-files-name) says what may be trusted, and for how long.
 
+## A lane detector of your own
+
+`lane_detection` looks for the lane with a detector: [`classical`](perception.md), [`learned`](perception-learned.md),
+or any class that is made with a camera and has a method `detect`. This one sees with both, and trusts the lane of the
+classical one as far as the more doubtful of the two does:
+
+```python
+from dataclasses import replace
+
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.detectors import create_detector
+from scenario_compiler.perception.lane_detector import Image, LaneResult, LaneState
+
+
+class Cautious:
+    """The classical detector's lane with the smaller confidence of the two detectors."""
+
+    def __init__(self, camera: Camera) -> None:
+        """Prepare for one camera."""
+        self.detectors = create_detector("classical", camera), create_detector("learned", camera)
+
+    def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
+        """Return the lane that the camera is in."""
+        first, second = (one.detect(image, prior, pitch) for one in self.detectors)
+        left = replace(first.left, p=min(first.left.p, second.left.p))
+        right = replace(first.right, p=min(first.right.p, second.right.p))
+        health = first.sensor_health
+        return replace(first, left=left, right=right, p_left=left.p * health, p_right=right.p * health)
+```
+
+A scenario names it in the controller, and it is trusted as a controller's code is:
+
+```xml
+<controller><detector model="cautious.py:Cautious"/></controller>
+```
+
+    scenario-compiler run conflict.xml --trust cautious.py:Cautious
+
+`detect` gets the picture, what was remembered of the lane (the controller keeps it with `LaneState.after`), and a tilt
+where one is known. A controller of your own that derives from `LaneDetectionController`, or that sets `uses_detector`,
+makes the detector that the scenario names with `self.make_detector(camera)`.
+
 ## With a neural network
 
 `examples/onnx_controller` steers by a network from an ONNX file, which OpenCV runs; nothing else is needed:
@@ -66,8 +108,9 @@ may lie in the current folder or beside the scenario. The scenario's properties 
 
 ## When it fails
 
-An exception, a model's file that is missing, `sys.exit` at import, an answer that is no `Control` or no finite number:
-each is the finding SC521 with the controller's name, the file and the line. The run ends there with the stop reason
+An exception, a model's file that is missing, `sys.exit` at import, an answer that is no `Control` (of a detector: no
+`LaneResult`) or no finite number: each is the finding SC521 with the controller's or detector's name, the file and the
+line. The run ends there with the stop reason
 `controller_failed`, its recording up to there is kept, and the exit code is 1.
 
 ## What it gets

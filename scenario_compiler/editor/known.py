@@ -14,6 +14,7 @@ from scenario_compiler.diagnostics import Diagnostics, FilePlace, Severity, all_
 from scenario_compiler.editor.analysis import LOOPS, Analysis
 from scenario_compiler.editor.draft import Tag
 from scenario_compiler.expressions import format_value
+from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.resources import MapNotFoundError, find_map, known_maps
 from scenario_compiler.roads import Network
@@ -215,6 +216,11 @@ def _controllers(spot: Spot) -> Iterator[Known]:
     yield from (Known(name, "controller") for name in CONTROLLERS)
 
 
+def _detectors(spot: Spot) -> Iterator[Known]:
+    del spot
+    yield from (Known(name, "lane detector") for name in DETECTORS)
+
+
 def _codes(spot: Spot) -> Iterator[Known]:
     del spot
     for code in sorted(all_codes().values(), key=lambda one: one.id):
@@ -225,6 +231,7 @@ def _codes(spot: Spot) -> Iterator[Known]:
 KNOWN: Mapping[str, Callable[[Spot], Iterable[Known]]] = {
     "code": _codes,
     "controller": _controllers,
+    "detector": _detectors,
     "driver": _drivers,
     "entity": _entities,
     "event": _events,

@@ -16,6 +16,7 @@ from scenario_compiler.live.sight import Sight
 from scenario_compiler.live.wheel import DRIVEN_BY_HAND, Wheel
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.folder import write_run_folder
@@ -41,8 +42,14 @@ MIRROR_EVERY = 2
 BEHIND = 0.1
 """Delay from which the page says that the machine does not keep up, s."""
 
+SLOWEST = 0.2
+"""Time from one picture to the next at most, s: a run that is behind leaves out pictures before it loses time."""
+
 GIVEN_UP = 0.5
 """Delay that is not caught up any more: the clock of the run is set back by it, s."""
+
+HELD_EVERY = 0.1
+"""Time after which a run that stands still looks whether it may go on, and tells the page again, s."""
 
 ASKING = get_args(Told)
 """States that are announced where the policy has no messages of its own."""
@@ -73,8 +80,9 @@ class Drive:
         world: Name of the world.
         seed: Seed of all that is drawn.
         trust: Code of the user's own that the plan may name.
-        folder: Folder that the runs are written into; None writes nothing.
+        folder: Folder of the run; None writes nothing. A server of several runs makes one for each below it.
         size: Width and height of the view ahead, pixels.
+        plain: Whether the view shows the road alone, and not what the automation sees and plans.
     """
 
     plan: Plan
@@ -84,6 +92,7 @@ class Drive:
     trust: Trust | None = None
     folder: Path | None = None
     size: tuple[int, int] = (1280, 720)
+    plain: bool = False
 
 
 class Session(threading.Thread):
@@ -94,25 +103,46 @@ class Session(threading.Thread):
         folder: Folder of this run.
         ended: How it ended, in words; empty while it goes on.
         finished: The run, once it has ended.
+        now: Time of the run, s.
+        state: State of the takeover.
+        held: Why the run stands still, `paused` or `probe`; empty while it goes on.
+        marks: What was not as planned: `person_left`, `requested`, `aborted`.
     """
 
-    def __init__(self, drive: Drive, number: int, show: Callable[[Picture], bool]) -> None:
+    def __init__(
+        self,
+        drive: Drive,
+        show: Callable[[Picture], bool],
+        number: int = 1,
+        *,
+        probe_at: float | None = None,
+        kept: Callable[[Session], None] | None = None,
+        happened: Callable[[EventRow], None] | None = None,
+    ) -> None:
         """Prepare a run.
 
         Args:
             drive: What is driven.
-            number: Number of the run, from 1 on; later ones have other seeds.
             show: Takes a picture, in this thread; False where the page was too slow to take it.
+            number: Number of the run, which the page tells runs apart by.
+            probe_at: Time at which the run stands still, s, until `go_on` is called; None for never.
+            kept: Called in this thread when the run has ended and its files are written, before the page hears of it.
+            happened: Called in this thread with each event of the run, within the step in which it comes.
         """
         super().__init__(name=f"run {number}", daemon=True)
         self.drive, self.number, self._show = drive, number, show
-        self.folder = None if drive.folder is None else drive.folder / f"drive-{number:03d}"
+        self.folder = drive.folder
+        self.now, self.state, self.held = 0.0, "automated", ""
+        self.marks: set[str] = set()
+        self._probe_at, self._kept, self._happens = probe_at, kept, happened
+        self._paused = threading.Event()
+        self._probed = threading.Event()
         self.wheel: Wheel | None = None
         if drive.plan.takeover.driver.by_person is not None:
             if self.folder is not None:
                 make_folder(self.folder)
-            kept = None if self.folder is None else self.folder / "inputs.jsonl"
-            self.wheel = Wheel(drive.plan, kept)
+            inputs = None if self.folder is None else self.folder / "inputs.jsonl"
+            self.wheel = Wheel(drive.plan, inputs)
         self.ended = ""
         self.finished: Run | None = None
         self.latencies: list[float] = []
@@ -128,10 +158,34 @@ class Session(threading.Thread):
         """End the run as soon as possible."""
         self._stopping.set()
 
+    def abort(self) -> None:
+        """End the run, which is marked."""
+        self.marks.add("aborted")
+        self.stop()
+
+    def request(self) -> None:
+        """Let the automation request a takeover now; the run is marked."""
+        if self.wheel is not None:
+            self.marks.add("requested")
+            self.wheel.request()
+
+    def pause(self) -> None:
+        """Let the run stand still until it is resumed."""
+        self._paused.set()
+
+    def resume(self) -> None:
+        """Let a paused run go on."""
+        self._paused.clear()
+
+    def go_on(self) -> None:
+        """Let a run go on that stands still for its probe."""
+        self._probed.set()
+
     def leave(self) -> None:
         """Note that the page of the person is gone."""
         if self.wheel is not None:
             self.wheel.leave()
+            self.marks.add("person_left")
             self._happened.append("person_left")
 
     def come_back(self) -> None:
@@ -145,8 +199,7 @@ class Session(threading.Thread):
         drive = self.drive
         try:
             with open_world(drive.world, drive.plan, drive.network) as world:
-                seed = drive.seed + self.number - 1
-                execution = Execution(drive.plan, world, seed, trust=drive.trust, person=self.wheel)
+                execution = Execution(drive.plan, world, drive.seed, trust=drive.trust, person=self.wheel)
                 self._go(execution)
                 recording = execution.finish("user" if self._stopping.is_set() else "")
             finished = Run(drive.plan, drive.network, recording, judge(drive.plan, recording))
@@ -157,10 +210,12 @@ class Session(threading.Thread):
                 write_whole(self.folder / "live.json", json.dumps(self.figures(), indent=1) + "\n")
             self.finished = finished
             self.ended = outcome_words(finished.outcome, automated=drive.plan.controller is not None)
+            if self._kept is not None:
+                self._kept(self)
         except (WorldError, OSError) as fault:
             self.ended = f"the run broke off: {fault}"
         finally:
-            self._show(Picture({"end": self.ended, "run": self.number}, b"", b""))
+            self._show(Picture({"end": self.ended, "run": self.number, "kept": self.finished is not None}, b"", b""))
 
     def figures(self) -> dict[str, Any]:
         """Return what was measured of the page and the clock; times in milliseconds."""
@@ -179,16 +234,19 @@ class Session(threading.Thread):
         }
 
     def _go(self, execution: Execution) -> None:
-        sight = Sight(execution, self.drive.size)
+        sight = Sight(execution, self.drive.size, plain=self.drive.plain)
         every = max(1, round(FRAME_TIME / self.drive.plan.step))
         begin = time.perf_counter()
-        steps = 0
+        steps, shown_at, events = 0, 0.0, 0
         self._publish(execution, sight, 0.0)
         while execution.going and not self._stopping.is_set():
+            begin += self._hold()
             for kind in self._news():
                 execution.note(kind)
             execution.advance()
             steps += 1
+            events = self._pass_on(execution, events)
+            self.now, self.state = execution.state.clock[0], TAKEOVER_STATES[execution.state.takeover_state[0]]
             late = time.perf_counter() - begin - execution.state.clock[0]
             if late > GIVEN_UP:
                 begin += late
@@ -197,7 +255,38 @@ class Session(threading.Thread):
                 self._stopping.wait(-late)
             if steps % every == 0:
                 self._late.append(max(late, 0.0))
-                self._publish(execution, sight, late)
+                if late < BEHIND or self.now - shown_at >= SLOWEST - 1e-9:
+                    shown_at = self.now
+                    self._publish(execution, sight, late)
+                else:
+                    self._lost += 1
+
+    def _pass_on(self, execution: Execution, count: int) -> int:
+        """Pass on the events of a run after the first `count`; return how many there are."""
+        news = execution.builder.events_since(count)
+        if self._happens is not None:
+            for event in news:
+                self._happens(event)
+        return count + len(news)
+
+    def _hold(self) -> float:
+        """Stand still as long as there is a reason to; return for how long, s.
+
+        The page gets no picture meanwhile, so that nothing of the situation is left to see.
+        """
+        begin, stood = time.perf_counter(), False
+        while not self._stopping.is_set():
+            if self._probe_at is not None and self.now >= self._probe_at - 1e-9 and not self._probed.is_set():
+                self.held = "probe"
+            else:
+                self.held = "paused" if self._paused.is_set() else ""
+            if not self.held:
+                break
+            stood = True
+            self._show(Picture({"held": self.held, "run": self.number}, b"", b""))
+            self._stopping.wait(HELD_EVERY)
+        self.held = ""
+        return time.perf_counter() - begin if stood else 0.0
 
     def _news(self) -> list[str]:
         news, self._happened = self._happened, []

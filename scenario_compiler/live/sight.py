@@ -30,13 +30,17 @@ HALF_LANE = 1.7
 class Sight:
     """Draws what the person sees of a run; every picture shows a state that is recorded."""
 
-    def __init__(self, execution: Execution, size: tuple[int, int] = (AHEAD.width, AHEAD.height)) -> None:
+    def __init__(
+        self, execution: Execution, size: tuple[int, int] = (AHEAD.width, AHEAD.height), *, plain: bool = False
+    ) -> None:
         """Prepare the scene of a run.
 
         Args:
             execution: The run.
             size: Width and height of the view ahead, pixels.
+            plain: Whether what the automation sees and plans is left out.
         """
+        self._plain = plain
         self._execution = execution
         plan, network = execution.plan, execution.world.network
         start = execution.snapshot()
@@ -54,9 +58,17 @@ class Sight:
             marked: Whether it is marked on the road where the path is blocked: the message of the modality `overlay`.
         """
         image = self._draw(snapshot, self.ahead) if self._built_in else self._execution.world.picture(snapshot)
+        camera = self.ahead if self._built_in else DRIVER
+        if not self._plain:
+            self._draw_plans(image, camera)
+        if marked:
+            self._mark_block(image, camera)
+        return encode_jpeg(image)
+
+    def _draw_plans(self, image: Image, camera: Camera) -> None:
+        """Draw the detected lane and the path that is followed; without a detector, the planned way."""
         control, seen = self._execution.control, self._execution.seen
         center = self._execution.plan.entities[0].vehicle.center
-        camera = self.ahead if self._built_in else DRIVER
         if control is not None and seen is not None:
             sensor = seen.camera
             path = camera_path(control, sensor, center)
@@ -64,9 +76,6 @@ class Sight:
         elif self._execution.program.ego[0] >= 0:
             way = self._execution.simulation.look_out().way
             draw_seen(image, camera, None, [(x - center - camera.x, y) for x, y in way] or None)
-        if marked:
-            self._mark_block(image, camera)
-        return encode_jpeg(image)
 
     def _mark_block(self, image: Image, camera: Camera) -> None:
         """Lay a bar over the road where the path is blocked, as far as the planned way is known."""

@@ -58,6 +58,8 @@ class Wheel:
         self._told = Told(seq=0)
         self._asked: Wish = ""
         self._away = False
+        self._left = False
+        self._requested = False
         self._file: BinaryIO | None = None if kept is None else kept.open("wb")
         self._written_until = 0.0
 
@@ -70,10 +72,16 @@ class Wheel:
             elif told.hand_back:
                 self._asked = "hand_back"
 
-    def leave(self) -> None:
-        """Note that the page is gone."""
+    def request(self) -> None:
+        """Let the automation request a takeover, where it drives."""
         with self._lock:
-            self._away, self._told, self._asked = True, Told(seq=self._told.seq), ""
+            self._requested = True
+
+    def leave(self) -> None:
+        """Note that the page is gone: a vehicle that is driven by hand stops, however soon a page is there again."""
+        with self._lock:
+            self._away = self._left = True
+            self._told, self._asked = Told(seq=self._told.seq), ""
 
     def come_back(self) -> None:
         """Note that a page is there again; its numbers begin anew."""
@@ -83,15 +91,20 @@ class Wheel:
     def act(self, t: float, state: str) -> PersonInput:
         """Return what the person does in the step that begins at t, s."""
         with self._lock:
-            told, away = self._told, self._away
             by_hand = state in DRIVEN_BY_HAND
+            self._left = self._left and by_hand
+            told, away = self._told, self._away or self._left
             if self._asked == ("take_over" if by_hand else "hand_back"):
                 self._asked = ""
             wish: Wish = self._asked
+            self._requested = self._requested and state in ("automated", "warning")
+            requested = self._requested
         if away:
             wish = "leave" if by_hand else ""
         elif not by_hand and self._is_input(told):
             wish = "take_over"
+        elif requested and not wish:
+            wish = "request"
         done = PersonInput(told.throttle, told.brake, told.steer, wish)
         self.applied = told.seq
         self._keep(t, done)

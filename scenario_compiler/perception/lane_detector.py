@@ -226,11 +226,21 @@ class ClassicalLaneDetector:
                 ridges = self.birds_eye.ridges(image, start)
                 left, right = self._fit(ridges, state, width, spread)
                 beyond = tilt_beyond(left, right, self.camera.z)
-                tilt = state.tilt.with_seen(Tilt(start + beyond.pitch, beyond.deviation))
-                before, start = start, tilt.pitch
-                if abs(start - before) <= PITCH_STEP:
+                seen = Tilt(start + beyond.pitch, beyond.deviation)
+                found = state.tilt.with_seen(seen)
+                looked_at, start = start, found.pitch
+                if abs(start - looked_at) <= PITCH_STEP:
                     break
+            painted = self._painted(self._features(left, right, ridges, width, state, found))
+            tilt = state.tilt.with_seen(seen, painted)
+            if abs(tilt.pitch - looked_at) > PITCH_STEP:
+                ridges = self.birds_eye.ridges(image, tilt.pitch)
+                left, right = self._fit(ridges, state, width, spread)
         return (left, right), self._features(left, right, ridges, width, state, tilt), tilt
+
+    def _painted(self, rows: tuple[Floats, Floats]) -> float:
+        """Return the probability that both sides are painted: only then do they tell how the road lies."""
+        return math.prod(self.confidence(row)[1] for row in rows)
 
     def _first_pitch(self, image: Image, state: LaneState, width: float, spread: float) -> float:
         """Return the pitch to begin with: what is remembered, else the one at which most paint lies on two arcs."""

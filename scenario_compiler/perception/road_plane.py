@@ -57,11 +57,27 @@ class Tilt:
         """Return what it says about the next image."""
         return Tilt(KEPT * self.pitch, min(math.hypot(self.deviation, PITCH_CHANGE), USUAL_PITCH))
 
-    def with_seen(self, seen: Tilt) -> Tilt:
-        """Return the tilt after another independent observation of it."""
-        gain = self.deviation**2 / (self.deviation**2 + seen.deviation**2)
-        pitch = self.pitch + gain * (seen.pitch - self.pitch)
-        return Tilt(min(max(pitch, -STEEPEST), STEEPEST), math.sqrt(1.0 - gain) * self.deviation)
+    def with_seen(self, seen: Tilt, real: float = 1.0) -> Tilt:
+        """Return the tilt after another independent observation of it.
+
+        An observation that may be of something else is weighed by how well it agrees with what is known, as the
+        probabilistic data association filter does (Bar-Shalom and Tse, Automatica 11, 1975): it is normally
+        distributed where it is real, and anywhere up to `STEEPEST` where it is not.
+
+        Args:
+            seen: The observation.
+            real: Probability, before it is compared, that it is an observation of the tilt at all.
+        """
+        variance = self.deviation**2 + seen.deviation**2
+        if not math.isfinite(variance):
+            return self
+        away, gain = seen.pitch - self.pitch, self.deviation**2 / variance
+        density = math.exp(-0.5 * away * away / variance) / math.sqrt(2.0 * math.pi * variance)
+        chance = real * density / (real * density + (1.0 - real) / (2.0 * STEEPEST))
+        pitch = self.pitch + chance * gain * away
+        spread = chance * (1.0 - chance) * (gain * away) ** 2
+        left = (1.0 - chance * gain) * self.deviation**2 + spread
+        return Tilt(min(max(pitch, -STEEPEST), STEEPEST), min(math.sqrt(left), USUAL_PITCH))
 
 
 LEVEL = Tilt(0.0, USUAL_PITCH)

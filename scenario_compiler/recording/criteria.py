@@ -26,6 +26,7 @@ from scenario_compiler.vocabulary.criteria import (
     NoAvoidableCollision,
     NoCollision,
     NoMinimumRisk,
+    NoObstruction,
     ReachDestination,
     Requested,
     StayOnRoad,
@@ -299,6 +300,11 @@ def _progress_found(recording: Recording, traces: Traces, when: float | None, li
     return "the vehicle never stood without a reason" if when is None else f"it stood without a reason at {when:.2f} s"
 
 
+def _obstruction_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
+    del recording, traces, limit
+    return "no lane was obstructed" if when is None else f"it stands in a lane that goes on, from {when:.2f} s on"
+
+
 def _offset_found(recording: Recording, traces: Traces, when: float | None, limit: float) -> str:
     del recording, when
     offsets = np.abs(traces.off[..., 0][traces.present[..., 0]])
@@ -322,6 +328,7 @@ RULES: dict[type[Criterion], Rule] = {
     Requested: Rule(_not_requested, _never_requested, _request_found),
     NoMinimumRisk: Rule(*_event("minimum_risk"), _minimum_risk_found),
     MakesProgress: Rule(*_event("no_progress"), _progress_found),
+    NoObstruction: Rule(*_event("obstruction"), _obstruction_found),
     MaximumLateralOffset: Rule(_too_far_off, _was_too_far_off, _offset_found),
     NoAvoidableCollision: Rule(_avoidable, _was_avoidable, _avoidable_found),
 }

@@ -153,24 +153,33 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    speed, left = _at_request(traces, traces.v[..., 0]), _at_request(traces, traces.limit_time)
-    return whole_steps(traces, time_to_limit(limit_distance(traces), speed, left))
+    speed, towards, left = (
+        _at_request(traces, values) for values in (traces.v[..., 0], traces.blocked_speed, traces.limit_time)
+    )
+    cause, distance = cause_of_request(traces), limit_distance(traces)
+    return whole_steps(traces, time_to_limit(cause, distance, speed, towards, left))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
-    speed, left = totals.column("request_speed"), totals.column("request_limit_time")
-    return whole_steps(totals, time_to_limit(_limit_distance_total(totals), speed, left))
+    cause, speed, towards, left = (
+        totals.column(f"request_{name}") for name in ("cause", "speed", "blocked_speed", "limit_time")
+    )
+    return whole_steps(totals, time_to_limit(cause, _limit_distance_total(totals), speed, towards, left))
 
 
-def time_to_limit(distance: Floats, speed: Floats, left: Floats) -> Floats:
-    """Return the time until a limit is reached at unchanged speed, s; NaN at a standstill.
+def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Floats, left: Floats) -> Floats:
+    """Return the time until a limit is reached at unchanged speeds, s; NaN where nothing moves.
 
     Args:
+        cause: Code of the request's cause.
         distance: Distance to an obstacle or the lane's end, m; NaN where the request is not about one.
-        speed: Speed, m/s.
+        speed: Speed of the vehicle, m/s.
+        towards: Speed at which what blocks the path comes towards it, m/s.
         left: The time itself, s, where the request is not about an obstacle; NaN else.
     """
-    return np.where(np.isnan(distance), left, np.where(speed > 0, distance / np.where(speed > 0, speed, 1.0), np.nan))
+    closing = np.where(cause == CAUSE_PATH_BLOCKED, speed + towards, speed)
+    reached = np.where(closing > 0, distance / np.where(closing > 0, closing, 1.0), np.nan)
+    return np.where(np.isnan(distance), left, reached)
 
 
 def request_lead(traces: Traces) -> Floats:
@@ -339,9 +348,10 @@ MEASURES: tuple[Measure, ...] = (
         "s",
         "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
         "is reached at unchanged speed. The limit is where the path is blocked or the lane ends; of lane confidence, "
-        "where neither side has paint that is seen well enough, up to 60 m ahead. Of other causes, and where no such "
-        "end is in sight, it is the time until a side of the vehicle would be beyond its lane with its speed and its "
-        f"steering angle unchanged, if that is less than {HORIZON:g} s.",
+        "where neither side has paint that is seen well enough, up to 60 m ahead. The speed of what comes towards the "
+        "vehicle and blocks its path is added. Of other causes, and where no such end is in sight, it is the time "
+        "until a side of the vehicle would be beyond its lane with its speed and its steering angle unchanged, if "
+        f"that is less than {HORIZON:g} s.",
         "no request, or one whose limit would not be reached",
         time_budget,
         _time_budget_total,

@@ -65,11 +65,12 @@ EVENT_TEXTS: dict[EventKind, str] = {
 SOURCES: dict[int, str] = {0: "automation", 1: "driver model", 2: "person", 3: "minimum-risk manoeuvre"}
 """Who commands the automated vehicle."""
 
-WISHES: dict[int, Literal["", "take_over", "hand_back", "leave"]] = {
+WISHES: dict[int, Literal["", "take_over", "hand_back", "leave", "request"]] = {
     opcodes.WISH_NONE: "",
     opcodes.WISH_TAKE_OVER: "take_over",
     opcodes.WISH_HAND_BACK: "hand_back",
     opcodes.WISH_LEAVE: "leave",
+    opcodes.WISH_REQUEST: "request",
 }
 """What a person at the wheel wants of the automation."""
 

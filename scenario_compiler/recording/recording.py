@@ -167,6 +167,15 @@ class Recording:
         Floats,
         Column("run", "m", "Distance from the front bumper to where the path is blocked, along the lane.", far=True),
     ]
+    blocked_speed: Annotated[
+        Floats,
+        Column(
+            "run",
+            "m/s",
+            "Speed at which what blocks the path comes towards the vehicle along the lane; 0 for what does not.",
+            nothing=0.0,
+        ),
+    ]
     lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
     limit_time: Annotated[
         Floats,
@@ -300,6 +309,10 @@ class RecordingBuilder:
     def add(self, row: EventRow) -> None:
         """Take down an event as it is."""
         self._events.append(row)
+
+    def events_since(self, count: int) -> list[EventRow]:
+        """Return the events that were taken down after the first `count`."""
+        return self._events[count:]
 
     def frame(self, t: float, label: str, png: bytes) -> None:
         """Take down a first-person picture."""

@@ -76,16 +76,16 @@ def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
     known = np.array([row >= 0 for row in rows])
     at = {
         name: np.where(known, getattr(recording, name)[rows], np.nan)
-        for name in ("blocked_distance", "lane_end_distance")
+        for name in ("blocked_distance", "blocked_speed", "lane_end_distance")
     }
     speed = np.where(known, recording.v[rows, 0], np.nan)
     left = np.where(known, recording.limit_time[rows], np.nan)
     codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
     distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
     ends = {kind: np.array(found) for kind, found in times.items()}
-    return tuple(
-        _assembled(causes, request, ends, np.full(len(asked), crash), speed, distance, left, recording.header.step)
-    )
+    budget = time_to_limit(codes, distance, speed, at["blocked_speed"], left)
+    crashes = np.full(len(asked), crash)
+    return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, recording.header.step))
 
 
 def _described(recording: Recording, begin: float, end: float) -> int:
@@ -100,16 +100,17 @@ def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
     runs, places = np.nonzero(~np.isnan(request))
     picked = {
         name: totals.of_takeovers(f"takeover_{name}")[runs, places]
-        for name in ("cause", "blocked", "lane_end", "speed", "limit_time", *ENDS)
+        for name in ("cause", "blocked", "blocked_speed", "lane_end", "speed", "limit_time", *ENDS)
     }
     causes = [str(CAUSES[int(code)]) for code in picked["cause"]]
     distance = distance_to_limit(picked["cause"], picked["blocked"], picked["lane_end"])
+    moving = (picked["speed"], picked["blocked_speed"])
+    budget = time_to_limit(picked["cause"], distance, *moving, picked["limit_time"])
     ends: dict[EventKind, Floats] = {kind: picked[kind] for kind in ENDS}
     crash = totals.times["collision"][runs]
     found: list[list[Takeover]] = [[] for _ in range(len(request))]
-    made = _assembled(
-        causes, request[runs, places], ends, crash, picked["speed"], distance, picked["limit_time"], totals.step, places
-    )
+    asked = request[runs, places]
+    made = _assembled(causes, asked, ends, crash, picked["speed"], distance, budget, totals.step, places)
     for run, one in zip(runs.tolist(), made, strict=True):
         found[run].append(one)
     return [tuple(some) for some in found]
@@ -122,13 +123,13 @@ def _assembled(
     crash: Floats,
     speed: Floats,
     distance: Floats,
-    left: Floats,
+    until_limit: Floats,
     step: float,
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
 ) -> list[Takeover]:
     """Return takeovers of which each array has one number, (k,)."""
     answered = np.round((ends["response"] - request) / step) * step
-    budget = np.round(time_to_limit(distance, speed, left) / step) * step
+    budget = np.round(until_limit / step) * step
     numbers = {
         "request_time": request,
         **{f"{kind}_time": times for kind, times in ends.items()},

@@ -29,6 +29,7 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
     "minimum_risk",
     "standstill",
     "no_progress",
+    "obstruction",
     "collision",
 )
 """Events whose first time counts in a measure."""
@@ -117,6 +118,7 @@ class Traces:
         confidence_left: (..., n); confidence_right likewise.
         confidence_right: See confidence_left.
         blocked_distance: (..., n), m, NaN where the path is free.
+        blocked_speed: (..., n), m/s, at which what blocks the path comes towards the ego.
         lane_end_distance: (..., n), m, NaN where the lane goes on.
         limit_time: (..., n), s, that the last request left which was not about an obstacle; NaN without one.
         lane_width: (..., n), m, of the ego vehicle's lane; 0 off the lanes.
@@ -151,6 +153,7 @@ class Traces:
     confidence_left: Floats
     confidence_right: Floats
     blocked_distance: Floats
+    blocked_speed: Floats
     lane_end_distance: Floats
     limit_time: Floats
     lane_width: Floats
@@ -241,7 +244,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
     same = (
         *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
         *("takeover_state", "cause"),
-        *("confidence_left", "confidence_right", "blocked_distance", "lane_end_distance"),
+        *("confidence_left", "confidence_right", "blocked_distance", "blocked_speed", "lane_end_distance"),
         *("limit_time", "lane_width", "lane_heading", "on_road"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]

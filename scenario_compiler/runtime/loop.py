@@ -67,6 +67,7 @@ RUN_COLUMNS = {
     "sensor_health": "health",
     "sigma": "sigma",
     "blocked_distance": "blocked_distance",
+    "blocked_speed": "blocked_speed",
     "lane_end_distance": "lane_end_distance",
     "limit_time": "limit_time",
     "lane_width": "lane_width",

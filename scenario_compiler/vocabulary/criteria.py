@@ -72,6 +72,16 @@ class MakesProgress(Word):
     word: Literal["makes_progress"] = "makes_progress"
 
 
+class NoObstruction(Word):
+    """The automated vehicle never comes to a standstill in a lane for driving in which nothing ahead holds it.
+
+    An object, the end of the lane or a red signal at most 30 m ahead holds it. A stop that obstructs a lane is one by a
+    minimum-risk manoeuvre or by the driver.
+    """
+
+    word: Literal["no_obstruction"] = "no_obstruction"
+
+
 class MaximumLateralOffset(Word):
     """The ego vehicle's reference point stays near the middle of a lane."""
 
@@ -97,6 +107,7 @@ Criterion = (
     | Requested
     | NoMinimumRisk
     | MakesProgress
+    | NoObstruction
     | MaximumLateralOffset
     | NoAvoidableCollision
 )

@@ -68,6 +68,18 @@ class Property(Word):
     value: str = attribute("Its value.")
 
 
+class Detector(Word):
+    """What finds the lane in the camera's image for the controller `lane_detection`."""
+
+    word: Literal["detector"] = "detector"
+
+    model: str = attribute(
+        "Name of a lane detector, or `package.module:Class` or `file.py:Class` of your own.",
+        default="classical",
+        names="detector",
+    )
+
+
 class Controller(Word):
     """What drives the ego vehicle between control steps."""
 
@@ -79,6 +91,11 @@ class Controller(Word):
         names="controller",
     )
     properties: tuple[Property, ...] = child("Its parameters.", default=())
+    detector: Detector | None = child(
+        "What finds the lane in the image, for `lane_detection` and controllers that derive from it; the classical "
+        "detector when left out.",
+        default=None,
+    )
 
 
 class Ego(Word):

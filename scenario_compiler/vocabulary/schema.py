@@ -199,7 +199,7 @@ def default_text(rule: AttributeRule) -> str:
         return f"Default: {' '.join(map(str, default))}."
     if isinstance(default, float | int) and not isinstance(default, bool):
         quantity = QUANTITIES.get(rule.spelling.quantity)
-        default = default / quantity.factor if quantity else default
+        default = float(f"{default / quantity.factor:.12g}") if quantity else default
         return f"Default: {format_value(float(default))}."
     return f"Default: {format_value(default)}."
 

@@ -1,30 +1,53 @@
-"""Every lane detector keeps these facts."""
+"""Every lane detector keeps these facts: ours, and the one of your own that docs/controllers.md shows."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from scenario_compiler.controllers.detectors import detector_maker
 from scenario_compiler.perception.calibration.bank import BANK
 from scenario_compiler.perception.calibration.collect import look_at_bank
 from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.confidence import load_confidence
 from scenario_compiler.perception.degradation import add_noise
 from scenario_compiler.perception.detectors import DETECTORS, DetectorName, create_detector
-from scenario_compiler.perception.lane_detector import LaneState
+from scenario_compiler.perception.lane_detector import LaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
+from scenario_compiler.trust import Trust, code_name
 from tests.perception.scenery import CLEAR, bend, two_lanes
 
 X = np.array([6.0, 12.0, 18.0])
 
 
-@pytest.fixture(params=list(DETECTORS))
-def name(request: pytest.FixtureRequest) -> DetectorName:
-    found: DetectorName = request.param
-    return found
+ROOT = Path(__file__).resolve().parents[2]
+
+Make = Callable[..., LaneDetector]
+
+
+def shown_on_the_page() -> str:
+    """Return the code of the detector that the page on controllers shows."""
+    page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
+    (code,) = (one for one in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "class Cautious" in one)
+    return str(code)
+
+
+@pytest.fixture(params=[*DETECTORS, "cautious.py:Cautious"])
+def make(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Make:
+    """What makes a detector for a camera."""
+    name, folder = request.param, tmp_path_factory.mktemp("detector")
+    if name in DETECTORS:
+        return lambda camera=None: create_detector(name, camera)
+    (folder / "cautious.py").write_text(shown_on_the_page(), encoding="utf-8")
+    code = code_name(f"{folder}/{name}")
+    maker = detector_maker(name, code, Trust((str(folder / "cautious.py"),)), "")
+    return lambda camera=None: maker(camera or Camera())
 
 
 def image_of(camera: Camera | None = None, pitch: float = 0.0, quality: float = 1.0) -> np.ndarray:
@@ -33,8 +56,8 @@ def image_of(camera: Camera | None = None, pitch: float = 0.0, quality: float = 
     return RoadCamera(two_lanes(reference, quality=quality), camera).frame(pose, [], CLEAR, 0.0, 0)
 
 
-def test_a_painted_lane_is_found_and_trusted(name: DetectorName) -> None:
-    found = create_detector(name).detect(image_of())
+def test_a_painted_lane_is_found_and_trusted(make: Make) -> None:
+    found = make().detect(image_of())
     for boundary, y in ((found.left, 1.75), (found.right, -1.75)):
         assert np.abs(boundary.y(X) - y).max() < 0.25
         assert boundary.p > 0.8
@@ -43,36 +66,36 @@ def test_a_painted_lane_is_found_and_trusted(name: DetectorName) -> None:
     assert found.p_left == found.left.p * found.sensor_health
 
 
-def test_without_paint_nothing_is_trusted(name: DetectorName) -> None:
-    found = create_detector(name).detect(image_of(quality=0.0))
+def test_without_paint_nothing_is_trusted(make: Make) -> None:
+    found = make().detect(image_of(quality=0.0))
     assert max(found.left.p, found.right.p) < 0.3
     assert max(found.left.p_paint, found.right.p_paint) < 0.6
 
 
 @pytest.mark.parametrize("shade", [0, 128, 255])
-def test_an_image_of_nothing_has_no_lane(name: DetectorName, shade: int) -> None:
-    found = create_detector(name).detect(np.full((256, 512, 3), shade, np.uint8))
+def test_an_image_of_nothing_has_no_lane(make: Make, shade: int) -> None:
+    found = make().detect(np.full((256, 512, 3), shade, np.uint8))
     assert max(found.left.p, found.right.p) < 0.3
     assert np.isfinite([found.left.y0, found.right.slope, found.lane_width]).all()
 
 
-def test_detection_depends_on_its_arguments_alone(name: DetectorName) -> None:
-    detector, image = create_detector(name), image_of()
+def test_detection_depends_on_its_arguments_alone(make: Make) -> None:
+    detector, image = make(), image_of()
     first = detector.detect(image)
     detector.detect(add_noise(image, 40.0, 1, 1), LaneState().after(first))
     assert detector.detect(image) == first
-    assert create_detector(name).detect(image) == first
+    assert make().detect(image) == first
 
 
-def test_noise_takes_the_health_and_with_it_the_confidence(name: DetectorName) -> None:
-    found = create_detector(name).detect(add_noise(image_of(), 60.0, 1, 1))
+def test_noise_takes_the_health_and_with_it_the_confidence(make: Make) -> None:
+    found = make().detect(add_noise(image_of(), 60.0, 1, 1))
     assert found.sensor_health < 0.01
     assert max(found.p_left, found.p_right) < 0.01
 
 
 @pytest.mark.parametrize("degrees", [-1.0, 1.0])
-def test_a_pitch_that_nobody_tells_is_found(name: DetectorName, degrees: float) -> None:
-    detector, image = create_detector(name), image_of(pitch=math.radians(degrees))
+def test_a_pitch_that_nobody_tells_is_found(make: Make, degrees: float) -> None:
+    detector, image = make(), image_of(pitch=math.radians(degrees))
     state = LaneState()
     for _ in range(3):
         found = detector.detect(image, state)
@@ -82,20 +105,21 @@ def test_a_pitch_that_nobody_tells_is_found(name: DetectorName, degrees: float) 
         assert np.abs(boundary.y(X) - y).max() < 0.3
 
 
-def test_a_pitch_that_is_told_is_taken(name: DetectorName) -> None:
-    found = create_detector(name).detect(image_of(pitch=-0.015), pitch=0.015)
+def test_a_pitch_that_is_told_is_taken(make: Make) -> None:
+    found = make().detect(image_of(pitch=-0.015), pitch=0.015)
     assert found.tilt.pitch == 0.015
     assert abs(float(found.left.y(16.0)) - 1.75) < 0.2
 
 
 @pytest.mark.parametrize("change", [{"z": 1.6}, {"pitch": math.radians(-7.0)}, {"width": 1024, "height": 512}])
-def test_other_mountings_are_taken_into_account(name: DetectorName, change: dict[str, float]) -> None:
+def test_other_mountings_are_taken_into_account(make: Make, change: dict[str, float]) -> None:
     camera = replace(Camera(), **change)  # type: ignore[arg-type]
-    found = create_detector(name, camera).detect(image_of(camera))
+    found = make(camera).detect(image_of(camera))
     for boundary, y in ((found.left, 1.75), (found.right, -1.75)):
         assert np.abs(boundary.y(X) - y).max() < 0.3
 
 
+@pytest.mark.parametrize("name", DETECTORS)
 def test_the_shipped_confidence_is_for_the_features_there_are(name: DetectorName) -> None:
     detector = create_detector(name)
     shipped = load_confidence(detector.confidence_file, detector.features)
@@ -104,6 +128,7 @@ def test_the_shipped_confidence_is_for_the_features_there_are(name: DetectorName
     assert shipped(rows[0]) == (result.left.p_geom, result.left.p_paint, result.left.p)
 
 
+@pytest.mark.parametrize("name", DETECTORS)
 def test_few_boundaries_are_confident_and_wrong_in_bends(name: DetectorName) -> None:
     situation = next(k for k, one in enumerate(BANK) if one.name == "radius 100 m, left")
     looks = look_at_bank(create_detector(name), situation, 9, 6)

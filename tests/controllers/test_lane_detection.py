@@ -12,7 +12,7 @@ from scenario_compiler.perception.calibration.scenes import Reference
 from scenario_compiler.perception.detectors import DETECTORS
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.roads import Pose
-from scenario_compiler.vocabulary.entities import Controller, Property
+from scenario_compiler.vocabulary.entities import Controller, Detector
 from tests.perception.scenery import CLEAR, bend, fork, two_lanes
 
 CAMERA = CameraMounting(512, 256, math.radians(45.0), 0.5, 1.3, math.radians(-5.0))
@@ -133,9 +133,7 @@ def test_the_detector_is_chosen_by_name() -> None:
     vehicle = VehicleState(0.0, 0.0, 0.0, 2.65, 1.4, 0.7, 3.5, 8.0, 14.0, 0.1)
     found = []
     for name in DETECTORS:
-        controller = create_controller(
-            Controller(model="lane_detection", properties=(Property(name="detector", value=name),))
-        )
+        controller = create_controller(Controller(detector=Detector(model=name)))
         controller.reset(1)
         command = controller.control(SensorData(0.0, image, CAMERA), 10.0, vehicle)
         assert min(command.confidence_left, command.confidence_right) > 0.8

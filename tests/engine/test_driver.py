@@ -176,7 +176,7 @@ def test_nothing_is_acted_on_at_once_however_soon_the_driver_answers() -> None:
 def test_every_constant_has_a_source_or_is_called_chosen(repository: Path) -> None:
     engine = repository / "scenario_compiler" / "engine"
     source = re.compile(r"chosen|Chosen|UN R157|SUMO|Measured|deviation|\b(19|20)\d\d\b|m in 1 s")
-    for name in ("answering", "driver", "foresight", "merging", "minimum_risk"):
+    for name in ("answering", "driver", "foresight", "merging", "minimum_risk", "passing"):
         body = ast.parse((engine / "ego" / f"{name}.py").read_text(encoding="utf-8")).body
         for at, node in enumerate(body):
             if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant | ast.UnaryOp):

@@ -41,7 +41,7 @@ def served(*words: object) -> Iterator[Served]:
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
-        found = re.fullmatch(r"page: (http://\S+)\n", process.stdout.readline())
+        found = re.fullmatch(r"(?:page|participants): (http://\S+)\n", process.stdout.readline())
         if found is None:
             raise AssertionError(process.communicate(timeout=60)[1])
         yield Served(process, found.group(1))

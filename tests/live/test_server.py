@@ -70,7 +70,7 @@ def test_the_page_and_its_files_are_served(own: Served) -> None:
     "path",
     [
         *(
-            "/live/drive.html",
+            "/live/drive.html.jinja",
             "/live/../server.py",
             "/live/%2e%2e/server.py",
             "/live/..%2fserver.py",

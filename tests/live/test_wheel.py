@@ -60,6 +60,27 @@ def test_who_leaves_lets_the_vehicle_stop_and_may_come_back() -> None:
     assert wheel.applied == 1
 
 
+def test_a_request_is_wanted_until_it_has_come_and_of_the_automation_alone() -> None:
+    wheel = Wheel(PLAN)
+    wheel.request()
+    states = ("automated", "warning", "request", "automated")
+    assert [wheel.act(0.02 * k, state).wish for k, state in enumerate(states)] == ["request", "request", "", ""]
+    wheel.request()
+    assert [wheel.act(t, state).wish for t, state in ((0.1, "manual"), (0.12, "automated"))] == ["", ""]
+
+
+def test_who_comes_back_at_once_has_left_all_the_same() -> None:
+    wheel = Wheel(PLAN)
+    wheel.leave()
+    wheel.come_back()
+    wheel.tell(Told(seq=1, throttle=0.5))
+    assert [wheel.act(0.02 * k, "manual").wish for k in range(2)] == ["leave", "leave"]
+    assert wheel.act(0.04, "minimum_risk").wish == ""
+    wheel.tell(Told(seq=2, take_over=True))
+    assert wheel.act(0.06, "minimum_risk").wish == "take_over"
+    assert wheel.act(0.08, "manual").wish == ""
+
+
 def test_inputs_are_written_as_they_happen(tmp_path: Path) -> None:
     file = tmp_path / "inputs.jsonl"
     wheel = Wheel(PLAN, file)

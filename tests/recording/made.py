@@ -172,6 +172,7 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
         )
     }
     nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance", "limit_time")}
+    nothing["blocked_speed"] = np.zeros((runs, rows))
     sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
     center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
     times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
@@ -232,6 +233,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
         st.lane_width[0] = float(np.nan_to_num(runs.lane_width[index][row]))
         st.path_heading[0] = float(np.nan_to_num(runs.lane_heading[index][row]))
         st.on_road[0] = int(runs.on_road[index][row])
+        st.blocked_speed[0] = float(runs.blocked_speed[index][row])
         st.lane_end_distance[0] = _or_far(runs.lane_end_distance[index][row])
         update_boxes(program, st)
         take_row(program, st, totals)

@@ -170,6 +170,19 @@ def test_the_lateral_offset_is_counted_from_the_lane_at_the_request(direction: f
     assert value("maximum_lateral_offset", record(("ego",), 80, row)) == pytest.approx(math.nan, nan_ok=True)
 
 
+def test_the_time_budget_counts_the_speed_of_what_comes_towards_the_vehicle() -> None:
+    budgets = []
+    for towards, cause in ((0.0, opcodes.CAUSE_PATH_BLOCKED), (5.0, opcodes.CAUSE_PATH_BLOCKED), (5.0, 0)):
+        code = cause or opcodes.CAUSE_LANE_ENDS
+
+        def row(t: float, towards: float = towards, code: int = code) -> Row:
+            ahead = {"blocked_distance": (60.0,), "blocked_speed": (towards,), "lane_end_distance": (60.0,)}
+            return {"x": (t,), "v": (10.0,), "cause": (code,), **ahead}
+
+        budgets.append(value("time_budget", record(("ego",), 60, row, [(1.0, "request", "path_blocked")])))
+    assert budgets == pytest.approx([6.0, 4.0, 6.0])
+
+
 def test_equal_durations_are_equal_numbers() -> None:
     found: dict[str, set[float]] = {"takeover_time": set(), "time_budget": set(), "takeover_buffer": set()}
     for k in range(1, 40):

@@ -163,3 +163,19 @@ def test_a_command_repeats_a_persons_run_and_a_model_stands_in(
     write_recording(driven(compiled, brakes_when_asked), tmp_path / "by_hand" / "recording.parquet")
     assert call(*target, "--inputs", tmp_path / "by_hand", "-o", tmp_path / "again") == 0
     assert call("compare", tmp_path / "by_hand" / "recording.parquet", tmp_path / "again" / "recording.parquet") == 0
+
+
+def test_who_looks_on_lets_the_automation_request(compiled: Compilation) -> None:
+    """A request of nobody but the experimenter is scheduled; it comes again from the recorded inputs."""
+
+    def asked(t: float, state: str) -> PersonInput:
+        return PersonInput(wish="request" if t >= 0.5 and state == "automated" else "")
+
+    recording = driven(compiled, asked)
+    request = next(event for event in recording.events if event.kind == "request")
+    assert request.cause == "scheduled"
+    assert 0.5 <= request.t < 0.7
+    with open_world("kinematic", compiled.plan, compiled.network) as world:
+        again = run(compiled.plan, world, person=RecordedPerson(recording))
+    assert again.trajectory_hash == recording.trajectory_hash
+    assert [event.kind for event in again.events] == [event.kind for event in recording.events]

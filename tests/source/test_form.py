@@ -194,7 +194,7 @@ def pieces(root: etree._Element) -> Iterator[etree._Element]:
 
     Each has one of the file's children, a scenario's with its ego vehicle and one other child.
     """
-    for child in root:
+    for child in root.iterchildren("*"):
         items = [[item] for item in child if item.tag != "ego"] if child.tag == "scenario" else [list(child)]
         for kept in items or [[]]:
             piece = etree.Element(root.tag, {str(k): str(v) for k, v in root.attrib.items()})

@@ -98,6 +98,11 @@ EVENTS: dict[int, tuple[str, str]] = {
         "The automated vehicle has stood for as long as the cause `no_progress` allows, and nothing that it follows, "
         "no red signal and no action held it.",
     ),
+    op.EVENT_OBSTRUCTION: (
+        "obstruction",
+        "The automated vehicle has come to a standstill, by a minimum-risk manoeuvre or by its driver, in a lane for "
+        "driving in which nothing ahead holds it: it is in the way of those behind.",
+    ),
     op.EVENT_OVERRIDE: (
         "override",
         "The person at the wheel takes over without being asked.",

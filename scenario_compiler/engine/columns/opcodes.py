@@ -274,6 +274,7 @@ WISH_NONE = 0
 WISH_TAKE_OVER = 1
 WISH_HAND_BACK = 2
 WISH_LEAVE = 3
+WISH_REQUEST = 4
 """What the person at the wheel wants of the automation."""
 
 MANOEUVRE_KEEP = 0
@@ -308,6 +309,7 @@ EVENT_NO_PROGRESS = 21
 EVENT_EYES_ON = 22
 EVENT_HANDS_ON = 23
 EVENT_OVERRIDE = 24
+EVENT_OBSTRUCTION = 25
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 

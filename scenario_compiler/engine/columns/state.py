@@ -405,6 +405,8 @@ class State(Columns):
     """Distance along the way from the reference point to the line of the next red signal, FAR without one."""
     blocked_distance: list[float] = column(RUN, op.FAR)
     """From the front bumper to where the path is blocked, FAR when it is free."""
+    blocked_speed: list[float] = column(RUN)
+    """Speed at which what blocks the path comes towards the ego along the way, m/s; 0 for what does not."""
     blocked_far: list[float] = column(RUN, op.FAR)
     """From the front bumper to the far end of what blocks the path."""
     clear_row: list[int] = column(RUN, op.NONE)
@@ -452,6 +454,7 @@ class State(Columns):
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
     time_no_progress: list[float] = column(RUN, -1.0)
+    time_obstruction: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""
     answer_at: list[float] = column(RUN, op.FAR)
@@ -494,6 +497,8 @@ class State(Columns):
     manual_since: list[float] = column(RUN, -1.0)
     still_since: list[float] = column(RUN, -1.0)
     """Time since which the ego stands, -1 while it moves."""
+    still_noted: list[int] = column(RUN)
+    """1 from when a stop by hand was logged until the ego has driven on."""
     held_up_since: list[float] = column(RUN, -1.0)
     """Time since which the automated ego stands without a reason, -1 while it does not."""
     held_up: list[int] = column(RUN)
@@ -519,6 +524,8 @@ class State(Columns):
     merging: list[int] = column(RUN)
     merge_from_lane: list[int] = column(RUN)
     merge_from_road: list[int] = column(RUN, op.NONE)
+    seeks_gap: list[int] = column(RUN)
+    """1 while the driver looks for a gap in a lane beside before he brakes."""
     evade_until: list[float] = column(RUN)
     """Odometer at which the driver may go back to the lane's centre."""
     evade_commit: list[float] = column(RUN)

@@ -54,6 +54,7 @@ class Totals(Columns):
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
     time_no_progress: list[float] = column(RUN, -1.0)
+    time_obstruction: list[float] = column(RUN, -1.0)
     time_collision: list[float] = column(RUN, -1.0)
     collision_with: list[float] = column(RUN, -1.0)
     """First entity that the ego hit."""
@@ -88,6 +89,7 @@ class Totals(Columns):
     request_cause: list[int] = column(RUN, op.CAUSE_NONE)
     """Cause in the first row from the request on that has one; the limit's distance and the speed in the same row."""
     request_blocked: list[float] = column(RUN, op.FAR)
+    request_blocked_speed: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
     request_limit_time: list[float] = column(RUN, op.FAR)
@@ -144,6 +146,7 @@ class Totals(Columns):
     takeover_request: list[float] = column(TAKEOVER, -1.0)
     takeover_cause: list[float] = column(TAKEOVER, -1.0)
     takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
+    takeover_blocked_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_lane_end: list[float] = column(TAKEOVER, op.FAR)
     takeover_speed: list[float] = column(TAKEOVER, op.FAR)
     takeover_escalation: list[float] = column(TAKEOVER, -1.0)
@@ -184,6 +187,7 @@ class Totals(Columns):
     row_confidence: list[float] = column(RUN)
     """Of the better side."""
     row_blocked: list[float] = column(RUN, op.FAR)
+    row_blocked_speed: list[float] = column(RUN)
     row_lane_end: list[float] = column(RUN, op.FAR)
     row_limit_time: list[float] = column(RUN, op.FAR)
     row_width: list[float] = column(RUN)

@@ -100,8 +100,8 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
         if p.person[0] == 0 and st.manoeuvre[0] != op.MANOEUVRE_EVADE:
             consider_merge(n, p, st, i, SIGHT, SIGHT)
     elif state not in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL) and p.cause_on[op.CAUSE_LANE_ENDS] == 1:
-        within = request_distance(p, st, i, slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
-        look = max(warning_distance(p, st, i, slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET), within)
+        within = request_distance(p, st.v[i], slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
+        look = max(warning_distance(p, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET), within)
         consider_merge(n, p, st, i, within, look)
 
 

@@ -18,7 +18,17 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.foresight import CALL, LIFT_OFF, ONCOMING, called_for, meets, reacts_to
+from scenario_compiler.engine.ego.passing import (
+    CLEARANCE,
+    GIVE_UP_TIME,
+    MEETING_TIME,
+    PASSING_SIGHT,
+    RETURN_ACCELERATION,
+    is_clear_of,
+    meets_oncoming,
+)
 from scenario_compiler.engine.ego.sensor import (
+    CROSSING,
     GAP_HORIZON,
     SLOW,
     gap_behind_free,
@@ -61,31 +71,18 @@ BRAKE_JERK = 12.65
 LATE_BRAKE = 2.5
 """Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2; chosen."""
 
-STANDOFF = 5.0
+GAP_BRAKE = 3.5
+"""Deceleration needed to stop in time up to which a driver looks for a gap in a lane beside that is not free, before he
+brakes, m/s2; chosen, after what is called comfortable.
+"""
+
+STANDOFF = 7.0
 """Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out
 later; chosen.
 """
 
-PULL_OUT_ACCELERATION = 1.0
-"""Acceleration that a driver counts on when judging how long the way past takes, m/s2; chosen."""
-
-CLEARANCE = 0.3
-"""Distance that a driver keeps to both sides when passing, m; chosen."""
-
 STEER_ACCELERATION = 6.0
 """Bound of the lateral acceleration that a driver steers for, m/s2; chosen."""
-
-MEETING_TIME = 1.5
-"""Time to spare before an oncoming vehicle is met, s; chosen."""
-
-RETURN_ACCELERATION = 1.5
-"""Lateral acceleration of a move back to the lane's centre, and of an evasion that has time, m/s2; chosen."""
-
-PAST = 5.0
-"""Distance by which a moving vehicle is behind before the driver comes back before it, m; chosen."""
-
-BEHIND_TIME = 1.0
-"""Time gap at which the driver comes back behind a moving vehicle, s; chosen."""
 
 BOTH_SHARE = 0.5
 """Share of the hardest braking with which a driver brakes who steers at the same time; chosen."""
@@ -149,42 +146,6 @@ def steer_by_hand(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 
 @compiled
-def passing_distance(p: Program, st: State, i: int, size: float) -> float:
-    """Return how far the ego, `size` long, goes until it is past what blocks the path and back in its corridor."""
-    return st.blocked_far[0] + size + 0.5 * shift_distance(st.v[i], 3.0, p.const[slot.K_DRIVER_LATERAL])
-
-
-@compiled
-def passing_time(st: State, i: int, distance: float) -> float:
-    """Return the time for a distance, speeding up gently from the present speed."""
-    v = st.v[i]
-    return (safe_sqrt(v * v + 2.0 * PULL_OUT_ACCELERATION * distance) - v) / PULL_OUT_ACCELERATION
-
-
-@compiled
-def meets_oncoming(p: Program, st: State, i: int, centre: float, known: int) -> int:
-    """Return 1 where a vehicle comes towards the corridor about `centre` and would be met before the ego is past.
-
-    With `known` 1 only those count that the driver has had the time to react to.
-    """
-    base = p.entity_const[i]
-    size = p.const[base + slot.E_LENGTH]
-    front = p.const[base + slot.E_CENTER] + 0.5 * size
-    half = 0.5 * p.const[base + slot.E_WIDTH] + CLEARANCE
-    distance = passing_distance(p, st, i, size)
-    time = passing_time(st, i, distance) + MEETING_TIME
-    for j in range(p.entity_count[0]):
-        if j == i or st.seen[j] == 0 or st.on_way[j] == 0 or st.along[j] > ONCOMING or st.far[j] < front:
-            continue
-        if known == 1 and reacts_to(p, st, j) == 0:
-            continue
-        beside = st.low[j] >= centre + half or st.high[j] <= centre - half
-        if not beside and max(st.near[j] - front, 0.0) < distance - st.along[j] * time:
-            return 1
-    return 0
-
-
-@compiled
 def beside_width(n: RoadTables, road: int, lane: int, s: float, side: int) -> float:
     """Return the width of the lane on a side of the path's lane where motor traffic may drive, else 0."""
     beside = neighbour_lane(n, road, lane, s, side, lane_direction(n, road, lane))
@@ -201,63 +162,93 @@ def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> 
 
 
 @compiled
-def corridor_safe(n: RoadTables, p: Program, st: State, i: int, centre: float, side: int) -> int:
-    """Return 1 where the corridor about `centre` is free for as long as the ego needs it.
-
-    Oncoming vehicles are looked at everywhere; a lane of the same direction beside must have a free gap.
-    """
-    if meets_oncoming(p, st, i, centre, 0) == 1:
-        return 0
-    if side == 0 or same_direction(n, st.path_road[0], st.path_lane[0], st.path_s[0], side) == 0:
-        return 1
+def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> int:
+    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured anew."""
     beside = neighbour_lane(
         n, st.path_road[0], st.path_lane[0], st.path_s[0], side, lane_direction(n, st.path_road[0], st.path_lane[0])
     )
     free = gap_is_free(n, p, st, i, st.path_road[0], beside, st.path_s[0])
-    look_ahead(n, p, st, i, SIGHT, VIEW)
+    look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
     return free
+
+
+@compiled
+def evasion_over(p: Program, st: State, i: int, centre: float) -> float:
+    """Return the distance over which the move to a corridor past a block is spread, m."""
+    return min(st.blocked_distance[0] - 1.0, shift_distance(st.v[i], centre - st.path_off[0], RETURN_ACCELERATION))
+
+
+@compiled
+def evasion_length(p: Program, st: State, i: int) -> float:
+    """Return how far the ego goes until what blocks the path is behind it, m."""
+    return st.blocked_far[0] + p.const[p.entity_const[i] + slot.E_LENGTH] + 2.0
+
+
+@compiled
+def corridor_beside(
+    n: RoadTables, p: Program, st: State, i: int, blocker: int, road: int, lane: int, s: float, side: int, against: int
+) -> tuple[int, float]:
+    """Return (found, centre) of a corridor past what blocks the path with the help of the lane on a side.
+
+    `side` 0 is the own lane alone; `against` tells whether lanes of oncoming traffic are looked for, or the others.
+    """
+    base = p.entity_const[i]
+    size = p.const[base + slot.E_LENGTH]
+    front = p.const[base + slot.E_CENTER] + 0.5 * size
+    need = p.const[base + slot.E_WIDTH] + 2.0 * CLEARANCE
+    left = st.border_left[blocker]
+    right = st.border_right[blocker]
+    low = 0.0
+    high = 0.0
+    if side != 0:
+        wide = beside_width(n, road, lane, s, side)
+        if wide <= 0.0 or same_direction(n, road, lane, s, side) == against:
+            return 0, 0.0
+        low = left if side > 0 else right - wide
+        high = low + wide
+        left = max(left, high)
+        right = min(right, low)
+    found, centre, _ = gap_between(p, st, blocker, front, size, right, left, need, 0.0)
+    if found == 0:
+        return 0, 0.0
+    if shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL]) > st.blocked_distance[0] - 1.0:
+        return 0, 0.0
+    if against == 0:
+        high = low
+    out = evasion_over(p, st, i, centre)
+    if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:
+        return 0, 0.0
+    if side != 0 and against == 0 and gap_beside_free(n, p, st, i, side) == 0:
+        return 0, 0.0
+    return 1, centre
 
 
 @compiled
 def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> tuple[int, float]:
     """Return (found, centre) of a corridor past what blocks the path, relative to the path lane's centre.
 
-    First within the own lane, then with the lane beside on the left and on the right. It must be wide enough, near
-    enough for a planned evasion before the block, and safe.
+    First within the own lane, then with the lane beside on the left and on the right, of the same direction before one
+    of oncoming traffic. It must be wide enough, near enough for a planned evasion before the block, and safe.
     """
-    base = p.entity_const[i]
-    size = p.const[base + slot.E_LENGTH]
-    front = p.const[base + slot.E_CENTER] + 0.5 * size
-    need = p.const[base + slot.E_WIDTH] + 2.0 * CLEARANCE
-    distance = st.blocked_distance[0]
-    road, lane, _, s, _ = path_ahead(n, p, st, distance + front)
-    for choice in range(3):
-        side = 0 if choice == 0 else 3 - 2 * choice
-        left = st.border_left[blocker]
-        right = st.border_right[blocker]
-        if side != 0:
-            wide = beside_width(n, road, lane, s, side)
-            if wide <= 0.0:
-                continue
-            left += wide if side > 0 else 0.0
-            right -= wide if side < 0 else 0.0
-        found, centre, _ = gap_between(p, st, blocker, front, size, right, left, need, 0.0)
+    look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
+    front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
+    road, lane, _, s, _ = path_ahead(n, p, st, st.blocked_distance[0] + front)
+    found = 0
+    centre = 0.0
+    for choice in range(5):
         if found == 0:
-            continue
-        if shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL]) > distance - 1.0:
-            continue
-        if corridor_safe(n, p, st, i, centre, side) == 1:
-            return 1, centre
-    return 0, 0.0
+            side = 0 if choice == 0 else 3 - 2 * ((choice - 1) % 2 + 1)
+            against = 1 if choice >= 3 else 0
+            found, centre = corridor_beside(n, p, st, i, blocker, road, lane, s, side, against)
+    look_ahead(n, p, st, i, SIGHT, VIEW)
+    return found, centre
 
 
 @compiled
 def evade(p: Program, st: State, i: int, centre: float) -> None:
     """Plan the move to a corridor, and how far it is kept."""
-    base = p.entity_const[i]
-    room = st.blocked_distance[0] - 1.0
-    plan_shift(st, i, centre, min(room, shift_distance(st.v[i], centre - st.path_off[0], RETURN_ACCELERATION)))
-    st.evade_until[0] = st.odometer[i] + st.blocked_far[0] + p.const[base + slot.E_LENGTH] + 2.0
+    plan_shift(st, i, centre, evasion_over(p, st, i, centre))
+    st.evade_until[0] = st.odometer[i] + evasion_length(p, st, i)
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
     st.manoeuvre[0] = op.MANOEUVRE_EVADE
     log_event(st, op.EVENT_EVADE, centre)
@@ -276,13 +267,7 @@ def is_past(p: Program, st: State, i: int, j: int) -> int:
     """Return 1 where the ego may come back: well before a moving vehicle, behind it, or where that has gone."""
     if st.on_way[j] == 0:
         return 1
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
-    before = front - p.const[base + slot.E_LENGTH] - st.far[j]
-    behind = st.near[j] - front
-    is_before = before >= PAST + BEHIND_TIME * max(st.along[j] - st.v[i], 0.0)
-    is_behind = behind >= max(PAST, BEHIND_TIME * st.v[i]) and st.along[j] >= st.v[i]
-    if not is_before and not is_behind:
+    if is_clear_of(p, st, i, j, st.v[i], 0.0) == 0:
         return 0
     over = shift_time(p, st, 0.0)
     return 1 if meets(p, st, i, 0.0, over, 0.0, BRAKE_JERK) >= op.FAR else 0
@@ -297,15 +282,25 @@ def shift_time(p: Program, st: State, target: float) -> float:
 @compiled
 def go_on_evading(p: Program, st: State, i: int, blocker: int) -> None:
     """Come back when what was evaded is past, or early where an oncoming vehicle would be met."""
+    out = max(st.shift_end[0] - st.odometer[i], 0.1)
+    early = st.odometer[i] < st.evade_commit[0]
     if st.evaded[0] >= 0:
         if is_past(p, st, i, st.evaded[0]) == 1:
             come_back(st, i, op.MANOEUVRE_KEEP)
+        elif (
+            early
+            and meets_oncoming(p, st, i, st.shift_to[0], out, out, st.evaded[0], 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
+        ):
+            come_back(st, i, op.MANOEUVRE_BRAKE)
         return
-    if st.odometer[i] >= st.evade_until[0]:
+    rest = st.evade_until[0] - st.odometer[i]
+    if rest <= 0.0:
         come_back(st, i, op.MANOEUVRE_KEEP)
-        return
-    early = st.odometer[i] < st.evade_commit[0] and blocker >= 0
-    if early and meets_oncoming(p, st, i, st.shift_to[0], 1) == 1:
+    elif (
+        early
+        and blocker >= 0
+        and meets_oncoming(p, st, i, st.shift_to[0], out, rest, op.NONE, 0.0, GIVE_UP_TIME, 1, 0.0, 0.0) == 1
+    ):
         come_back(st, i, op.MANOEUVRE_BRAKE)
 
 
@@ -336,10 +331,13 @@ def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
 
 
 @compiled
-def clear_offset(p: Program, st: State, i: int, whole: float) -> tuple[int, float, int]:
+def clear_offset(
+    p: Program, st: State, i: int, threat: int, whole: float, low: float, high: float
+) -> tuple[int, float, int]:
     """Return (found, offset, braking) of a move towards a lane beside, `whole` away, in which the ego meets nothing.
 
-    Half the way there is tried before the whole, and steering alone before braking at the same time.
+    Until it is clear of `threat` and back it meets nothing oncoming either; the lane between `low` and `high` is one of
+    oncoming traffic. Half the way there is tried before the whole, and steering alone before braking at the same time.
     """
     braking = BOTH_SHARE * p.const[slot.K_DRIVER_DECELERATION]
     for choice in range(4):
@@ -347,14 +345,17 @@ def clear_offset(p: Program, st: State, i: int, whole: float) -> tuple[int, floa
         both = 1 if choice >= 2 else 0
         if both == 0 and st.style[0] == op.STYLE_BOTH:
             continue
-        if meets(p, st, i, target, shift_time(p, st, target), both * braking, BRAKE_JERK) >= op.FAR:
+        if meets(p, st, i, target, shift_time(p, st, target), both * braking, BRAKE_JERK) < op.FAR:
+            continue
+        out = shift_distance(st.v[i], target - st.path_off[0], p.const[slot.K_DRIVER_LATERAL])
+        if meets_oncoming(p, st, i, target, out, out, threat, both * braking, MEETING_TIME, 0, low, high) == 0:
             return 1, target, both
     return 0, 0.0, 0
 
 
 @compiled
-def way_out(n: RoadTables, p: Program, st: State, i: int) -> tuple[int, float, int]:
-    """Return (found, offset, braking) of a way around what braking in the own lane would meet."""
+def way_out(n: RoadTables, p: Program, st: State, i: int, threat: int) -> tuple[int, float, int]:
+    """Return (found, offset, braking) of a way around what braking in the own lane would meet, `threat` first."""
     if meets(p, st, i, 0.0, 1.0, p.const[slot.K_DRIVER_DECELERATION], BRAKE_JERK) >= op.FAR:
         return 0, 0.0, 0
     road = st.path_road[0]
@@ -365,12 +366,18 @@ def way_out(n: RoadTables, p: Program, st: State, i: int) -> tuple[int, float, i
         wide = beside_width(n, road, lane, s, side)
         if wide <= 0.0:
             continue
-        whole = 0.5 * side * (lane_width(n, road, lane, s) + wide)
-        found, target, braking = clear_offset(p, st, i, whole)
+        own = lane_width(n, road, lane, s)
+        low = 0.5 * own if side > 0 else -0.5 * own - wide
+        high = low
+        beside = neighbour_lane(n, road, lane, s, side, direction)
+        if lane_direction(n, road, beside) != direction:
+            high = low + wide
+        look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
+        found, target, braking = clear_offset(p, st, i, threat, 0.5 * side * (own + wide), low, high)
+        look_ahead(n, p, st, i, SIGHT, VIEW)
         if found == 0:
             continue
-        beside = neighbour_lane(n, road, lane, s, side, direction)
-        if lane_direction(n, road, beside) == direction and free_behind(n, p, st, i, beside) == 0:
+        if high <= low and free_behind(n, p, st, i, beside) == 0:
             continue
         return 1, target, braking
     return 0, 0.0, 0
@@ -395,23 +402,37 @@ def begin_braking(st: State, distance: float) -> None:
 
 
 @compiled
+def has_lane_beside(n: RoadTables, st: State) -> int:
+    """Return 1 where there is a lane of the same direction beside the path's lane."""
+    road = st.path_road[0]
+    for side in range(1, -2, -2):
+        if beside_width(n, road, st.path_lane[0], st.path_s[0], side) <= 0.0:
+            continue
+        if same_direction(n, road, st.path_lane[0], st.path_s[0], side) == 1:
+            return 1
+    return 0
+
+
+@compiled
 def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
     """Decide between going on, braking, evading and coming back."""
+    st.seeks_gap[0] = 0
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         go_on_evading(p, st, i, blocker)
         return
     if blocker >= 0 and reacts_to(p, st, blocker) == 1:
-        if st.style[0] != op.STYLE_BRAKES:
+        if st.style[0] != op.STYLE_BRAKES and abs(st.across[blocker]) < CROSSING:
             found, centre = find_corridor(n, p, st, i, blocker)
             if found == 1:
                 evade(p, st, i, centre)
                 return
+            st.seeks_gap[0] = has_lane_beside(n, st)
         begin_braking(st, st.blocked_distance[0])
         return
     threat = moving_threat(p, st, i)
     if threat >= 0:
         if st.style[0] != op.STYLE_BRAKES and st.merging[0] == 0:
-            found, target, braking = way_out(n, p, st, i)
+            found, target, braking = way_out(n, p, st, i, threat)
             if found == 1:
                 if braking == 1:
                     st.style[0] = op.STYLE_BOTH
@@ -436,6 +457,18 @@ def stop_within(p: Program, st: State, i: int, distance: float, standoff: float)
 
 
 @compiled
+def stop_before_block(p: Program, st: State, i: int) -> float:
+    """Return the acceleration that stops the ego before what blocks its path.
+
+    Who looks for a gap beside only lifts his foot until he has to brake harder than he likes.
+    """
+    needed = 0.5 * st.v[i] * st.v[i] / max(st.blocked_distance[0] - 1.0, 0.1)
+    if st.seeks_gap[0] == 1 and needed < GAP_BRAKE:
+        return -LIFT_OFF
+    return stop_within(p, st, i, st.blocked_distance[0], STANDOFF)
+
+
+@compiled
 def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -> float:
     """Return the acceleration that all that is ahead in a corridor allows; what is new is not braked for yet."""
     wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], op.FAR, 0.0)
@@ -443,7 +476,7 @@ def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -
     front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
     for j in range(p.entity_count[0]):
         called = called_for(p, st, i, j, corridor, slowest)
-        if called >= op.FAR:
+        if called >= op.FAR or (st.seeks_gap[0] == 1 and st.ahead_is[j] == op.AHEAD_BLOCKING):
             continue
         closing = max(st.v[i] - st.along[j], 0.0)
         needed = 0.5 * closing * closing / max(st.near[j] - front - 1.0, 0.1)
@@ -471,7 +504,7 @@ def press_pedals(p: Program, st: State, i: int) -> None:
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE and st.style[0] == op.STYLE_BOTH and st.odometer[i] < st.shift_end[0]:
         wanted = min(wanted, -BOTH_SHARE * hardest)
     if st.manoeuvre[0] == op.MANOEUVRE_BRAKE and st.blocked_distance[0] < op.FAR:
-        wanted = min(wanted, stop_within(p, st, i, st.blocked_distance[0], STANDOFF))
+        wanted = min(wanted, stop_before_block(p, st, i))
     if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
         wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0], 0.0))
     if st.red_line[0] < op.FAR:
@@ -479,8 +512,8 @@ def press_pedals(p: Program, st: State, i: int) -> None:
         front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
         wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))
     step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
-    wanted = clip(wanted, max(-hardest, st.pedal[0] - step), st.pedal[0] + step)
-    command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
+    wanted = clip(come_to_rest(st.v[i], wanted), max(-hardest, st.pedal[0] - step), st.pedal[0] + step)
+    command_acceleration(p, st, i, wanted)
 
 
 @compiled

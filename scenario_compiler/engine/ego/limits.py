@@ -27,14 +27,20 @@ def budget_of(p: Program, own: int) -> float:
 
 
 @compiled
-def request_distance(p: Program, st: State, i: int, own: int, count: int) -> float:
+def closing_speed(st: State, i: int) -> float:
+    """Return the speed at which the ego and what blocks its path close up, m/s."""
+    return st.v[i] + st.blocked_speed[0]
+
+
+@compiled
+def request_distance(p: Program, closing: float, own: int, count: int) -> float:
     """Return the distance within which a limit is a reason to ask, m, so that it asks within the budget.
 
-    A reason must have been there in a number of control steps, which is in the slot `count`: they are driven before
-    it asks.
+    The limit is closed up to with the speed `closing`: the ego's own, and that of what comes towards it. A reason must
+    have been there in a number of control steps, which is in the slot `count`: they are driven before it asks.
     """
     waits = max(p.const[count] - 1.0, 0.0) * control_period(p)
-    return max((budget_of(p, own) + waits) * st.v[i], CLOSE)
+    return max((budget_of(p, own) + waits) * closing, CLOSE)
 
 
 @compiled

@@ -17,10 +17,14 @@ STOP_MARGIN = 3.0
 
 
 @compiled
-def stopping_distance(p: Program, v: float) -> float:
-    """Return the distance of a stop at the manoeuvre's deceleration, begun at the next control step."""
+def stopping_distance(p: Program, v: float, towards: float) -> float:
+    """Return the distance of a stop at the manoeuvre's deceleration, begun at the next control step, m.
+
+    It includes the way of what comes towards the vehicle with the speed `towards` until the vehicle stands.
+    """
     deceleration = max(p.const[slot.K_MINIMUM_RISK_DECELERATION], 0.1)
-    return 0.5 * v * v / deceleration + v * p.const[slot.K_STEP] * p.control_every[0]
+    wait = p.const[slot.K_STEP] * p.control_every[0]
+    return (0.5 * v + towards) * v / deceleration + (v + towards) * wait
 
 
 @compiled
@@ -28,7 +32,8 @@ def minimum_risk_due(p: Program, st: State, i: int) -> int:
     """Return 1 where the manoeuvre has to begin now."""
     if st.clock[0] - st.request_at[0] >= p.const[slot.K_RISK_AFTER + st.cause[0]] - 1.0e-6:
         return 1
-    limit = min(st.blocked_distance[0], st.lane_end_distance[0])
-    if limit < op.FAR and limit <= stopping_distance(p, st.v[i]) + STOP_MARGIN:
+    blocked = st.blocked_distance[0]
+    if blocked < op.FAR and blocked <= stopping_distance(p, st.v[i], st.blocked_speed[0]) + STOP_MARGIN:
         return 1
-    return 0
+    end = st.lane_end_distance[0]
+    return 1 if end < op.FAR and end <= stopping_distance(p, st.v[i], 0.0) + STOP_MARGIN else 0

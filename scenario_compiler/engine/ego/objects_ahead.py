@@ -120,9 +120,11 @@ def find_block(p: Program, st: State, i: int) -> int:
     front = p.const[base + slot.E_CENTER] + 0.5 * size
     st.blocked_distance[0] = op.FAR
     st.blocked_far[0] = op.FAR
+    st.blocked_speed[0] = 0.0
     blocker, gap = nearest_ahead(p, st, i, op.AHEAD_BLOCKING)
     if blocker >= 0:
         st.blocked_distance[0] = max(gap, 0.0)
+        st.blocked_speed[0] = max(-st.along[blocker], 0.0)
         far = st.far[blocker]
         for j in range(p.entity_count[0]):
             if obstructs(st, j, front) == 1 and st.near[j] <= st.far[blocker] + size and st.far[j] > far:

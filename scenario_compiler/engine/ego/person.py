@@ -26,7 +26,10 @@ def nothing_asks(p: Program, st: State) -> int:
 
 @compiled
 def heed_person(p: Program, st: State) -> None:
-    """Do what the person wants: take over, asked or not; hand back where nothing asks; stop where they have left."""
+    """Do what the person wants: take over, asked or not; hand back where nothing asks; stop where they have left.
+
+    Who looks on, an experimenter, may want the automation to request a takeover now.
+    """
     wish = st.person_wish[0]
     state = st.takeover_state[0]
     if wish == op.WISH_TAKE_OVER:
@@ -40,6 +43,9 @@ def heed_person(p: Program, st: State) -> None:
     elif wish == op.WISH_HAND_BACK:
         if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and nothing_asks(p, st) == 1:
             hand_back(st)
+    elif wish == op.WISH_REQUEST:
+        if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
+            st.ordered_request[0] = op.CAUSE_SCHEDULED
     elif wish == op.WISH_LEAVE and state == op.TAKEOVER_MANUAL:
         st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
         if st.time_minimum_risk[0] < 0.0:

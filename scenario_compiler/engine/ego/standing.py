@@ -1,13 +1,24 @@
-"""Where the vehicle stands that has been stopped: in its own lane, in another one, on a shoulder, or off the road."""
+"""Where the vehicle stands that has been stopped: in its own lane, in another one, on a shoulder, or off the road.
+
+It obstructs a lane for driving where nothing ahead holds it: others would go on there.
+"""
 
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.objects_ahead import nearest_ahead
+from scenario_compiler.engine.ego.sensor import SLOW
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable, is_roadside
 from scenario_compiler.roads.lanes import lane_type, row_width
 from scenario_compiler.roads.tables import RoadTables
+
+HELD_WITHIN = 30.0
+"""Distance up to which something ahead holds a vehicle that stands, m; chosen: a stop with room to spare."""
 
 
 @compiled
@@ -24,3 +35,32 @@ def standing_place(n: RoadTables, st: State, i: int) -> int:
     if is_drivable(kind) == 1:
         return op.STANDS_IN_OTHER_LANE
     return op.STANDS_ON_SHOULDER if is_roadside(kind) == 1 else op.STANDS_OFF_ROAD
+
+
+@compiled
+def is_held(p: Program, st: State, i: int) -> int:
+    """Return 1 where an object, a red signal or the end of the lane close ahead, or a collision, holds the ego.
+
+    A leader that moves on holds nobody.
+    """
+    front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
+    leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
+    _, blocked = nearest_ahead(p, st, i, op.AHEAD_BLOCKING)
+    nearest = min(min(blocked, st.red_line[0] - front), st.lane_end_distance[0])
+    if leader >= 0 and st.along[leader] < SLOW:
+        nearest = min(nearest, gap)
+    return 1 if nearest <= HELD_WITHIN or st.crashed[0] == 1 else 0
+
+
+@compiled
+def log_standstill(n: RoadTables, p: Program, st: State, i: int, by_hand: int) -> None:
+    """Log that the ego has come to a standstill and where, and that it obstructs a lane where it does."""
+    now = st.clock[0]
+    if st.time_standstill[0] < 0.0:
+        st.time_standstill[0] = now
+    place = standing_place(n, st, i)
+    log_event(st, op.EVENT_STANDSTILL, 1.0 * by_hand + 2.0 * place)
+    if place in (op.STANDS_IN_OWN_LANE, op.STANDS_IN_OTHER_LANE) and is_held(p, st, i) == 0:
+        if st.time_obstruction[0] < 0.0:
+            st.time_obstruction[0] = now
+        log_event(st, op.EVENT_OBSTRUCTION, 0.0)

@@ -12,9 +12,9 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.answering import note_stages, plan_answer
-from scenario_compiler.engine.ego.limits import lane_ends, request_distance
+from scenario_compiler.engine.ego.limits import closing_speed, lane_ends, request_distance
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
-from scenario_compiler.engine.ego.standing import standing_place
+from scenario_compiler.engine.ego.standing import log_standstill
 from scenario_compiler.engine.ego.unchanged import time_left
 from scenario_compiler.engine.ego.warning import (
     note_reason,
@@ -55,10 +55,10 @@ def lacks_confidence(p: Program, st: State) -> int:
 def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
     """Return the cause that asks for a takeover now, CAUSE_NONE without one; every history is brought up to date."""
     unwell = 1 if st.health[0] < p.const[slot.K_HEALTH_REQUEST] else 0
-    near = request_distance(p, st, i, slot.K_BLOCKED_BUDGET, slot.K_BLOCKED_COUNT)
+    near = request_distance(p, closing_speed(st, i), slot.K_BLOCKED_BUDGET, slot.K_BLOCKED_COUNT)
     blocked = 1 if st.blocked_distance[0] <= near else 0
     low = lacks_confidence(p, st)
-    ending = lane_ends(n, p, st, request_distance(p, st, i, slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT))
+    ending = lane_ends(n, p, st, request_distance(p, st.v[i], slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT))
     reasons = low + unwell + blocked + ending + st.auto_request[0] + st.held_up[0]
     st.quiet[0] = st.quiet[0] + 1 if reasons == 0 else 0
     if st.quiet[0] > HISTORY_SIZE:
@@ -81,7 +81,7 @@ def asking_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
 @compiled
 def foreseen_cause(n: RoadTables, p: Program, st: State, i: int) -> int:
     """Return the cause that there is a reason to warn of, CAUSE_NONE without one."""
-    within = warning_distance(p, st, i, slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET)
+    within = warning_distance(p, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET)
     return warning_cause(p, st, i, lane_ends(n, p, st, within))
 
 
@@ -150,8 +150,7 @@ def step_requested(n: RoadTables, p: Program, st: State, i: int) -> None:
     elif state == op.TAKEOVER_MINIMUM_RISK:
         if st.v[i] <= 0.0:
             st.takeover_state[0] = op.TAKEOVER_STANDSTILL
-            st.time_standstill[0] = now
-            log_event(st, op.EVENT_STANDSTILL, 2.0 * standing_place(n, st, i))
+            log_standstill(n, p, st, i, 0)
     elif minimum_risk_due(p, st, i) == 1:
         st.takeover_state[0] = op.TAKEOVER_MINIMUM_RISK
         if st.time_minimum_risk[0] < 0.0:

@@ -13,20 +13,20 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.limits import CLOSE, budget_of, control_period
+from scenario_compiler.engine.ego.limits import CLOSE, budget_of, closing_speed, control_period
 from scenario_compiler.marker import compiled
 
 
 @compiled
-def warning_distance(p: Program, st: State, i: int, own: int, budget: int) -> float:
-    """Return the distance within which a limit ahead is warned of, m.
+def warning_distance(p: Program, closing: float, own: int, budget: int) -> float:
+    """Return the distance within which a limit ahead is warned of that is closed up to with a speed, m.
 
     Without a budget of its own the warning leads the request by `warning_lead`, whatever it takes to enter it.
     """
     time = p.const[own]
     if time < 0.0:
         time = budget_of(p, budget) + p.const[slot.K_WARNING_LEAD] + p.const[slot.K_WARNING_AFTER] + control_period(p)
-    return max(time * st.v[i], CLOSE)
+    return max(time * closing, CLOSE)
 
 
 @compiled
@@ -67,7 +67,7 @@ def warning_cause(p: Program, st: State, i: int, ending: int) -> int:
     if p.cause_on[op.CAUSE_LANE_CONFIDENCE] == 1 and warns_of_lane(p, st, shown) == 1:
         return op.CAUSE_LANE_CONFIDENCE
     if p.cause_on[op.CAUSE_PATH_BLOCKED] == 1:
-        reach = warning_distance(p, st, i, slot.K_BLOCKED_WARNING, slot.K_BLOCKED_BUDGET)
+        reach = warning_distance(p, closing_speed(st, i), slot.K_BLOCKED_WARNING, slot.K_BLOCKED_BUDGET)
         if st.blocked_distance[0] <= reach:
             return op.CAUSE_PATH_BLOCKED
     if p.cause_on[op.CAUSE_LANE_ENDS] == 1 and ending == 1:

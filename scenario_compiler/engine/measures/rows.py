@@ -67,5 +67,6 @@ def take_row(p: Program, st: State, m: Totals) -> None:
     m.row_cause[0] = st.cause[0]
     m.row_confidence[0] = max(st.conf_left[0], st.conf_right[0])
     m.row_blocked[0] = st.blocked_distance[0]
+    m.row_blocked_speed[0] = st.blocked_speed[0]
     m.row_lane_end[0] = st.lane_end_distance[0]
     m.row_limit_time[0] = st.limit_time[0]

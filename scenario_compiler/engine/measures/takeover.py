@@ -25,6 +25,7 @@ def add_request(m: Totals) -> None:
     if m.request_cause[0] == op.CAUSE_NONE and m.row_cause[0] != op.CAUSE_NONE:
         m.request_cause[0] = m.row_cause[0]
         m.request_blocked[0] = m.row_blocked[0]
+        m.request_blocked_speed[0] = m.row_blocked_speed[0]
         m.request_lane_end[0] = m.row_lane_end[0]
         m.request_speed[0] = m.row_v[0]
         m.request_limit_time[0] = m.row_limit_time[0]

@@ -43,6 +43,7 @@ def add_takeovers(st: State, m: Totals) -> None:
     if m.undescribed[0] == 1 and m.row_cause[0] != op.CAUSE_NONE:
         m.undescribed[0] = 0
         m.takeover_blocked[k] = m.row_blocked[0]
+        m.takeover_blocked_speed[k] = m.row_blocked_speed[0]
         m.takeover_lane_end[k] = m.row_lane_end[0]
         m.takeover_speed[k] = m.row_v[0]
         m.takeover_limit_time[k] = m.row_limit_time[0]
@@ -56,12 +57,13 @@ def write_takeovers(m: Totals, out: list[float], base: int) -> None:
         out[at] = m.takeover_request[k]
         out[at + 1] = m.takeover_cause[k]
         out[at + 2] = m.takeover_blocked[k]
-        out[at + 3] = m.takeover_lane_end[k]
-        out[at + 4] = m.takeover_speed[k]
-        out[at + 5] = m.takeover_escalation[k]
-        out[at + 6] = m.takeover_response[k]
-        out[at + 7] = m.takeover_minimum_risk[k]
-        out[at + 8] = m.takeover_standstill[k]
-        out[at + 9] = m.takeover_hand_back[k]
-        out[at + 10] = m.takeover_limit_time[k]
-        at = at + 11
+        out[at + 3] = m.takeover_blocked_speed[k]
+        out[at + 4] = m.takeover_lane_end[k]
+        out[at + 5] = m.takeover_speed[k]
+        out[at + 6] = m.takeover_escalation[k]
+        out[at + 7] = m.takeover_response[k]
+        out[at + 8] = m.takeover_minimum_risk[k]
+        out[at + 9] = m.takeover_standstill[k]
+        out[at + 10] = m.takeover_hand_back[k]
+        out[at + 11] = m.takeover_limit_time[k]
+        at = at + 12

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
-from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import length_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
@@ -19,7 +18,8 @@ from scenario_compiler.engine.ego.automation import control_ego, driven_by_hand
 from scenario_compiler.engine.ego.controllers import hold_inputs
 from scenario_compiler.engine.ego.failures import update_camera
 from scenario_compiler.engine.ego.person import drive_by_person
-from scenario_compiler.engine.ego.standing import standing_place
+from scenario_compiler.engine.ego.progress import CREEPING
+from scenario_compiler.engine.ego.standing import log_standstill
 from scenario_compiler.engine.ego.weather import update_weather
 from scenario_compiler.engine.motion.collision import check_collisions, update_boxes
 from scenario_compiler.engine.motion.entities import move_entities, take_stock
@@ -114,27 +114,25 @@ def begin_step(n: RoadTables, p: Program, st: State) -> int:
 
 
 @compiled
-def note_stop_by_hand(n: RoadTables, p: Program, st: State) -> None:
-    """Log that the driver has brought the ego to a standstill."""
-    if st.time_standstill[0] < 0.0:
-        st.time_standstill[0] = st.clock[0]
-    log_event(st, op.EVENT_STANDSTILL, 1.0 + 2.0 * standing_place(n, st, p.ego[0]))
-
-
-@compiled
 def watch_standstill(n: RoadTables, p: Program, st: State) -> None:
-    """End a run whose ego has stood for a while after a stop that ends the conflict; a person who stops may go on."""
+    """End a run whose ego has stood for a while after a stop that ends the conflict; a person who stops may go on.
+
+    Who creeps on from where he stopped is not logged as stopping again.
+    """
     ego = p.ego[0]
     state = st.takeover_state[0]
     by_model = state == op.TAKEOVER_MANUAL and p.person[0] == 0
     ended = st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL or by_model
+    if st.v[ego] >= CREEPING or not ended:
+        st.still_noted[0] = 0
     if st.v[ego] >= op.STANDING or not ended:
         st.still_since[0] = -1.0
         return
     if st.still_since[0] < 0.0:
         st.still_since[0] = st.clock[0]
-        if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0:
-            note_stop_by_hand(n, p, st)
+        if state == op.TAKEOVER_MANUAL and st.crashed[0] == 0 and st.still_noted[0] == 0:
+            st.still_noted[0] = 1
+            log_standstill(n, p, st, ego, 1)
     if st.clock[0] - st.still_since[0] >= STANDING_TIME - 1.0e-6:
         st.stop[0] = op.STOP_COLLISION if st.crashed[0] == 1 else op.STOP_STANDSTILL
 

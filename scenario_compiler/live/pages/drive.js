@@ -1,11 +1,13 @@
 // The page of a run under way: pictures as they come, what the driver is told, and what the person does, told back.
 
 import { allow, speak, tone, vibrate } from "live/sounds.js";
+import { SearchTask } from "live/search.js";
 import { Calibration, Wheel } from "live/wheel.js";
 import { MapView } from "pages/map.js";
 
 const TELL_EVERY = 20; // milliseconds
 const REPORT_EVERY = 1000;
+const base = document.body.dataset.base;
 const one = (selector) => document.querySelector(selector);
 
 /** The rows that came so far, as the map wants them. */
@@ -71,12 +73,14 @@ class Page {
     this.wheel.listen(document.querySelectorAll("#touch button"));
     const calibration = new Calibration(one("#profile"));
     one("#calibrate").addEventListener("click", () => calibration.open());
-    one("#go").addEventListener("click", () => this.start());
+    one("#go").addEventListener("click", () => (this.over ? location.reload() : this.start()));
+    one("#held form").addEventListener("submit", (event) => this.answer(event));
+    this.search = about.study?.search ? new SearchTask(one("#search"), about.study.search, (told) => this.say(told)) : null;
     this.connect();
   }
 
   connect() {
-    this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+    this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${base}/socket`);
     this.socket.binaryType = "arraybuffer";
     this.socket.addEventListener("message", ({ data }) => {
       if (typeof data === "string") this.hear(JSON.parse(data));
@@ -92,6 +96,7 @@ class Page {
     this.socket.addEventListener("open", () => {
       this.telling = setInterval(() => this.tell(), TELL_EVERY);
       this.reporting = setInterval(() => this.report(), REPORT_EVERY);
+      this.search?.ask();
     });
   }
 
@@ -120,6 +125,7 @@ class Page {
     }
     this.role = message.role ?? this.role;
     one("#go").disabled = this.role !== "driver";
+    if (message.search) this.search.show(message.search);
     if (message.pong !== undefined) {
       const now = performance.now();
       this.offsets.push({ trip: now - message.pong, offset: message.at - (message.pong + now) / 2 });
@@ -143,6 +149,7 @@ class Page {
     const length = view.getUint32(0);
     const about = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
     if (about.end !== undefined) return this.finish(about);
+    if (about.held !== undefined) return this.hold(about.held);
     this.running = true;
     one("#start").hidden = true;
     const size = view.getUint32(4 + length);
@@ -151,7 +158,44 @@ class Page {
     requestAnimationFrame(() => this.show(about, images));
   }
 
+  /** Blank the pictures while the run stands still: for the experimenter, or for questions. */
+  hold(reason) {
+    if (this.heldFor === reason) return;
+    this.heldFor = reason;
+    this.running = false;
+    one("#start").hidden = true;
+    one("#held").hidden = false;
+    one("#scene").classList.add("blank");
+    for (const canvas of document.querySelectorAll("#ahead, #mirror")) canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+    this.search?.hide();
+    const { words, queries } = this.about.study;
+    one("#held-title").textContent = reason === "probe" ? words.probe : words.paused;
+    const form = one("#held form");
+    form.replaceChildren();
+    if (reason !== "probe") return;
+    for (const query of queries) form.append(questionOf(query));
+    const go = document.createElement("button");
+    go.textContent = words.continue;
+    form.append(go);
+    this.probedAt = performance.now();
+    form.querySelector("input").focus();
+  }
+
+  answer(event) {
+    event.preventDefault();
+    const answers = Object.fromEntries(new FormData(event.target));
+    this.say({ kind: "answers", answers, seconds: (performance.now() - this.probedAt) / 1000 });
+  }
+
+  release() {
+    this.heldFor = undefined;
+    one("#held").hidden = true;
+    one("#scene").classList.remove("blank");
+    document.activeElement?.blur();
+  }
+
   show(about, [ahead, mirror]) {
+    if (this.heldFor) this.release();
     const canvas = one("#ahead");
     if (canvas.width !== ahead.width) [canvas.width, canvas.height] = [ahead.width, ahead.height];
     canvas.getContext("2d").drawImage(ahead, 0, 0);
@@ -164,13 +208,14 @@ class Page {
     this.latest = about;
     one("#speed b").textContent = Math.round(3.6 * about.speed);
     const state = one("#state");
-    state.textContent = about.byHand ? "you drive" : about.words;
-    state.style.background = about.colour;
+    state.textContent = about.byHand ? "you drive" : this.about.study ? "automated" : about.words;
+    if (!this.about.study) state.style.background = about.colour; // in a trial, messages alone tell what is asked
     one("#conf-left").value = about.confidence[0];
     one("#conf-right").value = about.confidence[1];
     one("#behind").hidden = !about.late;
     one("#behind").textContent = `This machine cannot keep up: ${Math.round(about.late)} ms behind.`;
     this.tellDriver(about);
+    this.search?.allow(!about.byHand);
     this.run.add(about);
     this.map ??= new MapView(one("#map canvas"), this.run, one("#map .tip"));
     this.map.turned = true;
@@ -212,14 +257,34 @@ class Page {
 
   finish(about) {
     this.running = false;
+    this.release();
+    this.search?.hide();
+    this.over = Boolean(this.about.study && about.kept);
     one("#told").hidden = one("#left").hidden = true;
     one("#ended").textContent = about.end.charAt(0).toUpperCase() + about.end.slice(1);
-    one("#go").textContent = "Again";
+    one("#go").textContent = this.over ? this.about.study.words.continue : "Again";
     const report = one("#report");
-    report.hidden = !this.about.writes;
+    report.hidden = !this.about.writes || Boolean(this.about.study);
     report.href = `/runs/${about.run}`;
     one("#start").hidden = false;
   }
+}
+
+/** A question of a probe: answers to choose from, or a number. */
+function questionOf({ name, text, choices }) {
+  const field = document.createElement(choices.length ? "fieldset" : "label");
+  if (!choices.length) {
+    const input = Object.assign(document.createElement("input"), { name, type: "number", step: "any", required: true });
+    field.append(text, input);
+    return field;
+  }
+  field.append(Object.assign(document.createElement("legend"), { textContent: text }));
+  for (const [value, words] of choices) {
+    const label = document.createElement("label");
+    label.append(Object.assign(document.createElement("input"), { name, value, type: "radio", required: true }), words);
+    field.append(label);
+  }
+  return field;
 }
 
 /** A triangle with an exclamation mark, or two hands' place on a wheel for a request. */
@@ -233,5 +298,5 @@ function icon(urgent) {
   return drawn;
 }
 
-const about = await (await fetch("/about")).json();
+const about = await (await fetch(`${base}/about`)).json();
 globalThis.page = new Page(about);

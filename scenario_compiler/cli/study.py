@@ -1,0 +1,199 @@
+"""`study`: participants go through a study in a browser, driver models pilot it, and its data become one table."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenario_compiler.cli.live import STEP, add_address, serving
+from scenario_compiler.cli.options import (
+    AT_FAULT,
+    FINE,
+    Commands,
+    WrongUse,
+    add_diagnostics,
+    add_maps,
+    add_templates,
+    add_trust,
+    has_errors,
+    keep_loaded,
+    new_sink,
+    show,
+    step_length,
+    told,
+)
+from scenario_compiler.cli.report import needing
+from scenario_compiler.cli.terminal import flush_streams, put
+from scenario_compiler.trust import Trust
+
+if TYPE_CHECKING:
+    from scenario_compiler.compiler import StudyCompilation
+    from scenario_compiler.diagnostics import Diagnostics
+
+
+SIZES = {"1280x720": (1280, 720), "960x540": (960, 540), "640x360": (640, 360)}
+"""Sizes of the view ahead: smaller ones for several participants at once."""
+
+
+def add(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "study",
+        help="take participants through a study in a browser (the extra study), pilot it, export its data",
+        description="`study STUDY.xml -o DIR` opens a page for the participants and one for the experimenter; started "
+        "again, it goes on where it ended. `--pilot` lets driver models go through the study in place of people. "
+        "`study plan STUDY.xml` prints who meets which condition when. `study export DIR -o table.csv` makes one table "
+        "of all runs.",
+    )
+    parser.add_argument("action", nargs="?", choices=("run", "plan", "export"), default="run", help="what to do")
+    parser.add_argument(
+        "path", type=Path, metavar="STUDY.xml|DIR", help="the study; for export, the folder of its data"
+    )
+    parser.add_argument(
+        "-o", dest="output", type=Path, metavar="PATH", help="folder of the data; for export, the table"
+    )
+    parser.add_argument("--pilot", action="store_true", help="driver models take the place of the participants")
+    parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
+    parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s; 0.02 when left out")
+    parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead, pixels")
+    parser.add_argument(
+        "--lsl", action="store_true", help="send what happens to the Lab Streaming Layer (the extra lsl)"
+    )
+    add_address(parser)
+    add_maps(parser)
+    add_templates(parser)
+    add_trust(parser)
+    add_diagnostics(parser)
+    parser.set_defaults(command=study_command)
+
+
+def study_command(options: argparse.Namespace) -> int:
+    """Do what is asked with a study."""
+    from scenario_compiler.study.keeping import StudyError
+
+    try:
+        if options.action == "export":
+            return _export(options)
+        if options.action == "run" and options.output is None:
+            raise WrongUse("name a folder for the data with -o")
+        sink = new_sink(options)
+        compilation = _compiled(options, sink)
+        failed = compilation is None or has_errors(sink, options)
+        show(sink, options)
+        if compilation is None or failed:
+            return AT_FAULT
+        if options.action == "plan":
+            return _plan(compilation, options)
+        return _pilot(compilation, options) if options.pilot else _serve(compilation, options)
+    except StudyError as fault:
+        raise WrongUse(str(fault)) from None
+
+
+def _trust(options: argparse.Namespace) -> Trust:
+    return Trust(tuple(options.trust), options.path.parent)
+
+
+def _compiled(options: argparse.Namespace, sink: Diagnostics) -> StudyCompilation | None:
+    from scenario_compiler.compiler import Overrides, compile_study, read_source
+    from scenario_compiler.controllers import refuse_untrusted
+    from scenario_compiler.languages import check_source
+    from scenario_compiler.source.study import StudyFile
+
+    keep_loaded()
+    by_model = options.pilot or options.action == "plan"
+    step = options.dt or STEP
+    overrides = Overrides(perception=options.perception, step=step, driven_by="model" if by_model else "person")
+    read = read_source(options.path, sink)
+    if read is None:
+        return None
+    source = read[1]
+    if not isinstance(source, StudyFile) or source.questionnaire is not None:
+        raise WrongUse(f"{options.path} is no study: its first element is not <study>")
+    check_source(source, sink)
+    compilation = compile_study(source, sink, maps=options.maps, overrides=overrides, trust=_trust(options))
+    if compilation is not None:
+        for done in (*(one for _, one in compilation.conditions.values()), *compilation.others.values()):
+            refuse_untrusted(done.plan, sink, _trust(options))
+    return compilation
+
+
+def _plan(compilation: StudyCompilation, options: argparse.Namespace) -> int:
+    """Print the runs of each participant and session in their order."""
+    from scenario_compiler.study.procedure import procedure
+
+    study = compilation.study
+    for participant in range(1, study.participants + 1):
+        for session in range(1, study.sessions + 1):
+            steps = procedure(study, participant, session)
+            runs = [one.trial for one in steps if one.trial is not None]
+            names = [one.what if one.role == "trial" else f"{one.role} {one.what}" for one in runs]
+            put(f"sub-{participant:02d} ses-{session:02d}: {', '.join(names)}", told(options))
+    return FINE
+
+
+def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
+    from scenario_compiler.study.effects import write_effects
+    from scenario_compiler.study.keeping import study_folder
+    from scenario_compiler.study.pilot import run_pilot
+
+    with study_folder(options.output, compilation, pilot=True):
+        if sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import Progress
+
+            with Progress(console=Console(stderr=True), transient=True) as bar:
+                task = bar.add_task("sessions")
+                run_pilot(
+                    compilation,
+                    options.output,
+                    trust=_trust(options),
+                    progress=lambda done, all_: bar.update(task, completed=done, total=all_),
+                )
+        else:
+            run_pilot(compilation, options.output, trust=_trust(options))
+        page = write_effects(compilation, options.output)
+    put(f"data: {options.output}", told(options))
+    put(f"expected effects: {page}", told(options))
+    return FINE
+
+
+def _serve(compilation: StudyCompilation, options: argparse.Namespace) -> int:
+    from scenario_compiler.study.keeping import study_folder
+
+    with serving():
+        from scenario_compiler.study.server import serve_study
+
+    def tell(participants: str, experimenter: str) -> None:
+        put(f"participants: {participants}", told(options))
+        put(f"experimenter: {experimenter}", told(options))
+        flush_streams()
+
+    mark = None
+    if options.lsl:
+        with needing("pylsl"):
+            from scenario_compiler.study.outlet import MarkerOutlet
+        mark = MarkerOutlet(compilation.study.name).mark
+    with study_folder(options.output, compilation, pilot=False):
+        serve_study(
+            compilation,
+            options.output,
+            host=options.host,
+            port=options.port,
+            trust=_trust(options),
+            size=SIZES[options.size],
+            mark=mark,
+            told=tell,
+        )
+    return FINE
+
+
+def _export(options: argparse.Namespace) -> int:
+    from scenario_compiler.study.tables import write_tidy
+
+    if options.output is None or options.output.suffix != ".csv":
+        raise WrongUse("name the table with -o; it ends in .csv")
+    count = write_tidy(options.path, options.output)
+    put(f"{count} runs: {options.output}", told(options))
+    return FINE

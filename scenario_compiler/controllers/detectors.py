@@ -1,0 +1,104 @@
+"""The lane detector that a scenario names: one of ours, or a class of the user's own where `Trust` allows it."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, TypeAlias
+
+from scenario_compiler.controllers.foreign import ControllerError, Kind, blamed, load_class
+from scenario_compiler.diagnostics import Code, FilePlace, Severity
+from scenario_compiler.perception.detectors import DETECTORS, create_detector
+from scenario_compiler.trust import CodeName, Trust
+
+if TYPE_CHECKING:
+    from scenario_compiler.perception.camera import Camera
+    from scenario_compiler.perception.lane_detector import Image, LaneDetector, LaneResult, LaneState
+
+DetectorMaker: TypeAlias = "Callable[[Camera], LaneDetector]"
+"""Makes a detector for a camera."""
+
+UNKNOWN_DETECTOR = Code(
+    "SC527",
+    "unknown-detector",
+    "The scenario names a lane detector that is neither one of ours nor a class of your own that can be found, as "
+    "`package.module:Class` or `file.py:Class`, and has a method `detect`. Where modules and files are looked for is "
+    "said for controllers (SC503)."
+    '\n\n    <controller><detector model="clasical"/></controller>     classical, learned, package.module:Class or '
+    "file.py:Class",
+)
+IDLE_DETECTOR = Code(
+    "SC528",
+    "idle-detector",
+    "The controller looks for no lane, so that the detector is ignored. `lane_detection` uses one, and so does a "
+    "controller of your own that derives from it or that sets `uses_detector`."
+    '\n\n    <controller model="mine.py:Straight"><detector model="learned"/></controller>',
+    Severity.WARNING,
+)
+DETECTOR = Kind(
+    "lane detector",
+    UNKNOWN_DETECTOR,
+    lambda found: isinstance(found, type) and callable(getattr(found, "detect", None)),
+    "have a method `detect`",
+)
+
+
+def detector_maker(name: str, code: CodeName | None, trust: Trust, named_in: str) -> DetectorMaker:
+    """Return what makes detectors of a name; code of the user's own is imported, which the caller has allowed.
+
+    Args:
+        name: One of ours, or the name of the code.
+        code: What it names, where it is none of ours.
+        trust: What the user trusts.
+        named_in: Path of the file that names it.
+
+    Raises:
+        ControllerError: There is no such detector, or importing it fails.
+    """
+    if name in DETECTORS:
+        return partial(create_detector, name)
+    if code is None:
+        raise ControllerError(f"there is no lane detector '{name}'", UNKNOWN_DETECTOR)
+    found = load_class(name, code, trust, named_in, DETECTOR)
+    return lambda camera: ForeignDetector(name, found, camera)
+
+
+class ForeignDetector:
+    """A detector of the user's own: asked as any other, but what it raises is a ControllerError."""
+
+    def __init__(self, name: str, made_by: Callable[[Camera], LaneDetector], camera: Camera) -> None:
+        """Make the detector for a camera.
+
+        Raises:
+            ControllerError: It cannot be made.
+        """
+        self.name = name
+        with blamed(name, DETECTOR):
+            self._inner = made_by(camera)
+
+    def detect(self, image: Image, prior: LaneState | None = None, pitch: float | None = None) -> LaneResult:
+        """See `LaneDetector`; an answer that is not a lane of finite numbers and probabilities is a fault too.
+
+        Raises:
+            ControllerError: It failed.
+        """
+        from scenario_compiler.perception.lane_detector import LaneResult
+
+        with blamed(self.name, DETECTOR):
+            found: object = self._inner.detect(image, prior, pitch)
+        if not isinstance(found, LaneResult):
+            raise self._misbehaved(f"it returned {type(found).__name__}, which is no LaneResult")
+        for side, one in (("left", found.left), ("right", found.right)):
+            for number in ("y0", "slope", "curvature"):
+                if not math.isfinite(getattr(one, number)):
+                    raise self._misbehaved(f"{number} of the {side} boundary is {getattr(one, number)}")
+            for share in ("p", "p_geom", "p_paint"):
+                if not 0.0 <= getattr(one, share) <= 1.0:
+                    raise self._misbehaved(f"{share} of the {side} boundary is {getattr(one, share)}, not from 0 to 1")
+        return found
+
+    def _misbehaved(self, what: str) -> ControllerError:
+        code = inspect.unwrap(type(self._inner).detect).__code__
+        return ControllerError.at(self.name, FilePlace(code.co_filename, code.co_firstlineno), what, DETECTOR)

@@ -1,0 +1,171 @@
+"""Whether oncoming traffic leaves the time for a way out that leads into its lane, from going out to being back.
+
+A driver foresees the whole of it: he moves over, passes, and comes back, and speeds up as on a free road meanwhile.
+Oncoming vehicles keep their speed. He keeps a time to collision, by the speed of both, to each that comes towards the
+place across the road where he is at the time. Hidden vehicles in sight count as well: as with what is beside and
+behind him, he is taken to know of them. Beyond his sight a vehicle is presumed in the lane that he enters, which comes
+as fast as he himself means to drive.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip, ratio, safe_sqrt
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.foresight import HORIZON_STEP, ONCOMING, reacts_to
+from scenario_compiler.engine.motion.following import idm_acceleration
+from scenario_compiler.engine.motion.steering import shift_distance
+from scenario_compiler.marker import compiled
+
+PASSING_SIGHT = 300.0
+"""How far a driver sees an oncoming lane before he moves into it, m; chosen. Passing sight distances for roads of 50 to
+100 km/h are of this order.
+"""
+
+MEETING_TIME = 1.5
+"""Time to collision with an oncoming vehicle that a driver keeps while he is in its way, s; chosen."""
+
+GIVE_UP_TIME = 0.75
+"""Time to collision below which a driver who has begun to move out gives it up, s; chosen, less than he begins with, so
+that he does not waver.
+"""
+
+PASSING_STEPS = 200
+"""Number of steps in which the passing is foreseen; one that takes longer than these 20 s is not begun. Chosen."""
+
+CLEARANCE = 0.3
+"""Distance that a driver keeps to both sides when passing, m; chosen."""
+
+RETURN_ACCELERATION = 1.5
+"""Lateral acceleration of a move back to the lane's centre, and of an evasion that has time, m/s2; chosen."""
+
+PAST = 5.0
+"""Distance by which a moving vehicle is behind before the driver comes back before it, m; chosen."""
+
+BEHIND_TIME = 1.0
+"""Time gap at which the driver comes back behind a moving vehicle, s; chosen."""
+
+
+@compiled
+def is_clear_of(p: Program, st: State, i: int, j: int, v: float, moved: float) -> int:
+    """Return 1 where i, at a speed v, is well before a moving vehicle or behind it.
+
+    `moved` is by how much j will have moved ahead as seen from i.
+    """
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    before = front - p.const[base + slot.E_LENGTH] - st.far[j] - moved
+    behind = st.near[j] + moved - front
+    if before >= PAST + BEHIND_TIME * max(st.along[j] - v, 0.0):
+        return 1
+    return 1 if behind >= max(PAST, BEHIND_TIME * v) and st.along[j] >= v else 0
+
+
+@compiled
+def is_beside(low: float, high: float, rear: float, nose: float, half: float) -> int:
+    """Return 1 where a box between two offsets is beside an ego of which rear and nose are at two others."""
+    return 1 if low >= max(rear, nose) + half or high <= min(rear, nose) - half else 0
+
+
+@compiled
+def nose_offset(off: float, slope: float, front: float) -> float:
+    """Return the offset of the ego's nose, from that of its rear axle and the slope of its way there."""
+    return off + front * ratio(slope, safe_sqrt(1.0 + slope * slope), 0.0)
+
+
+@compiled
+def any_oncoming(p: Program, st: State, i: int) -> int:
+    """Return 1 where something comes towards i."""
+    for j in range(p.entity_count[0]):
+        if j != i and st.on_way[j] == 1 and st.along[j] <= ONCOMING:
+            return 1
+    return 0
+
+
+@compiled
+def meets_oncoming(
+    p: Program,
+    st: State,
+    i: int,
+    target: float,
+    out: float,
+    until: float,
+    around: int,
+    braking: float,
+    spare: float,
+    known: int,
+    low: float,
+    high: float,
+) -> int:
+    """Return 1 where i meets what comes towards it before it is back in the middle of its lane.
+
+    Args:
+        p: The program.
+        st: The state, after a look ahead.
+        i: The ego.
+        target: Offset at which it passes, m.
+        out: Distance over which it moves there, by a cosine, m.
+        until: Distance that it drives until it begins to come back, m; with `around`, the least.
+        around: The moving vehicle that it passes or drops behind before it comes back; NONE for what stands.
+        braking: Deceleration while it moves over, m/s2; 0 where it speeds up as on a free road.
+        spare: Time to collision that is to be kept, s.
+        known: 1 where only those count that the driver has had the time to react to.
+        low: Right border of the lane of oncoming traffic that is entered, m left of the path's lane's middle: a vehicle
+            is presumed there beyond the driver's sight.
+        high: Its left border; no more than `low` where none is entered.
+    """
+    if high <= low and any_oncoming(p, st, i) == 0:
+        return 0
+    base = p.entity_const[i]
+    size = p.const[base + slot.E_LENGTH]
+    front = p.const[base + slot.E_CENTER] + 0.5 * size
+    half = 0.5 * p.const[base + slot.E_WIDTH] + CLEARANCE
+    usual = max(st.target_speed[0], 1.0)
+    begin = st.path_off[0]
+    off = begin
+    v = st.v[i]
+    gone = 0.0
+    slope = 0.0
+    back_from = op.FAR
+    back_over = 1.0
+    for k in range(PASSING_STEPS):
+        time = (k + 1) * HORIZON_STEP
+        a = idm_acceleration(p, i, v, usual, op.FAR, 0.0)
+        if gone < out and braking > 0.0:
+            a = -braking
+        faster = max(v + a * HORIZON_STEP, 0.0)
+        gone += 0.5 * (v + faster) * HORIZON_STEP
+        v = faster
+        ahead = 0.0 if around < 0 else st.along[around] * time - gone
+        passed = 1 if around < 0 or is_clear_of(p, st, i, around, v, ahead) == 1 else 0
+        if back_from >= op.FAR and gone >= until and passed == 1:
+            back_from = gone
+            back_over = shift_distance(v, off, RETURN_ACCELERATION)
+        if back_from < op.FAR:
+            left = clip(ratio(gone - back_from, back_over, 1.0), 0.0, 1.0)
+            if left >= 1.0:
+                return 0
+            off = 0.5 * (1.0 + cos(pi * left)) * target
+            slope = -0.5 * pi * sin(pi * left) * ratio(target, back_over, 0.0)
+        else:
+            share = clip(ratio(gone, out, 1.0), 0.0, 1.0)
+            off = begin + 0.5 * (1.0 - cos(pi * share)) * (target - begin)
+            slope = 0.5 * pi * sin(pi * share) * ratio(target - begin, out, 0.0)
+        nose = nose_offset(off, slope, front)
+        presumed = PASSING_SIGHT - usual * time - gone
+        if high > low and presumed < spare * (v + usual) and is_beside(low, high, off, nose, half) == 0:
+            return 1
+        for j in range(p.entity_count[0]):
+            if j == i or st.on_way[j] == 0 or st.along[j] > ONCOMING:
+                continue
+            moved = st.along[j] * time - gone
+            if st.far[j] + moved < front - size or (known == 1 and reacts_to(p, st, j) == 0):
+                continue
+            gap = max(st.near[j] + moved - front, 0.0)
+            if gap < spare * (v - st.along[j]) and is_beside(st.low[j], st.high[j], off, nose, half) == 0:
+                return 1
+    return 1 if high > low else 0

@@ -1,0 +1,216 @@
+"""One wheel: the page that drives, those that watch, and the run under way.
+
+A page gets pictures and what belongs to them over a WebSocket, each as one binary message: the length of the JSON text
+(four bytes, big-endian), the text, the length of the view ahead, that JPEG file, and the mirror's. It tells what the
+person does as JSON.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from pydantic import ValidationError
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from scenario_compiler.live.session import Drive, Picture, Session
+from scenario_compiler.live.wheel import Told
+from scenario_compiler.report.replay import MARGIN, roadmap
+from scenario_compiler.report.surroundings import Window
+
+REACH = 1500.0
+"""How far around the start the map of the page reaches, m."""
+
+
+NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
+"""What reading a message raises that is none of ours; its socket is closed."""
+
+
+@dataclass(eq=False)
+class Viewer:
+    """A page that is open.
+
+    Attributes:
+        socket: Its connection.
+        waiting: The next picture for it; a later one takes the place of one that has not been sent.
+        fresh: Set when there is one.
+    """
+
+    socket: WebSocket
+    waiting: bytes | None = None
+    fresh: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class Begin(Protocol):
+    """Makes the next run, which has not started; None where there is none to come."""
+
+    def __call__(self, show: Callable[[Picture], bool]) -> Session | None:
+        """Return a run that shows its pictures by a function."""
+        ...
+
+
+class Cockpit:
+    """Joins pages and runs: the first page drives, later ones watch.
+
+    Attributes:
+        session: The present run, or the last one; None before the first.
+    """
+
+    def __init__(
+        self,
+        begin: Begin,
+        *,
+        watched: bool = False,
+        may_stop: bool = True,
+        ended: Callable[[], None] | None = None,
+        heard: Callable[[str, dict[str, Any]], dict[str, Any] | None] | None = None,
+    ) -> None:
+        """Wait for pages.
+
+        Args:
+            begin: Makes the next run.
+            watched: Whether nobody drives, and the run begins with the first page.
+            may_stop: Whether the page that drives may end the run.
+            ended: Called when a run has ended and the pages know.
+            heard: takes what a page says beyond driving, by its kind, and returns the answer, if there is one;
+                ValueError where that is no message.
+        """
+        self.session: Session | None = None
+        self._begins, self._watched, self._may_stop, self._ended, self._heard = begin, watched, may_stop, ended, heard
+        self._viewers: list[Viewer] = []
+        self._driver: Viewer | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    @property
+    def driving(self) -> bool:
+        """Whether a run is under way."""
+        return self.session is not None and self.session.is_alive()
+
+    @property
+    def occupied(self) -> bool:
+        """Whether a page drives."""
+        return self._driver is not None
+
+    def stop(self) -> None:
+        """End the present run and wait for its files."""
+        if self.session is not None and self.session.is_alive():
+            self.session.stop()
+            self.session.join(timeout=60.0)
+
+    async def serve(self, connection: WebSocket) -> None:
+        """Serve a page until its connection ends."""
+        self._loop = asyncio.get_running_loop()
+        await connection.accept()
+        viewer = Viewer(connection)
+        self._viewers.append(viewer)
+        if not self._watched and self._driver is None:
+            self._driver = viewer
+            if self.session is not None and self.session.is_alive():
+                self.session.come_back()
+        await connection.send_json({"role": "driver" if viewer is self._driver else "viewer"})
+        if self._watched and self.session is None:
+            self._begin()
+        sending = asyncio.create_task(self._send(viewer))
+        try:
+            with contextlib.suppress(WebSocketDisconnect, *NO_MESSAGE):
+                while True:
+                    await self._hear(viewer, await connection.receive_text())
+        finally:
+            sending.cancel()
+            self._viewers.remove(viewer)
+            if viewer is self._driver:
+                self._driver = None
+                if self.session is not None and self.session.is_alive():
+                    self.session.leave()
+        with contextlib.suppress(RuntimeError):
+            await connection.close(code=1003)
+
+    async def _hear(self, viewer: Viewer, text: str) -> None:
+        """Do what a page says; ValueError where it is no message of ours."""
+        message = json.loads(text)
+        if not isinstance(message, dict):
+            raise ValueError("a message is an object")
+        kind = message.pop("kind", "")
+        session = self.session
+        if kind == "ping":
+            await viewer.socket.send_json({"pong": float(message["t"]), "at": 1e3 * time.perf_counter()})
+        elif viewer is not self._driver:
+            raise ValueError("a page that watches tells nothing")
+        elif kind == "input" and session is not None and session.wheel is not None:
+            session.wheel.tell(Told.model_validate(message))
+        elif kind == "start" and not self.driving:
+            self._begin()
+        elif kind == "stop" and session is not None and self._may_stop:
+            session.stop()
+        elif kind == "latency" and session is not None:
+            session.latencies += [float(one) for one in message["samples"][:200]]
+            session.clock_offset = float(message["offset"])
+        elif self._heard is not None:
+            said = await asyncio.to_thread(self._heard, kind, message)
+            if said is not None:
+                await viewer.socket.send_json(said)
+
+    def _begin(self) -> None:
+        self.session = self._begins(self._show) or self.session
+        if self.session is not None and self.session.ident is None:
+            self.session.start()
+
+    def _show(self, picture: Picture) -> bool:
+        """Give a picture to every page; called in the thread of the run."""
+        loop = self._loop
+        if loop is None or loop.is_closed():
+            return False
+        text = json.dumps(picture.about, separators=(",", ":")).encode()
+        parts = (len(text).to_bytes(4, "big"), text, len(picture.ahead).to_bytes(4, "big"))
+        content = b"".join((*parts, picture.ahead, picture.mirror))
+        taken = all(viewer.waiting is None for viewer in self._viewers)
+        loop.call_soon_threadsafe(self._offer, content, "end" in picture.about)
+        return taken
+
+    def _offer(self, content: bytes, last: bool) -> None:
+        for viewer in self._viewers:
+            viewer.waiting = content
+            viewer.fresh.set()
+        if last and self._ended is not None:
+            asyncio.get_running_loop().call_later(1.0, self._ended)
+
+    async def _send(self, viewer: Viewer) -> None:
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                await viewer.fresh.wait()
+                content, viewer.waiting = viewer.waiting, None
+                viewer.fresh.clear()
+                if content is not None:
+                    await viewer.socket.send_bytes(content)
+
+
+def described(drive: Drive, *, watched: bool = False) -> dict[str, Any]:
+    """Return what a page needs once of what is driven: who is in the run, and the roads around the start."""
+    plan = drive.plan
+    starts = list(plan.derived.values())
+    origin = (round(starts[0].x), round(starts[0].y)) if starts else (0, 0)
+    reach = min(REACH, plan.duration * 40.0) + MARGIN
+    window = Window(origin[0] - reach, origin[1] - reach, origin[0] + reach, origin[1] + reach)
+    return {
+        "name": plan.name,
+        "summary": plan.summary,
+        "watched": watched,
+        "origin": origin,
+        "writes": drive.folder is not None,
+        "entities": [
+            {
+                "id": one.id,
+                "length": one.vehicle.length,
+                "width": one.vehicle.width,
+                "center": one.vehicle.center,
+                "category": one.vehicle.category,
+            }
+            for one in plan.entities
+        ],
+        "roadmap": roadmap(plan, drive.network, window, origin, ()),
+    }

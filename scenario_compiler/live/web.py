@@ -1,0 +1,181 @@
+"""Who is served: this machine, or who knows the printed token; pages of this server alone; no file but named ones."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import PlainTextResponse, RedirectResponse, Response
+
+from scenario_compiler.report.embedding import FOLDER as PAGES
+
+LIVE = Path(__file__).parent / "pages"
+
+SHARED = ("data.js", "map.js")
+"""Modules of the reports' player that pages use too."""
+
+OWN = ("drive.js", "wheel.js", "sounds.js", "search.js", "drive.css")
+
+TYPES = {".js": "text/javascript", ".css": "text/css"}
+
+LARGEST = 16_384
+"""Bytes of a message of a page at most."""
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
+    "script-src 'self' 'unsafe-inline'; connect-src 'self'; form-action 'self'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+
+
+@dataclass(frozen=True)
+class Door:
+    """Decides who comes in.
+
+    Attributes:
+        host: Address that is served.
+        port: Its port.
+        token: What a page must know; empty on this machine alone.
+        cookie: Name of the cookie that keeps the token.
+    """
+
+    host: str
+    port: int
+    token: str = ""
+    cookie: str = "token"
+
+    def refusal(self, connection: HTTPConnection) -> str:
+        """Return why a request is refused; empty where it is not.
+
+        A page of another site can send requests here, but neither under our name nor with the token. What changes
+        something (a socket, a form) must come from a page, and so say from which.
+        """
+        name = connection.headers.get("host", "")
+        allowed = {f"{bracketed(one)}:{self.port}" for one in (*LOOPBACK, self.host)}
+        if self.host not in ("0.0.0.0", "::") and name not in allowed:
+            return "this server does not serve that name"
+        given = connection.query_params.get("token") or connection.cookies.get(self.cookie, "")
+        if self.token and not secrets.compare_digest(given.encode(), self.token.encode()):
+            return "the address lacks the token that was printed when the server started"
+        origin = connection.headers.get("origin")
+        if origin is None and connection.scope["type"] == "websocket":
+            return "a socket is opened by a page alone"
+        if origin is None and connection.scope["method"] not in ("GET", "HEAD"):
+            return "a form is sent by a page alone"
+        if origin is not None and urlsplit(origin).netloc != name:
+            return "a page of another site asks"
+        return ""
+
+    def answer(self, request: Request, make: Callable[[], Response]) -> Response:
+        """Return the answer that a function makes to who may come in, and to others why not."""
+        refusal = self.refusal(request)
+        response = PlainTextResponse(refusal, status_code=403) if refusal else make()
+        response.headers.update(HEADERS)
+        return response
+
+    def entered(self, request: Request, make: Callable[[], Response]) -> Response:
+        """Return a first page: whose address has the token is sent on to the one without, and keeps it as a cookie."""
+
+        def page() -> Response:
+            if self.token and "token" in request.query_params:
+                redirected = RedirectResponse(request.url.path, status_code=303)
+                redirected.set_cookie(self.cookie, self.token, httponly=True, samesite="strict")
+                return redirected
+            return make()
+
+        return self.answer(request, page)
+
+    def file(self, request: Request, folder: Path, names: tuple[str, ...]) -> Response:
+        """Return a file that is among the names."""
+        name = request.path_params["name"]
+
+        def content() -> Response:
+            if name not in names:
+                return PlainTextResponse("there is no such file", status_code=404)
+            return Response((folder / name).read_bytes(), media_type=TYPES[Path(name).suffix])
+
+        return self.answer(request, content)
+
+    def shared(self, request: Request) -> Response:
+        """Return a module of the reports' player."""
+        return self.file(request, PAGES, SHARED)
+
+    def own(self, request: Request) -> Response:
+        """Return a file of the driving page."""
+        return self.file(request, LIVE, OWN)
+
+
+def new_token(host: str) -> str:
+    """Return a token for pages of an address; empty for this machine's own."""
+    return "" if host in LOOPBACK else secrets.token_urlsafe(16)
+
+
+def address_of(door: Door, path: str = "/") -> str:
+    """Return the address of a page, with the token that it needs."""
+    return f"http://{bracketed(door.host)}:{door.port}{path}" + (f"?token={door.token}" if door.token else "")
+
+
+def bracketed(host: str) -> str:
+    """Return a host as addresses write it."""
+    return f"[{host}]" if ":" in host else host
+
+
+class Server(uvicorn.Server):
+    """A server that says when it serves."""
+
+    def __init__(self, config: uvicorn.Config, serves: Callable[[], None]) -> None:
+        """Take what uvicorn takes, and what is called when pages can be opened."""
+        super().__init__(config)
+        self._serves = serves
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to serve, and say so."""
+        await super().startup(sockets=sockets)
+        self._serves()
+
+    def end(self) -> None:
+        """Serve no longer."""
+        self.should_exit = True
+
+
+def listening_at(host: str, port: int) -> socket.socket:
+    """Return a socket that listens at an address; port 0 takes a free one.
+
+    Raises:
+        OSError: The address cannot be served.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listening = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind((host, port))
+        listening.listen(64)
+    except OSError:
+        listening.close()
+        raise
+    return listening
+
+
+def server_of(app: Starlette, serves: Callable[[], None]) -> Server:
+    """Return a server of an application; `serves` is called once its pages can be opened."""
+    config = uvicorn.Config(
+        app,
+        log_level="error",
+        ws_max_size=LARGEST,
+        ws_max_queue=64,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=1,
+        lifespan="off",
+    )
+    return Server(config, serves)

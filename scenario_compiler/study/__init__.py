@@ -1,0 +1,5 @@
+"""Studies with participants: who meets what in which order, what they do, and the data that this leaves.
+
+A session is a row of steps (`procedure`). What happens in it is written to a journal as it happens, and all tables are
+made from journals and recordings. A driver model goes through a study as a person does (`pilot`).
+"""

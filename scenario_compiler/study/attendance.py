@@ -1,0 +1,312 @@
+"""A participant's session under way: where they are, what they may do next, and what they do, written as it happens."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from scenario_compiler.compiler import StudyCompilation
+from scenario_compiler.live.cockpit import Cockpit
+from scenario_compiler.live.session import Drive, Picture, Session
+from scenario_compiler.outputs import make_folder
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
+from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
+from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
+from scenario_compiler.study.pilot import planned_run
+from scenario_compiler.study.procedure import Step, Trial, procedure
+from scenario_compiler.study.searching import search_picture
+from scenario_compiler.study.situation import CHOICES
+from scenario_compiler.trust import Trust
+
+Presence = Literal["waiting", "started", "paused", "declined", "finished"]
+
+LONGEST_NOTE = 2000
+"""Characters of a note, or of an answer to a query, at most."""
+
+
+class OutOfPlaceError(ValueError):
+    """Something was sent that does not belong to where a participant is; the message says what."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What is the same for all participants.
+
+    Attributes:
+        compilation: The study.
+        root: Folder of its data.
+        trust: Code of the user's own that plans may name.
+        size: Width and height of the view ahead, pixels.
+        mark: Takes what happens to any participant, as it happens; None where nobody listens.
+        writing: Held by whoever writes tables of all participants.
+    """
+
+    compilation: StudyCompilation
+    root: Path
+    trust: Trust | None
+    size: tuple[int, int]
+    mark: Callable[[dict[str, Any]], None] | None = None
+    writing: threading.Lock = field(default_factory=threading.Lock)
+
+
+class Attendance:
+    """A participant's session.
+
+    Attributes:
+        participant: Number of the participant.
+        seat: The session, and where its files are.
+        steps: Its steps.
+        journal: Its journal.
+        presence: Whether it waits for the experimenter, goes on, or is over.
+        cockpit: The wheel of the run that it has reached; None at other steps.
+    """
+
+    def __init__(self, rules: Rules, participant: int) -> None:
+        """Go on where the journals of the participant end."""
+        self.rules, self.participant = rules, participant
+        self.cockpit: Cockpit | None = None
+        self._lock = threading.RLock()
+        self._closing = False
+        self._search: dict[str, Any] = {}
+        self._open()
+
+    def _open(self) -> None:
+        """Sit down to the first session that is not finished, or to the last one."""
+        study = self.rules.compilation.study
+        for session in range(1, study.sessions + 1):
+            self.seat = Seat(self.rules.root, self.participant, session)
+            self.steps = procedure(study, self.participant, session)
+            if step_reached(read_journal(self.seat.journal)) < len(self.steps) - 1:
+                break
+        self.journal = Journal(self.seat.journal, self._mark)
+        declined = any(one["kind"] == "declined" for one in self.journal.records)
+        self.presence: Presence = "declined" if declined else "waiting"
+        self._settle()
+
+    @property
+    def step(self) -> Step:
+        """The step that is not done yet."""
+        return self.steps[step_reached(self.journal.records)]
+
+    @property
+    def token(self) -> str:
+        """A text that changes whenever the participant's page must."""
+        return f"{self.step.number}/{self.presence}"
+
+    @property
+    def session(self) -> Session | None:
+        """The run under way."""
+        found = None if self.cockpit is None else self.cockpit.session
+        return found if found is not None and found.is_alive() else None
+
+    def close(self) -> None:
+        """End the run under way, which is begun again when the participant goes on, and close the journal."""
+        self._closing = True
+        if self.cockpit is not None:
+            self.cockpit.stop()
+        self.journal.close()
+
+    # What the experimenter does.
+
+    def start(self) -> None:
+        """Let the participant begin, or go on; who has finished a session begins the next one."""
+        with self._lock:
+            if self.presence == "finished" and self.seat.session < self.rules.compilation.study.sessions:
+                self.journal.close()
+                self._open()
+            if self.presence in ("waiting", "paused"):
+                self.journal.add("started", self.step.number)
+                self.presence = "started"
+            if self.session is not None:
+                self.session.resume()
+
+    def pause(self) -> None:
+        """Let the run stand still, and the participant wait."""
+        with self._lock:
+            if self.presence == "started":
+                self.journal.add("paused", self.step.number, t=None if self.session is None else self.session.now)
+                self.presence = "paused"
+            if self.session is not None:
+                self.session.pause()
+
+    def abort(self) -> None:
+        """End the run under way; it is marked, and the next step follows."""
+        if self.session is not None:
+            self.journal.add("aborted", self.step.number, t=self.session.now)
+            self.session.abort()
+
+    def request(self) -> None:
+        """Let the automation of the run under way request a takeover now."""
+        if self.session is not None:
+            self.journal.add("requested", self.step.number, t=self.session.now)
+            self.session.request()
+
+    def note(self, text: str) -> None:
+        """Write a note of the experimenter's."""
+        if not text.strip() or len(text) > LONGEST_NOTE:
+            raise OutOfPlaceError(f"a note has 1 to {LONGEST_NOTE} characters")
+        self.journal.add("note", self.step.number, text=text, t=None if self.session is None else self.session.now)
+
+    # What the participant does.
+
+    def go_on(self, number: int, answers: Mapping[str, str]) -> None:
+        """Take what the page of a step sends; what was sent before is left as it is.
+
+        Raises:
+            OutOfPlaceError: It does not belong to the step, or an answer is missing or wrong.
+        """
+        with self._lock:
+            step = self.step
+            if number < step.number:
+                return
+            if number > step.number or step.kind in ("drive", "end") or self.presence != "started":
+                raise OutOfPlaceError("this step has not been reached")
+            if step.kind == "consent" and answers.get("agree") != "yes":
+                self.journal.add("declined", step.number)
+                self.presence = "declined"
+                return
+            kept: dict[str, Any] = {}
+            if step.kind == "ask":
+                asked = self.rules.compilation.file.questionnaires[step.file]
+                fault = answer_fault(asked, answers)
+                if fault:
+                    raise OutOfPlaceError(fault)
+                kept = {"answers": _typed(asked, answers)}
+            self.journal.add("done", step.number, **kept)
+            self._settle()
+        if step.kind == "ask":
+            self._write()
+
+    def heard(self, kind: str, message: dict[str, Any]) -> dict[str, Any] | None:
+        """Take what the page at the wheel says beyond driving; ValueError where it is no message.
+
+        An answer to the secondary task gets the next picture.
+        """
+        if kind == "answers":
+            self._answer(message)
+            return None
+        task, trial = self.rules.compilation.study.task, self.step.trial
+        if kind == "search" and task is not None and trial is not None:
+            return {"search": self._searched(message, task, trial)}
+        return None
+
+    def _answer(self, message: Mapping[str, Any]) -> None:
+        probe, session = self.rules.compilation.study.probe, self.session
+        if probe is None or session is None or session.held != "probe":
+            return
+        answers = {}
+        for query in probe.queries:
+            given = str(message["answers"][query.name])
+            if len(given) > LONGEST_NOTE or given not in CHOICES.get(query.about, (given,)):
+                raise OutOfPlaceError(f"'{query.name}' has no answer of its choices")
+            answers[query.name] = given
+        attempt, seconds = self._search["attempt"], _seconds(message)
+        self.journal.add("probe", self.step.number, attempt=attempt, t=session.now, answers=answers, seconds=seconds)
+        session.go_on()
+
+    def _searched(self, message: Mapping[str, Any], task: SearchTask, trial: Trial) -> dict[str, Any]:
+        """Write an answer to the present picture of the secondary task, if it is one; return the picture to show."""
+        session, number = self.session, self._search.get("number", 0)
+        if session is not None and message.get("number") == number:
+            shown, chosen = search_picture(task, trial.seed, number), int(message["chosen"])
+            self.journal.add(
+                "search",
+                self.step.number,
+                attempt=self._search["attempt"],
+                t=session.now,
+                number=number,
+                right=chosen == shown.target,
+                seconds=_seconds(message),
+            )
+            number = self._search["number"] = number + 1
+        return {"number": number, "circles": search_picture(task, trial.seed, number).circles}
+
+    # Runs.
+
+    def _settle(self) -> None:
+        """Make the wheel that the step needs; without one where it needs none."""
+        step = self.step
+        self.cockpit = None
+        self._search = {}
+        if step.kind == "end":
+            self.presence = "finished"
+        elif step.trial is not None:
+            self.cockpit = Cockpit(self._begin, may_stop=False, heard=self.heard)
+
+    def drive(self) -> Drive:
+        """Return what is driven at the step."""
+        trial = self.step.trial
+        assert trial is not None
+        planned, attempt = planned_run(self.rules.compilation, trial), self._search.get("attempt", 1)
+        folder = self.seat.run_folder(trial.number, attempt)
+        plan, network = planned.plan, planned.network
+        return Drive(
+            plan,
+            network,
+            seed=trial.seed,
+            trust=self.rules.trust,
+            folder=folder,
+            size=self.rules.size,
+            plain=True,
+        )
+
+    def _begin(self, show: Callable[[Picture], bool]) -> Session | None:
+        """Begin the run of the step, which a run that a crash has ended before is no part of."""
+        with self._lock:
+            step = self.step
+            if step.trial is None or self.presence != "started":
+                return None
+            attempt = attempts_at(self.journal.records, step.number) + 1
+            self._search = {"attempt": attempt, "number": 0}
+            drive = self.drive()
+            assert drive.folder is not None
+            make_folder(drive.folder)
+            self.journal.add("begun", step.number, attempt=attempt)
+            return Session(drive, show, attempt, probe_at=step.trial.probe_at, kept=self._keep, happened=self._tell)
+
+    def _mark(self, record: Record) -> None:
+        if self.rules.mark is not None:
+            self.rules.mark({"participant": self.seat.sub, "session": self.seat.ses, **record})
+
+    def _tell(self, event: EventRow) -> None:
+        self._mark({"step": self.step.number, **event.model_dump(exclude_defaults=True)})
+
+    def _keep(self, session: Session) -> None:
+        """Write that a run has ended; called in its thread, before the page hears of it."""
+        if self._closing:
+            return
+        with self._lock:
+            step = self.step
+            broken = session.finished is None or session.finished.outcome.result == "error"
+            marks = sorted({*session.marks, *(("broken_off",) if broken else ())})
+            self.journal.add("driven", step.number, attempt=session.number, marks=marks, driven_by="person")
+            self.journal.add("done", step.number)
+            self._settle()
+        self._write()
+
+    def _write(self) -> None:
+        with self.rules.writing:
+            write_run_tables(self.rules.compilation, self.seat)
+            write_dataset(self.rules.compilation, self.rules.root, pilot=False)
+
+
+def _seconds(message: Mapping[str, Any]) -> float:
+    """Return the duration that a page tells, s."""
+    found = float(message["seconds"])
+    if not 0.0 <= found < 86_400.0:
+        raise OutOfPlaceError("a duration is from 0 s to a day")
+    return round(found, 3)
+
+
+def _typed(asked: QuestionnaireElement, answers: Mapping[str, str]) -> dict[str, int | float | str]:
+    """Return the answers to the items, of their own kinds; whatever else was sent is left out."""
+    found: dict[str, int | float | str] = {}
+    for item in asked.items:
+        given = answers.get(item.name, "")
+        number = int(given) if isinstance(item, ScaleItem) else given
+        found[item.name] = float(given) if isinstance(item, NumberItem) else number
+    return found

@@ -1,0 +1,401 @@
+"""The data of a study, in the form of BIDS 1.9: a folder a participant and session, tables with their codebook.
+
+Journals and run folders are the source (`sourcedata`); all tables are made from them, and can be made again. A table is
+tab-separated, `n/a` stands for what is missing, and a JSON file beside it, or above it for all of its kind, says what
+each column holds.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from scenario_compiler.batch.codebook import Column
+from scenario_compiler.compiler import StudyCompilation
+from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.recording.cells import text_cell
+from scenario_compiler.recording.measures import MEASURES
+from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.recording.recording import Recording
+from scenario_compiler.recording.store import read_recording
+from scenario_compiler.source.study import ChoiceItem, NumberItem, QuestionnaireElement, ScaleItem, TextItem
+from scenario_compiler.study.journal import Record, read_journal, step_reached
+from scenario_compiler.study.procedure import Step, procedure
+from scenario_compiler.study.situation import is_right, true_answer
+
+MISSING = "n/a"
+
+BIDS_VERSION = "1.9.0"
+
+Row = dict[str, Any]
+
+EVENT_COLUMNS = (
+    Column("onset", "number", "s", "Time from the begin of the run."),
+    Column("duration", "number", "s", "Duration; missing where something happens at one instant."),
+    Column("trial_type", "text", "", "What happened: an event of the run, probe (an answer to a query) or search (an "
+           "answer in the secondary task)."),
+    Column("cause", "text", "", "Why; of a probe the query, of a search `right` or `wrong`.", "without a cause"),
+    Column("entity", "text", "", "Id of the entity concerned.", "without one"),
+    Column("message", "text", "", "A message; of a probe the answer given and the true one.", "without one"),
+    Column("value", "number", "", "A number that belongs to it, SI unit; of a search the time from its picture to its "
+           "answer, s.", "without one"),
+)  # fmt: skip
+
+TRIAL_COLUMNS = (
+    Column("participant_id", "text", "", "Participant."),
+    Column("session_id", "text", "", "Session."),
+    Column("run", "integer", "", "Number of the run in the session, in the order driven."),
+    Column("role", "text", "", "trial, practice or foil."),
+    Column("condition", "text", "", "Condition; of a practice or foil its scenario."),
+    Column("scenario", "text", "", "Level of the factor scenario.", "in practice and foils"),
+    Column("hmi", "text", "", "Level of the factor hmi.", "where the study has none; in practice and foils"),
+    Column("setting", "text", "", "Level of the factor setting.", "where the study has none; in practice and foils"),
+    Column("attempt", "integer", "", "How often the run was begun: above 1 after a crash."),
+    Column("marks", "text", "", "What was not as planned: aborted (by the experimenter), person_left (the page was "
+           "gone), requested (the experimenter asked), broken_off.", "when all was"),
+    Column("driven_by", "text", "", "person, or model in a pilot."),
+    Column("seed", "integer", "", "Seed of the run."),
+    Column("plan_digest", "text", "", "Digest of the plan that was run."),
+    Column("result", "text", "", "pass, fail (a criterion of the scenario does not hold) or error."),
+    Column("resolution", "text", "", "How the first request ended."),
+    Column("cause", "text", "", "Cause of the first request.", "without a request"),
+    Column("recording", "text", "", "Folder of the run, from the folder of the study."),
+    *(Column(one.name, "number", one.unit, one.definition, one.undefined, one.source) for one in MEASURES),
+    Column("probe_right", "integer", "", "Number of right answers to the queries of the freeze probe.", "without one"),
+    Column("probe_asked", "integer", "", "Number of its queries.", "without one"),
+    Column("search_right", "integer", "", "Right answers in the secondary task.", "without the task, and in pilots"),
+    Column("search_wrong", "integer", "", "Number of wrong ones.", "without the task, and in pilots"),
+    Column("search_time", "number", "s", "Mean time of its answers.", "without an answer"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Seat:
+    """A session of a participant, and where its files are.
+
+    Attributes:
+        root: Folder of the study's data.
+        participant: Number of the participant.
+        session: Number of the session.
+    """
+
+    root: Path
+    participant: int
+    session: int
+
+    @property
+    def sub(self) -> str:
+        """The participant's id."""
+        return f"sub-{self.participant:02d}"
+
+    @property
+    def ses(self) -> str:
+        """The session's id."""
+        return f"ses-{self.session:02d}"
+
+    @property
+    def source(self) -> Path:
+        """Folder of the journal and of the runs."""
+        return self.root / "sourcedata" / self.sub / self.ses
+
+    @property
+    def journal(self) -> Path:
+        """The journal."""
+        return self.source / "journal.jsonl"
+
+    def run_folder(self, run: int, attempt: int) -> Path:
+        """Return the folder of a run."""
+        return self.source / f"run-{run:02d}_attempt-{attempt}"
+
+    def table(self, task: str, kind: str, run: int | None = None) -> Path:
+        """Return the file of a table of the session, or of a run."""
+        part = "" if run is None else f"_run-{run:02d}"
+        return self.root / self.sub / self.ses / "beh" / f"{self.sub}_{self.ses}_task-{task}{part}_{kind}.tsv"
+
+
+def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
+    """Return the columns of a questionnaire's table."""
+    found = [*TRIAL_COLUMNS[:2]]
+    found.append(
+        Column("run", "integer", "", "Number of the run that it was asked after.", "asked before or after all")
+    )
+    for item in asked.items:
+        if isinstance(item, ScaleItem):
+            scale = next(one for one in asked.scales if one.name == item.scale)
+            ends = "; ".join(f"{one.at}: {one.text}" for one in scale.labels)
+            note = f" ({scale.least} to {scale.most}{'; ' + ends if ends else ''})"
+            found.append(Column(item.name, "integer", "", item.text + note))
+        elif isinstance(item, NumberItem):
+            found.append(Column(item.name, "number", item.unit, item.text))
+        elif isinstance(item, ChoiceItem):
+            choices = "; ".join(f"{one.value}: {one.text}" for one in item.options)
+            found.append(Column(item.name, "text", "", f"{item.text} ({choices})"))
+        else:
+            found.append(Column(item.name, "text", "", item.text, "left empty"))
+    for score in asked.scores:
+        reverse = [
+            one.name for one in asked.items if isinstance(one, ScaleItem) and one.reverse and one.name in score.of
+        ]
+        note = f", counted from the other end: {', '.join(reverse)}" if reverse else ""
+        found.append(Column(score.name, "number", "", f"The {score.by} of {', '.join(score.of)}{note}."))
+    return tuple(found)
+
+
+def scores_of(asked: QuestionnaireElement, answers: Mapping[str, Any]) -> dict[str, float]:
+    """Return the scores that answers come to; a reversed item counts as least + most - answer."""
+    counted: dict[str, float] = {}
+    for item in asked.items:
+        if isinstance(item, ScaleItem):
+            scale = next(one for one in asked.scales if one.name == item.scale)
+            given = float(answers[item.name])
+            counted[item.name] = scale.least + scale.most - given if item.reverse else given
+        elif isinstance(item, NumberItem):
+            counted[item.name] = float(answers[item.name])
+    found = {}
+    for score in asked.scores:
+        total = sum(counted[name] for name in score.of)
+        found[score.name] = total / len(score.of) if score.by == "mean" else total
+    return found
+
+
+def answer_fault(asked: QuestionnaireElement, answers: Mapping[str, str]) -> str:
+    """Return what is wrong with the answers to a questionnaire, as texts by item; empty when nothing is."""
+    for item in asked.items:
+        given = answers.get(item.name, "")
+        if isinstance(item, TextItem):
+            if len(given) > LONGEST_TEXT:
+                return f"'{item.name}' has more than {LONGEST_TEXT} characters"
+        elif isinstance(item, ChoiceItem):
+            if given not in {one.value for one in item.options}:
+                return f"'{item.name}' has no answer of its options"
+        else:
+            ranged = item if isinstance(item, NumberItem) else next(o for o in asked.scales if o.name == item.scale)
+            try:
+                number = float(given) if isinstance(item, NumberItem) else int(given)
+            except ValueError:
+                return f"'{item.name}' has no number"
+            if not ranged.least <= number <= ranged.most:
+                return f"'{item.name}' is not from {ranged.least:g} to {ranged.most:g}"
+    return ""
+
+
+LONGEST_TEXT = 4000
+"""Characters of an answer in words at most."""
+
+
+def condition_of(compilation: StudyCompilation, step: Step) -> dict[str, str]:
+    """Return the level of each factor in a trial; none in practice and foils."""
+    assert step.trial is not None
+    return compilation.conditions[step.trial.what][0].levels if step.trial.role == "trial" else {}
+
+
+def write_run_tables(compilation: StudyCompilation, seat: Seat) -> None:
+    """Write the tables of a session from its journal: events of each run, and one row a run."""
+    study = compilation.study
+    records = read_journal(seat.journal)
+    rows = []
+    for step in procedure(study, seat.participant, seat.session):
+        ended = next((one for one in records if one["kind"] == "driven" and one["step"] == step.number), None)
+        if step.trial is None or ended is None:
+            continue
+        folder = seat.run_folder(step.trial.number, ended["attempt"])
+        own = [one for one in records if one["step"] == step.number and one.get("attempt") == ended["attempt"]]
+        recording = read_recording(folder / "recording.parquet")
+        outcome = Outcome.model_validate_json((folder / "outcome.json").read_text(encoding="utf-8"))
+        events, sums = _events(compilation, recording, own)
+        write_table(seat.table(study.name, "events", step.trial.number), EVENT_COLUMNS, events)
+        measured = {name: one.value for name, one in outcome.measures.items()}
+        rows.append(
+            {
+                "participant_id": seat.sub,
+                "session_id": seat.ses,
+                "run": step.trial.number,
+                "role": step.trial.role,
+                "condition": step.trial.what,
+                **condition_of(compilation, step),
+                "attempt": ended["attempt"],
+                "marks": " ".join(ended["marks"]) or None,
+                "driven_by": ended["driven_by"],
+                "seed": step.trial.seed,
+                "plan_digest": outcome.plan_digest,
+                "result": outcome.result,
+                "resolution": outcome.resolution,
+                "cause": outcome.cause or None,
+                "recording": str(folder.relative_to(seat.root)),
+                **measured,
+                **sums,
+            }
+        )
+    write_table(seat.table(study.name, "beh"), TRIAL_COLUMNS, rows)
+
+
+def _events(compilation: StudyCompilation, recording: Recording, own: Sequence[Record]) -> tuple[list[Row], Row]:
+    """Return the events of a run, ordered by time, and what its probe and secondary task add up to."""
+    study = compilation.study
+    rows: list[Row] = [
+        {
+            "onset": event.t,
+            "trial_type": event.kind,
+            "cause": event.cause or None,
+            "entity": event.entity or None,
+            "message": event.message or None,
+            "value": event.value,
+        }
+        for event in recording.events
+    ]
+    sums: Row = {}
+    queries = {} if study.probe is None else {one.name: one for one in study.probe.queries}
+    for record in (one for one in own if one["kind"] == "probe"):
+        sums |= {"probe_asked": len(record["answers"]), "probe_right": 0}
+        for name, given in record["answers"].items():
+            true = true_answer(queries[name].about, recording, record["t"])
+            right = is_right(queries[name], given, true)
+            sums["probe_right"] += right
+            text = f"{given} / {true}"
+            rows.append(
+                {"onset": record["t"], "trial_type": "probe", "cause": name, "message": text, "value": int(right)}
+            )
+    searches = [one for one in own if one["kind"] == "search"]
+    by_person = any(one["kind"] == "driven" and one["driven_by"] == "person" for one in own)
+    if study.task is not None and by_person:
+        found = sum(one["right"] for one in searches)
+        sums |= {"search_right": found, "search_wrong": len(searches) - found}
+        if searches:
+            sums["search_time"] = sum(one["seconds"] for one in searches) / len(searches)
+    for one in searches:
+        cause = "right" if one["right"] else "wrong"
+        rows.append({"onset": one["t"], "trial_type": "search", "cause": cause, "value": one["seconds"]})
+    return sorted(rows, key=lambda row: row["onset"]), sums
+
+
+def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> None:
+    """Write all that is about the study as a whole: its description, its participants, questionnaires, codebook.
+
+    Args:
+        compilation: The study.
+        root: Folder of the data.
+        pilot: Whether driver models take the place of participants.
+    """
+    study = compilation.study
+    make_folder(root)
+    kind = "a pilot by driver models, no data of people" if pilot else "people at the wheel"
+    about = {
+        "Name": study.summary or study.name,
+        "BIDSVersion": BIDS_VERSION,
+        "DatasetType": "raw",
+        "GeneratedBy": [{"Name": "scenario-compiler", "Version": version("scenario-compiler"), "Description": kind}],
+    }
+    _write_json(root / "dataset_description.json", about)
+    write_whole(root / ".bidsignore", "codebook.tsv\nexpected.html\n*.lock\n")
+    write_whole(root / "README", README.format(summary=study.summary or study.name, kind=kind))
+    people: list[Row] = []
+    answers: dict[str, list[Row]] = {}
+    for participant in range(1, study.participants + 1):
+        done = 0
+        for session in range(1, study.sessions + 1):
+            seat = Seat(root, participant, session)
+            steps = procedure(study, participant, session)
+            records = read_journal(seat.journal)
+            done += bool(records) and step_reached(records) >= len(steps) - 1
+            for file, row in _answered(seat, steps, records):
+                answers.setdefault(file, []).append(row)
+        people.append({"participant_id": f"sub-{participant:02d}", "sessions_done": done})
+    columns = (TRIAL_COLUMNS[0], Column("sessions_done", "integer", "", "Number of sessions that are finished."))
+    write_table(root / "participants.tsv", columns, people)
+    _write_json(root / "participants.json", sidecar(columns))
+    _write_json(root / f"task-{study.name}_events.json", sidecar(EVENT_COLUMNS))
+    _write_json(root / f"task-{study.name}_beh.json", sidecar(TRIAL_COLUMNS))
+    book: list[Row] = [*_book("beh", TRIAL_COLUMNS), *_book("events", EVENT_COLUMNS)]
+    for file, asked in compilation.file.questionnaires.items():
+        own = questionnaire_columns(asked)
+        rows = [row | scores_of(asked, row) for row in answers.get(file, [])]
+        write_table(root / "phenotype" / f"{asked.name}.tsv", own, rows)
+        term = {"MeasurementToolMetadata": {"Description": asked.title or asked.name, "TermURL": asked.source}}
+        _write_json(root / "phenotype" / f"{asked.name}.json", term | sidecar(own))
+        book += _book(f"phenotype/{asked.name}", own)
+    write_table(root / "codebook.tsv", BOOK_COLUMNS, book)
+
+
+def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> Iterable[tuple[str, Row]]:
+    for one in records:
+        step = steps[one["step"]]
+        if one["kind"] == "done" and step.kind == "ask":
+            run = None if step.about is None else step.about.number
+            yield step.file, {"participant_id": seat.sub, "session_id": seat.ses, "run": run, **one["answers"]}
+
+
+BOOK_COLUMNS = (
+    Column("table", "text", "", "The table that has the column."),
+    Column("column", "text", "", "Its name."),
+    Column("kind", "text", "", "What its values are."),
+    Column("unit", "text", "", "Their unit.", "without one"),
+    Column("definition", "text", "", "What they mean."),
+    Column("missing", "text", "", "When there is none.", "always there"),
+    Column("source", "text", "", "Where the definition comes from.", "our own"),
+)
+
+
+def _book(table: str, columns: Iterable[Column]) -> list[Row]:
+    return [
+        {
+            "table": table,
+            "column": one.column,
+            "kind": one.kind,
+            "unit": one.unit or None,
+            "definition": one.definition,
+            "missing": one.empty or None,
+            "source": one.source or None,
+        }
+        for one in columns
+    ]
+
+
+README = """{summary}
+
+Data of {kind}, in the form of BIDS (behavioural experiments).
+
+sub-*/ses-*/beh/*_beh.tsv     one row a run: condition, how the takeover went, measures
+sub-*/ses-*/beh/*_events.tsv  what happened in a run
+phenotype/*.tsv               answers to questionnaires, with their scores
+codebook.tsv                  what each column of each table holds
+sourcedata/                   journals and run folders (plan, recording in Parquet, inputs), which all tables come from
+"""
+
+
+def sidecar(columns: Iterable[Column]) -> dict[str, dict[str, str]]:
+    """Return what a JSON file beside a table says of its columns."""
+    found = {}
+    for one in columns:
+        described = {"Description": one.definition}
+        described |= {"Units": one.unit} if one.unit else {}
+        found[one.column] = described | ({"MissingWhen": one.empty} if one.empty else {})
+    return found
+
+
+def write_table(path: Path, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write a tab-separated table; `n/a` stands for what a row does not have."""
+    make_folder(path.parent)
+    text = io.StringIO()
+    writer = csv.writer(text, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
+    writer.writerow(one.column for one in columns)
+    for row in rows:
+        writer.writerow(_cell(row.get(one.column)) for one in columns)
+    write_whole(path, text.getvalue())
+
+
+def _cell(value: Any) -> str:
+    if value is None or value == "":
+        return MISSING
+    if isinstance(value, float):
+        return repr(round(value, 9))
+    return text_cell(" ".join(str(value).split()))
+
+
+def _write_json(path: Path, content: Mapping[str, Any]) -> None:
+    write_whole(path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")

@@ -1,0 +1,68 @@
+"""The journal of a session: what happened, one JSON object a line, on the disk before anything else goes on."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from scenario_compiler.outputs import make_folder
+
+Record = dict[str, Any]
+"""A line of a journal: `kind` says what happened, `step` at which step of the session."""
+
+
+def read_journal(path: Path) -> list[Record]:
+    """Return the records of a journal; none where there is no file.
+
+    A last line that a power cut has left without its end is left out.
+    """
+    return [json.loads(line) for line in _whole_lines(path).split(b"\n") if line]
+
+
+def _whole_lines(path: Path) -> bytes:
+    content = path.read_bytes() if path.is_file() else b""
+    return content[: content.rfind(b"\n") + 1]
+
+
+class Journal:
+    """A journal that is written on; whoever opens one goes on behind what is there."""
+
+    def __init__(self, path: Path, heard: Callable[[Record], None] | None = None) -> None:
+        """Open the journal of a file, which is made where there is none; `heard` is called with what is written."""
+        self._heard = heard
+        make_folder(path.parent)
+        self.records = read_journal(path)
+        self._file = path.open("r+b" if path.exists() else "w+b")
+        self._file.truncate(len(_whole_lines(path)))
+        self._file.seek(0, os.SEEK_END)
+        self._lock = threading.Lock()
+
+    def add(self, kind: str, step: int, **values: Any) -> None:
+        """Write what happened at a step; it is on the disk when this returns."""
+        record = {"kind": kind, "step": step, **values}
+        with self._lock:
+            self._file.write(json.dumps(record, ensure_ascii=False).encode() + b"\n")
+            self._file.flush()
+            os.fsync(self._file.fileno())
+            self.records.append(record)
+        if self._heard is not None:
+            self._heard(record)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def step_reached(records: Iterable[Record]) -> int:
+    """Return the number of the first step that is not done."""
+    return 1 + max((one["step"] for one in records if one["kind"] == "done"), default=-1)
+
+
+def attempts_at(records: Iterable[Record], step: int) -> int:
+    """Return how often the run of a step has been begun."""
+    return Counter(one["step"] for one in records if one["kind"] == "begun")[step]

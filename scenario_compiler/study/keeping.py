@@ -1,0 +1,56 @@
+"""The folder of a study: which study it holds, and that one program alone writes it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from scenario_compiler.compiler import StudyCompilation
+from scenario_compiler.outputs import LockedError, locked, make_folder, write_whole
+
+MANIFEST = Path("sourcedata") / "study.json"
+
+
+class StudyError(Exception):
+    """A study's folder cannot be used; the message says why."""
+
+
+def manifest_of(compilation: StudyCompilation, *, pilot: bool) -> dict[str, Any]:
+    """Return what decides a study's data: its words, its questionnaires and pages, and the digests of its plans."""
+    named = {name: done.plan.digest for name, (_, done) in compilation.conditions.items()}
+    named |= {name: done.plan.digest for name, done in compilation.others.items()}
+    parts = [compilation.study.model_dump_json()]
+    parts += [one.model_dump_json() for one in compilation.file.questionnaires.values()]
+    parts += [compilation.file.pages[name] for name in sorted(compilation.file.pages)]
+    words = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+    return {"format": "scenario-compiler/study/1", "pilot": pilot, "words": words, "plans": named}
+
+
+@contextmanager
+def study_folder(root: Path, compilation: StudyCompilation, *, pilot: bool) -> Iterator[None]:
+    """Own the folder of a study's data as long as the context lasts; what is there is gone on with.
+
+    Raises:
+        StudyError: The folder holds something else, another study, or is in use.
+        OSError: It cannot be written.
+    """
+    manifest = manifest_of(compilation, pilot=pilot)
+    file = root / MANIFEST
+    make_folder(root)
+    if file.is_file():
+        if json.loads(file.read_text(encoding="utf-8")) != manifest:
+            raise StudyError(f"{root} holds the data of another study, or of this one before it was changed")
+    elif any(root.iterdir()):
+        raise StudyError(f"{root} is not empty and holds no study")
+    make_folder(file.parent)
+    try:
+        with locked(root / "sourcedata" / "study.lock"):
+            if not file.is_file():
+                write_whole(file, json.dumps(manifest, indent=1) + "\n")
+            yield
+    except LockedError as error:
+        raise StudyError(f"{root} is in use by another program{error}") from None

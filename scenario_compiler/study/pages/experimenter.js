@@ -1,0 +1,80 @@
+// The experimenter's page: who is where, and what can be done with them. Rows are changed in place, so that a note that
+// is being written stays.
+
+const body = document.querySelector("#participants");
+const status = document.querySelector("#status");
+const rows = new Map();
+
+function cell(row, text = "") {
+  const found = row.insertCell();
+  found.textContent = text;
+  return found;
+}
+
+function button(action, label, participant) {
+  const found = Object.assign(document.createElement("button"), { type: "button", textContent: label });
+  found.setAttribute("aria-label", `${label}, participant ${participant}`);
+  found.addEventListener("click", () => order({ participant, action }));
+  return found;
+}
+
+function made(one) {
+  const row = body.insertRow();
+  row.id = one.id;
+  const cells = { step: null, what: null, presence: null, run: null };
+  const head = document.createElement("th");
+  head.scope = "row";
+  head.textContent = one.id;
+  row.append(head);
+  for (const name of Object.keys(cells)) cells[name] = cell(row);
+  const buttons = {};
+  const actions = cell(row);
+  for (const [action, label] of [["start", "Start"], ["pause", "Pause"], ["abort", "Abort"], ["request", "Request"]]) {
+    buttons[action] = button(action, label, one.participant);
+    actions.append(buttons[action], " ");
+  }
+  const form = document.createElement("form");
+  const note = Object.assign(document.createElement("input"), { maxLength: 2000, required: true });
+  note.setAttribute("aria-label", `Note on participant ${one.participant}`);
+  const count = document.createElement("span");
+  form.append(note, " ", Object.assign(document.createElement("button"), { textContent: "Keep" }), " ", count);
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    if (await order({ participant: one.participant, action: "note", text: note.value })) note.value = "";
+  });
+  cell(row).append(form);
+  return { cells, buttons, count };
+}
+
+function show(one) {
+  if (!rows.has(one.participant)) rows.set(one.participant, made(one));
+  const { cells, buttons, count } = rows.get(one.participant);
+  const run = one.run && `${one.run.t.toFixed(1)} s, ${one.run.held || one.run.state.replace("_", " ")}${one.page ? "" : ", page gone"}`;
+  cells.step.textContent = `${one.session}: ${one.step} of ${one.steps}`;
+  cells.what.textContent = one.what;
+  cells.presence.textContent = one.presence;
+  cells.run.textContent = run ?? (one.page ? "page open" : "");
+  buttons.start.disabled = one.presence === "started" || one.presence === "declined";
+  buttons.pause.disabled = one.presence !== "started";
+  buttons.abort.disabled = buttons.request.disabled = !one.run;
+  count.textContent = one.notes || "";
+}
+
+async function order(what) {
+  const answer = await fetch("/experimenter/do", { method: "POST", body: JSON.stringify(what) });
+  status.textContent = answer.ok ? "" : await answer.text();
+  if (answer.ok) show(await answer.json());
+  return answer.ok;
+}
+
+async function look() {
+  try {
+    (await (await fetch("/experimenter/state")).json()).forEach(show);
+    status.textContent = "";
+  } catch {
+    status.textContent = "The server has gone.";
+  }
+  setTimeout(look, 1000);
+}
+
+look();

@@ -1,0 +1,29 @@
+// A page with a form: it may be sent after its least time, once, and is loaded again when the experimenter pauses.
+
+const form = document.querySelector("form");
+const { base, token, least } = form.dataset;
+const buttons = [...form.querySelectorAll("button")];
+
+if (Number(least) > 0) {
+  const texts = buttons.map((button) => button.textContent);
+  const end = performance.now() + 1000 * Number(least);
+  const tick = () => {
+    const left = Math.ceil((end - performance.now()) / 1000);
+    buttons.forEach((button, k) => {
+      button.disabled = left > 0;
+      button.textContent = left > 0 ? `${texts[k]} (${left} s)` : texts[k];
+    });
+    if (left > 0) setTimeout(tick, 200);
+  };
+  tick();
+}
+
+setInterval(async () => {
+  try {
+    const state = await (await fetch(`${base}/state`)).json();
+    const [now, before] = [state.token.split("/"), token.split("/")];
+    if (now[0] !== before[0] || (now[1] !== before[1] && !document.activeElement?.matches("textarea"))) location.reload();
+  } catch {
+    // the server has gone for a while: it is asked again
+  }
+}, 2000);

@@ -1,0 +1,88 @@
+"""The words of the participant's pages in each language.
+
+The German, Finnish and Swedish words have not been checked by native speakers.
+"""
+
+from __future__ import annotations
+
+from scenario_compiler.vocabulary.takeover import Language
+
+WORDS: dict[Language, dict[str, str]] = {
+    "en": {
+        "continue": "Continue",
+        "agree": "I agree",
+        "decline": "I do not agree",
+        "declined": "Thank you. You do not take part, and nothing else is recorded.",
+        "wait": "Please wait for the experimenter.",
+        "paused": "A short pause. Please wait for the experimenter.",
+        "break": "A break. You may go on when you are ready.",
+        "thanks": "The session is over. Thank you!",
+        "probe": "Answer from memory",
+        "search": "Press on the largest circle.",
+        "choose": "Your participant number",
+        "optional": "may be left empty",
+        "run": "Run",
+        "automation": "the automation",
+        "me": "I",
+        "yes": "yes",
+        "no": "no",
+    },
+    "de": {
+        "continue": "Weiter",
+        "agree": "Ich stimme zu",
+        "decline": "Ich stimme nicht zu",
+        "declined": "Danke. Sie nehmen nicht teil, und es wird nichts weiter aufgezeichnet.",
+        "wait": "Bitte warten Sie auf die Versuchsleitung.",
+        "paused": "Eine kurze Pause. Bitte warten Sie auf die Versuchsleitung.",
+        "break": "Eine Pause. Fahren Sie fort, wenn Sie bereit sind.",
+        "thanks": "Die Sitzung ist zu Ende. Vielen Dank!",
+        "probe": "Antworten Sie aus dem Gedächtnis",
+        "search": "Drücken Sie auf den größten Kreis.",
+        "choose": "Ihre Teilnehmernummer",
+        "optional": "darf leer bleiben",
+        "run": "Fahrt",
+        "automation": "die Automation",
+        "me": "ich",
+        "yes": "ja",
+        "no": "nein",
+    },
+    "fi": {
+        "continue": "Jatka",
+        "agree": "Suostun",
+        "decline": "En suostu",
+        "declined": "Kiitos. Et osallistu, eikä mitään muuta tallenneta.",
+        "wait": "Odota kokeen ohjaajaa.",
+        "paused": "Lyhyt tauko. Odota kokeen ohjaajaa.",
+        "break": "Tauko. Jatka, kun olet valmis.",
+        "thanks": "Istunto on päättynyt. Kiitos!",
+        "probe": "Vastaa muistista",
+        "search": "Paina suurinta ympyrää.",
+        "choose": "Osallistujanumerosi",
+        "optional": "voi jättää tyhjäksi",
+        "run": "Ajo",
+        "automation": "automaatio",
+        "me": "minä",
+        "yes": "kyllä",
+        "no": "ei",
+    },
+    "sv": {
+        "continue": "Fortsätt",
+        "agree": "Jag samtycker",
+        "decline": "Jag samtycker inte",
+        "declined": "Tack. Du deltar inte, och inget mer sparas.",
+        "wait": "Vänta på försöksledaren.",
+        "paused": "En kort paus. Vänta på försöksledaren.",
+        "break": "En paus. Fortsätt när du är redo.",
+        "thanks": "Sessionen är slut. Tack!",
+        "probe": "Svara ur minnet",
+        "search": "Tryck på den största cirkeln.",
+        "choose": "Ditt deltagarnummer",
+        "optional": "får lämnas tomt",
+        "run": "Körning",
+        "automation": "automationen",
+        "me": "jag",
+        "yes": "ja",
+        "no": "nej",
+    },
+}
+"""Text by key, by language."""

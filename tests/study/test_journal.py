@@ -1,0 +1,41 @@
+"""The journal of a session survives the end of its program at any byte."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
+
+
+def test_what_is_written_is_there_at_once(tmp_path: Path) -> None:
+    file = tmp_path / "deep" / "journal.jsonl"
+    journal = Journal(file)
+    journal.add("done", 0, answers={"more": "Grüße\nund mehr"})
+    assert read_journal(file) == [{"kind": "done", "step": 0, "answers": {"more": "Grüße\nund mehr"}}]
+    journal.close()
+
+
+def test_a_journal_goes_on_behind_its_last_whole_line(tmp_path: Path) -> None:
+    file = tmp_path / "journal.jsonl"
+    journal = Journal(file)
+    for step in range(3):
+        journal.add("done", step, answers={"text": "äöü"})
+    journal.close()
+    whole = file.read_bytes()
+    starts = [0, *(k + 1 for k, byte in enumerate(whole) if byte == ord("\n"))]
+    for length in range(len(whole)):
+        file.write_bytes(whole[:length])
+        lines = sum(start <= length for start in starts) - 1
+        again = Journal(file)
+        assert step_reached(again.records) == lines
+        again.add("begun", lines)
+        again.close()
+        records = read_journal(file)
+        assert [one["kind"] for one in records] == ["done"] * lines + ["begun"]
+        assert attempts_at(records, lines) == 1
+
+
+def test_of_an_empty_journal_the_first_step_is_reached(tmp_path: Path) -> None:
+    assert read_journal(tmp_path / "none.jsonl") == []
+    assert step_reached([]) == 0
+    assert step_reached([{"kind": "note", "step": 3}]) == 0

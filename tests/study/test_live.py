@@ -1,0 +1,286 @@
+"""A study in a real browser: two participants finish it, the server dies and goes on, the experimenter looks on."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from scenario_compiler.recording.store import read_recording
+from scenario_compiler.study.journal import read_journal
+from scenario_compiler.study.tables import read_table, tidy_rows
+from tests.browser import opened_page
+from tests.live.serving import Served, served, waited_for
+from tests.study import made
+
+SLOW = 120_000
+"""How long a test waits at most, ms."""
+
+LONG = """\
+<scenarios version="1">
+  <scenario name="blocked" map="motorway" duration="600">
+    <ego speed="13.9"><start><spawn_point name="right_lane"/></start></ego>
+    <takeover escalate_after="600" minimum_risk_after="600"/>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+"""A run that ends only when somebody ends it."""
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    study = made.study(tmp_path)
+    conflicts = tmp_path / "conflicts.xml"
+    conflicts.write_text(conflicts.read_text().replace('duration="8"', 'duration="2"'))
+    return study
+
+
+@pytest.fixture
+def endless(tmp_path: Path) -> Path:
+    study = made.study(tmp_path)
+    (tmp_path / "conflicts.xml").write_text(LONG)
+    head, _, rest = study.read_text().partition("  <before>")
+    study.write_text(head + rest.partition("</before>\n")[2].replace('from="0.5" to="1.5"', 'from="900" to="900"'))
+    return study
+
+
+def serving(study: Path) -> tuple[object, ...]:
+    return ("study", study, "--perception", "ideal", "--size", "640x360", "-o", study.parent / "data")
+
+
+def journal(study: Path, participant: int) -> list[dict[str, object]]:
+    return read_journal(study.parent / "data" / "sourcedata" / f"sub-{participant:02d}" / "ses-01" / "journal.jsonl")
+
+
+def started(browser: Browser, server: Served, *participants: int) -> None:
+    """Let participants begin, by the experimenter's page."""
+    with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
+        for one in participants:
+            ordered(desk, one, "Start")
+            expect(row_of(desk, one)).to_contain_text("started", timeout=SLOW)
+
+
+def row_of(desk: Page, participant: int) -> Locator:
+    return desk.locator(f"#sub-{participant:02d}")
+
+
+def ordered(desk: Page, participant: int, what: str) -> None:
+    desk.get_by_role("button", name=f"{what}, participant {participant}").click(timeout=SLOW)
+
+
+def begun(page: Page) -> None:
+    page.get_by_role("button", name="Start").click(timeout=SLOW)
+
+
+def consented(page: Page) -> None:
+    page.get_by_role("button", name="I agree").click(timeout=SLOW)
+    expect(page.get_by_role("heading", name="Welcome")).to_be_visible(timeout=SLOW)
+    page.get_by_role("button", name="Continue").click()
+
+
+def probed(page: Page) -> None:
+    """Answer the probe, which comes in each run."""
+    page.get_by_label("How fast were you, in km/h?").fill("36", timeout=SLOW)
+    assert page.evaluate(DRAWN) == 0
+    page.get_by_label("the automation").check()
+    page.locator("#held button").click()
+
+
+DRAWN = """
+() => {
+  const canvas = document.querySelector("#ahead");
+  return canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.reduce((a, b) => a + b, 0);
+}
+"""
+"""What is left of the view ahead: the sum of its pixels."""
+
+
+def driven(page: Page) -> None:
+    begun(page)
+    probed(page)
+    left(page)
+
+
+def left(page: Page) -> None:
+    """Go on from a run that has ended."""
+    expect(page.locator("#go")).to_have_text("Continue", timeout=SLOW)
+    page.locator("#go").click()
+
+
+def answered(page: Page) -> None:
+    page.get_by_role("group", name="Taking over was hard.").get_by_label("2").check(timeout=SLOW)
+    page.get_by_role("group", name="I stayed calm.").get_by_label("7").check()
+    page.get_by_label("A sound").check()
+    page.get_by_label("What else do you want to say?").fill("Nothing, thanks = fine\tor not")
+    page.get_by_role("button", name="Continue").click()
+
+
+def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: Path, browser: Browser) -> None:
+    data = short.parent / "data"
+    with served(*serving(short)) as server:
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
+            consented(page)
+            driven(page)
+            answered(page)
+            begun(page)
+            expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible(timeout=SLOW)
+            server.process.kill()
+            server.process.wait()
+            page.goto("about:blank")
+    before = journal(short, 1)
+    assert [one["kind"] for one in before][-1] == "begun"
+    with served(*serving(short)) as server:
+        assert journal(short, 1) == before
+        started(browser, server, 1, 2)
+        with opened_page(browser, f"{server.address}?participant=1", bypass_csp=True) as page:
+            for _ in range(3):
+                driven(page)
+                answered(page)
+            expect(page.get_by_role("heading", name="The session is over")).to_be_visible(timeout=SLOW)
+        with opened_page(browser, server.address, bypass_csp=True) as page:
+            page.get_by_label("Your participant number").fill("2")
+            page.get_by_role("button", name="Continue").click()
+            consented(page)
+            for _ in range(4):
+                driven(page)
+                answered(page)
+            expect(page.get_by_role("heading", name="The session is over")).to_be_visible(timeout=SLOW)
+    rows = tidy_rows(data)
+    assert [(row["participant_id"], row["run"]) for row in rows] == [
+        (person, run) for person in ("sub-01", "sub-02") for run in "1234"
+    ]
+    assert [row["attempt"] for row in rows] == ["1", "2", *["1"] * 6]
+    assert {row["driven_by"] for row in rows} == {"person"}
+    assert {row["probe_asked"] for row in rows} == {"2"}
+    assert {row["probe_right"] for row in rows} == {"2"}
+    assert {row["effort.effort"] for row in rows} == {"1.5"}
+    assert {row["effort.more"] for row in rows} == {"Nothing, thanks = fine or not"}
+    assert [row["condition"] for row in rows[:4]] == ["blocked-tone", "blocked-text", "blocked-text", "blocked-tone"]
+    assert [row["sessions_done"] for row in read_table(data / "participants.tsv")] == ["1", "1"]
+    for row in rows:
+        assert (data / row["recording"] / "inputs.jsonl").is_file()
+        assert read_recording(data / row["recording"] / "recording.parquet").t[-1] == pytest.approx(2.0)
+
+
+def test_a_page_that_is_gone_in_a_takeover_stops_the_vehicle_and_marks_the_trial(
+    endless: Path, browser: Browser
+) -> None:
+    with served(*serving(endless)) as server:
+        started(browser, server, 1)
+        with opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page:
+            begun(page)
+            page.wait_for_function("globalThis.page?.latest !== undefined", timeout=SLOW)
+            page.keyboard.press("Enter")
+            page.wait_for_function("page.latest.byHand", timeout=SLOW)
+        with opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk:
+            expect(row_of(desk, 1)).to_contain_text("standstill, page gone", timeout=SLOW)
+            ordered(desk, 1, "Abort")
+            waited_for(lambda: journal(endless, 1)[-1]["kind"] == "done")
+            expect(row_of(desk, 1)).to_contain_text("ask", timeout=SLOW)
+    ended = next(one for one in journal(endless, 1) if one["kind"] == "driven")
+    assert ended["marks"] == ["aborted", "person_left"]
+    (table,) = (endless.parent / "data").glob("sub-01/ses-01/beh/*_run-01_events.tsv")
+    events = [one["trial_type"] for one in read_table(table)]
+    assert events.index("override") < events.index("person_left") < events.index("minimum_risk")
+    assert events.index("minimum_risk") < events.index("standstill")
+
+
+def test_the_experimenter_pauses_requests_aborts_and_notes(endless: Path, browser: Browser) -> None:
+    with (
+        served(*serving(endless)) as server,
+        opened_page(browser, f"{server.address}participant/1", bypass_csp=True) as page,
+        opened_page(browser, f"{server.address}experimenter", bypass_csp=True) as desk,
+    ):
+        expect(page.get_by_role("heading", name="Please wait for the experimenter.")).to_be_visible()
+        ordered(desk, 1, "Start")
+        begun(page)
+        page.wait_for_function("globalThis.page?.latest !== undefined", timeout=SLOW)
+        ordered(desk, 1, "Pause")
+        expect(page.get_by_role("heading", name="A short pause.")).to_be_visible(timeout=SLOW)
+        expect(row_of(desk, 1)).to_contain_text("paused", timeout=SLOW)
+        stood = page.evaluate("page.latest.t")
+        ordered(desk, 1, "Start")
+        page.wait_for_function(f"page.latest.t > {stood}", timeout=SLOW)
+        expect(page.locator("#held")).to_be_hidden()
+        ordered(desk, 1, "Request")
+        page.wait_for_function("page.latest.state === 'request'", timeout=SLOW)
+        expect(page.locator("#state")).to_have_text("automated")
+        expect(page.locator("#left")).to_be_hidden()
+        expect(page.locator("#told")).to_be_hidden()
+        desk.get_by_label("Note on participant 1").fill("looked aside")
+        desk.get_by_label("Note on participant 1").press("Enter")
+        waited_for(lambda: any(one["kind"] == "note" for one in journal(endless, 1)))
+        circles = page.locator("#search circle")
+        expect(circles).to_have_count(6)
+        page.evaluate(PRESS_LARGEST)
+        waited_for(lambda: any(one["kind"] == "search" for one in journal(endless, 1)))
+        ordered(desk, 1, "Abort")
+        left(page)
+        expect(page.get_by_role("heading", name="This trial")).to_be_visible(timeout=SLOW)
+    records = journal(endless, 1)
+    kinds = [one["kind"] for one in records]
+    assert kinds[:3] == ["started", "begun", "paused"]
+    assert next(one for one in records if one["kind"] == "note")["text"] == "looked aside"
+    assert next(one for one in records if one["kind"] == "search")["right"] is True
+    assert next(one for one in records if one["kind"] == "driven")["marks"] == ["aborted", "requested"]
+    (row,) = tidy_rows(endless.parent / "data")
+    assert (row["cause"], row["marks"], row["search_right"]) == ("scheduled", "aborted requested", "1")
+
+
+PRESS_LARGEST = """
+() => {
+  const circles = [...document.querySelectorAll("#search circle")];
+  const size = (one) => Number(one.getAttribute("r"));
+  const largest = circles.reduce((a, b) => (size(b) > size(a) ? b : a));
+  largest.dispatchEvent(new PointerEvent("pointerdown", { bubbles: true, cancelable: true }));
+}
+"""
+
+
+def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> None:
+    with served(*serving(short)) as server:
+        started(browser, server, 2)
+        with opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page:
+            page.get_by_role("button", name="I do not agree").click(timeout=SLOW)
+            expect(page.get_by_role("heading", name="You do not take part")).to_be_visible(timeout=SLOW)
+    with (
+        served(*serving(short)) as server,
+        opened_page(browser, f"{server.address}participant/2", bypass_csp=True) as page,
+    ):
+        expect(page.get_by_role("heading", name="You do not take part")).to_be_visible()
+    assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+def test_pages_are_accessible_and_stay_in_the_window(short: Path, browser: Browser, width: int) -> None:
+    def checked(page: Page) -> None:
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        found = json.loads(json.dumps(Axe().run(page).response["violations"]))
+        assert [(one["id"], one["nodes"][0]["html"]) for one in found] == []
+
+    with (
+        served(*serving(short)) as server,
+        opened_page(browser, f"{server.address}experimenter", width, bypass_csp=True) as desk,
+        opened_page(browser, server.address, width, bypass_csp=True) as page,
+    ):
+        expect(row_of(desk, 1)).to_be_visible()
+        checked(desk)
+        checked(page)
+        page.goto(f"{server.address}participant/1")
+        checked(page)
+        ordered(desk, 1, "Start")
+        expect(page.get_by_role("button", name="I agree")).to_be_visible(timeout=SLOW)
+        checked(page)
+        consented(page)
+        begun(page)
+        expect(page.get_by_label("How fast were you, in km/h?")).to_be_visible(timeout=SLOW)
+        checked(page)
+        probed(page)
+        left(page)
+        expect(page.get_by_role("heading", name="This trial")).to_be_visible(timeout=SLOW)
+        checked(page)

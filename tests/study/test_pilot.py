@@ -1,0 +1,131 @@
+"""A pilot goes through a whole study: its files, tables, scores and expected effects."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.study.dataset import TRIAL_COLUMNS, scores_of
+from scenario_compiler.study.effects import mean_of, needed_for, power_of
+from scenario_compiler.study.tables import read_table
+from tests.command import call
+from tests.study import made
+
+
+@pytest.fixture(scope="module")
+def piloted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("pilot")
+    assert call("study", made.study(folder), "--pilot", "--perception", "ideal", "-o", folder / "data") == 0
+    return folder
+
+
+def test_each_participant_has_their_files_in_the_form_of_bids(piloted: Path) -> None:
+    data = piloted / "data"
+    about = json.loads((data / "dataset_description.json").read_text())
+    assert about["BIDSVersion"] == "1.9.0"
+    assert [row["participant_id"] for row in read_table(data / "participants.tsv")] == ["sub-01", "sub-02"]
+    for person in ("sub-01", "sub-02"):
+        beh = data / person / "ses-01" / "beh"
+        rows = read_table(beh / f"{person}_ses-01_task-short_beh.tsv")
+        assert [row["run"] for row in rows] == ["1", "2", "3", "4"]
+        assert [row["driven_by"] for row in rows] == ["model"] * 4
+        assert {row["hmi"] for row in rows} == {"tone", "text"}
+        for row in rows:
+            assert (data / row["recording"] / "recording.parquet").is_file()
+            events = read_table(beh / f"{person}_ses-01_task-short_run-{int(row['run']):02d}_events.tsv")
+            assert [one["onset"] for one in events if one["trial_type"] == "request"][:1] == [row["request_time"]]
+            assert row["probe_asked"] == "2"
+            assert [one["cause"] for one in events if one["trial_type"] == "probe"] == ["speed", "driver"]
+    assert set(json.loads((data / "task-short_beh.json").read_text())) == {one.column for one in TRIAL_COLUMNS}
+
+
+def test_the_codebook_has_every_column_of_every_table(piloted: Path) -> None:
+    data = piloted / "data"
+    book = {(one["table"], one["column"]) for one in read_table(data / "codebook.tsv")}
+    tables = {"phenotype/effort": data / "phenotype" / "effort.tsv"}
+    tables |= {kind: next(data.glob(f"sub-01/ses-01/beh/*_{kind}.tsv")) for kind in ("beh", "events")}
+    for table, file in tables.items():
+        assert {(table, name) for name in file.read_text().splitlines()[0].split("\t")} <= book
+
+
+def test_answers_are_scored(piloted: Path) -> None:
+    rows = read_table(piloted / "data" / "phenotype" / "effort.tsv")
+    assert [row["run"] for row in rows] == ["1", "2", "3", "4"] * 2
+    for row in rows:
+        assert float(row["effort"]) == (int(row["hard"]) + 8 - int(row["calm"])) / 2
+
+
+def test_a_pilot_is_the_same_each_time_and_is_not_done_again(piloted: Path, tmp_path: Path) -> None:
+    again = tmp_path / "data"
+    study = piloted / "study.xml"
+    for _ in range(2):
+        assert call("study", study, "--pilot", "--perception", "ideal", "-o", again) == 0
+    for file in sorted((piloted / "data").rglob("*.tsv")):
+        assert file.read_bytes() == (again / file.relative_to(piloted / "data")).read_bytes()
+
+
+def test_another_study_does_not_go_on_in_its_folder(piloted: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    other = piloted / "other.xml"
+    other.write_text((piloted / "study.xml").read_text().replace('seed="3"', 'seed="4"'))
+    assert call("study", other, "--pilot", "--perception", "ideal", "-o", piloted / "data") == 2
+    assert "another study" in capsys.readouterr().err
+
+
+def test_export_makes_one_tidy_table(piloted: Path) -> None:
+    table = piloted / "table.csv"
+    assert call("study", "export", piloted / "data", "-o", table) == 0
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 8
+    assert all(row["effort.effort"] for row in rows)
+    assert set(rows[0]) == set(json.loads(table.with_suffix(".json").read_text()))
+    assert call("study", "export", piloted, "-o", table) == 2
+
+
+def test_the_page_of_expected_effects_names_its_conditions(piloted: Path) -> None:
+    page = (piloted / "data" / "expected.html").read_text()
+    for text in ("blocked-tone", "blocked-text", "tone − text", "takeover time, s"):
+        assert text in page
+
+
+def test_plan_prints_who_meets_what(piloted: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("study", "plan", piloted / "study.xml") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines == [
+        "sub-01 ses-01: blocked-tone, blocked-text, blocked-text, blocked-tone",
+        "sub-02 ses-01: blocked-text, blocked-tone, blocked-tone, blocked-text",
+    ]
+
+
+def test_a_study_that_is_none_and_a_folder_that_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("study", made.study(tmp_path)) == 2
+    assert call("study", tmp_path / "conflicts.xml", "--pilot", "-o", tmp_path / "x") == 2
+    assert call("study", tmp_path / "effort.xml", "--pilot", "-o", tmp_path / "x") == 2
+    assert "is no study" in capsys.readouterr().err
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.txt").write_text("mine")
+    assert call("study", tmp_path / "study.xml", "--pilot", "-o", tmp_path / "full") == 2
+    assert "holds no study" in capsys.readouterr().err
+
+
+def test_scores_count_reversed_items_from_the_other_end(tmp_path: Path) -> None:
+    asked = made.questionnaire(tmp_path)
+    assert scores_of(asked, {"hard": 7, "calm": 1})["effort"] == 7.0
+    assert scores_of(asked, {"hard": 7, "calm": 7})["effort"] == 4.0
+
+
+def test_power_is_that_of_published_tables() -> None:
+    """Cohen 1988: 34 pairs give a power of 80 % for d_z = 0.5 in a two-sided test at 5 %, 15 for 0.8."""
+    assert needed_for(0.5) == 34
+    assert needed_for(0.8) == 15
+    assert power_of(0.5, 34) == pytest.approx(0.8078, abs=1e-3)
+    assert power_of(0.0, 20) == pytest.approx(0.05, abs=1e-6)
+
+
+def test_an_interval_is_students() -> None:
+    found = mean_of("x", [1.0, 2.0, 3.0, 4.0, float("nan")])
+    assert (found.count, found.missing, found.mean) == (4, 1, 2.5)
+    assert found.low == pytest.approx(2.5 - 3.182446 * 1.290994 / 2, abs=1e-5)
