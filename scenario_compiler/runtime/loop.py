@@ -186,6 +186,10 @@ def entities_of(state: State, step: float) -> Entities:
     return Entities(len(present), state_of)
 
 
+IMPULSES_AT_ONE = 0.5
+"""Share of the pixels that impulse noise of amount 1 strikes."""
+
+
 def faults_of(state: State) -> CameraFaults:
     """Return what is wrong with the camera beside its noise, from the engine's state."""
     now = state.failure_now
@@ -193,6 +197,10 @@ def faults_of(state: State) -> CameraFaults:
         dark=now[op.FAILURE_BLACKOUT],
         blur=BLUR_AT_ONE * now[op.FAILURE_BLUR],
         dirt=now[op.FAILURE_DIRT],
+        impulses=IMPULSES_AT_ONE * now[op.FAILURE_IMPULSE_NOISE],
+        brighter=now[op.FAILURE_OVEREXPOSURE],
+        dead_rows=now[op.FAILURE_DEAD_ROWS],
+        coarse=now[op.FAILURE_QUANTISATION],
         missing=state.missing[0] == 1,
         frozen=state.frozen[0] == 1,
     )
