@@ -20,7 +20,7 @@ from scenario_compiler.controllers.person import Person
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws
-from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
+from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE, IMPULSES_AT_ONE
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
 from scenario_compiler.engine.moves.appearance import LIGHTS
 from scenario_compiler.engine.program.build import build_program, lowered
@@ -184,10 +184,6 @@ def entities_of(state: State, step: float) -> Entities:
         )
 
     return Entities(len(present), state_of)
-
-
-IMPULSES_AT_ONE = 0.5
-"""Share of the pixels that impulse noise of amount 1 strikes."""
 
 
 def faults_of(state: State) -> CameraFaults:
