@@ -80,7 +80,7 @@ def test_a_severity_is_that_of_imagenet_c(tmp_path: Path, severity: int, sigma: 
     assert recording.sigma[-1] == pytest.approx(255.0 * sigma)
 
 
-@pytest.mark.parametrize("kind", ["impulse_noise", "overexposure", "dead_rows", "quantisation"])
+@pytest.mark.parametrize("kind", ["impulse_noise", "overexposure", "dead_rows", "quantisation", "latency"])
 def test_a_failure_that_pictures_alone_show_is_ignored_with_ideal_perception_and_that_is_reported(
     tmp_path: Path, kind: str
 ) -> None:

@@ -1,7 +1,8 @@
 """What goes wrong in the camera, done to a clean image at the sensor's own resolution.
 
 In the order of the light's way: dirt on the lens, blur, darkness or too much light, noise, impulses, rows that are
-dead, coarse grey levels; then, at the readout, images that are missing or repeated. Overexposure adds to the value of
+dead, coarse grey levels; then, at the readout, images that are missing, repeated or late: until the first late one is
+there, the last one stays. Overexposure adds to the value of
 hue, saturation and value, as ImageNet-C's brightness does; impulses strike all channels of a pixel.
 
 Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel, clipped to
@@ -12,6 +13,7 @@ resolution: halving an image by area averaging halves it. Dirt and dead rows are
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -35,6 +37,10 @@ DIRT_RIM = 0.12
 """Width of the soft rim of the blotches, in standard deviations of the field that they are cut from."""
 
 
+AT_ONCE = 1e-6
+"""What two times may differ by and still be the same, s."""
+
+
 @dataclass(frozen=True, slots=True)
 class Degradation:
     """What is wrong with the camera in one image.
@@ -50,6 +56,7 @@ class Degradation:
         brighter: What is added to the brightness, a share of white.
         dead_rows: Share of the rows that are black, 0-1.
         coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
+        late: How late an image arrives, s.
     """
 
     sigma: float = 0.0
@@ -62,6 +69,7 @@ class Degradation:
     brighter: float = 0.0
     dead_rows: float = 0.0
     coarse: float = 0.0
+    late: float = 0.0
 
 
 class Sensor:
@@ -71,20 +79,25 @@ class Sensor:
         """Begin with no image; `seed` is the run's."""
         self.seed = seed
         self._last: Image | None = None
+        self._on_the_way: deque[tuple[float, Image]] = deque()
 
-    def deliver(self, image: Image, state: Degradation, frame_index: int) -> Image:
+    def deliver(self, image: Image, state: Degradation, frame_index: int, t: float = 0.0) -> Image:
         """Return what arrives of an image.
 
         Args:
             image: (height, width, 3) uint8, BGR, as the optics of a clean camera would see it.
             state: What is wrong.
             frame_index: Number of the frame within the run.
+            t: When it was taken, s.
         """
         if state.missing:
             return np.zeros_like(image)
         if state.frozen and self._last is not None:
             return self._last
-        self._last = degraded(image, state, self.seed, frame_index)
+        self._on_the_way.append((t, degraded(image, state, self.seed, frame_index)))
+        while self._on_the_way and (self._last is None or self._on_the_way[0][0] <= t - state.late + AT_ONCE):
+            self._last = self._on_the_way.popleft()[1]
+        assert self._last is not None
         return self._last
 
 

@@ -93,6 +93,7 @@ FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_OVEREXPOSURE: "overexposure",
     opcodes.FAILURE_DEAD_ROWS: "dead_rows",
     opcodes.FAILURE_QUANTISATION: "quantisation",
+    opcodes.FAILURE_LATENCY: "latency",
 }
 
 STOP_REASONS: dict[int, StopReason] = {

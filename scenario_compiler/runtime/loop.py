@@ -197,6 +197,7 @@ def faults_of(state: State) -> CameraFaults:
         brighter=now[op.FAILURE_OVEREXPOSURE],
         dead_rows=now[op.FAILURE_DEAD_ROWS],
         coarse=now[op.FAILURE_QUANTISATION],
+        late=now[op.FAILURE_LATENCY],
         missing=state.missing[0] == 1,
         frozen=state.frozen[0] == 1,
     )

@@ -16,6 +16,7 @@ FailureKind = Literal[
     "overexposure",
     "dead_rows",
     "quantisation",
+    "latency",
 ]
 """How a camera fails. Secci and Ceccarelli (arXiv 2008.05938) call blackout "black", overexposure "brightness" and, in
 full, "white", dead rows lines of "dead pixels", and noise "no noise reduction"; blur and dirt are theirs too."""
@@ -37,9 +38,10 @@ class Failure(Word):
     or repeated (freeze); no light (blackout); a blur with a radius of 9/512 of the image's width; all of the lens
     behind dirt; half of all pixels black or white (impulse_noise); an image that is white (overexposure: what is added
     to the brightness); every row black (dead_rows, the same rows in every image); 2 in place of 256 grey levels
-    (quantisation: 1 bit of 8). With `--perception ideal` the sensor's health falls by the same curves that the lane
-    detector applies to its images: noise is one half at 30 grey levels, blackout at 0.94, blur at 0.5, dirt at 0.5; a
-    missing or repeated image has no health. Of the last four ideal perception knows nothing: pictures alone show them.
+    (quantisation: 1 bit of 8); images that are 1 s late (latency). With `--perception ideal` the sensor's health falls
+    by the same curves that the lane detector applies to its images: noise is one half at 30 grey levels, blackout at
+    0.94, blur at 0.5, dirt at 0.5; a missing or repeated image has no health. Of the last five ideal perception knows
+    nothing: pictures alone show them.
     """
 
     word: Literal["failure"] = "failure"

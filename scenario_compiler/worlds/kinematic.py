@@ -77,6 +77,7 @@ class KinematicWorld:
             degradation_of(snapshot),
             snapshot.frame,
             dict(snapshot.signals),
+            snapshot.t,
         )
         return SensorData(snapshot.t, image, self.mounting)
 

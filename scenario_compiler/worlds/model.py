@@ -69,6 +69,7 @@ class CameraFaults:
         brighter: What is added to the brightness, a share of white.
         dead_rows: Share of the rows that are black, 0-1.
         coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
+        late: How late an image arrives, s.
     """
 
     dark: float = 0.0
@@ -80,6 +81,7 @@ class CameraFaults:
     brighter: float = 0.0
     dead_rows: float = 0.0
     coarse: float = 0.0
+    late: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

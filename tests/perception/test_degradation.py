@@ -6,6 +6,7 @@ from scenario_compiler.perception.degradation import (
     RAIN,
     SENSOR_NOISE,
     Degradation,
+    Sensor,
     add_impulses,
     add_noise,
     degraded,
@@ -95,3 +96,12 @@ def test_what_goes_wrong_does_not_depend_on_the_number_of_threads(threads: int) 
         assert np.array_equal(degraded(image, state, 1, 2), alone)
     finally:
         cv2.setNumThreads(before)
+
+
+def test_late_images_arrive_when_they_are_due_and_the_last_one_stays_until_then() -> None:
+    sensor, seen = Sensor(1), []
+    for k in range(10):
+        late = 0.3 if 2 <= k < 7 else 0.0
+        image = np.full((4, 4, 3), k, np.uint8)
+        seen.append(int(sensor.deliver(image, Degradation(late=late), k, 0.1 * k)[0, 0, 0]))
+    assert seen == [0, 1, 1, 1, 1, 2, 3, 7, 8, 9]

@@ -29,6 +29,7 @@ FAILURE_CODES = {
     "overexposure": op.FAILURE_OVEREXPOSURE,
     "dead_rows": op.FAILURE_DEAD_ROWS,
     "quantisation": op.FAILURE_QUANTISATION,
+    "latency": op.FAILURE_LATENCY,
 }
 """Codes of the kinds of failures."""
 

@@ -19,6 +19,7 @@ FAILURE_CODES: dict[FailureKind, int] = {
     "overexposure": op.FAILURE_OVEREXPOSURE,
     "dead_rows": op.FAILURE_DEAD_ROWS,
     "quantisation": op.FAILURE_QUANTISATION,
+    "latency": op.FAILURE_LATENCY,
 }
 
 SENSOR_CODES: dict[SensorKind, int] = {

@@ -34,12 +34,12 @@ UNNOTICED = Code(
     "SC407",
     "failure-without-effect",
     "With ideal perception no picture is drawn, and a failure shows in the sensor's health alone, for which there is "
-    "no curve over impulse_noise, overexposure, dead_rows and quantisation. The failure is ignored; "
+    "no curve over impulse_noise, overexposure, dead_rows, quantisation and latency. The failure is ignored; "
     "`--perception camera` shows it."
     '\n\n    <failure kind="dead_rows" amount="0.2"/>     with --perception ideal',
     Severity.WARNING,
 )
-UNNOTICED_KINDS = ("impulse_noise", "overexposure", "dead_rows", "quantisation")
+UNNOTICED_KINDS = ("impulse_noise", "overexposure", "dead_rows", "quantisation", "latency")
 """Kinds that ideal perception has no curve for."""
 
 
