@@ -65,7 +65,7 @@ format: setup
 	$(BIN)/ruff format .
 
 # Rewrites what is made from the code: the maps from their descriptions, the schemas from the models, and of docs/ the pages
-# carla-calls, commands, controllers, coverage, language, names, opendrive and run-folder.
+# carla-calls, commands, controllers, coverage, language, names, opendrive, run-folder and study-language.
 generate: setup
 	for build in $(wildcard maps/*/build.py); do $(BIN)/python $$build || exit 1; done
 	$(BIN)/pytest -q --update -m "not slow" $(wildcard tests/test_schemas.py tests/roads/test_unread.py)

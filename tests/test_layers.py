@@ -101,6 +101,7 @@ HEAVY: dict[str, tuple[str, ...]] = {
     "qc_baselib": ("openscenario.xsd",),
     "qc_openscenario": ("openscenario.xsd",),
     "pyarrow": ("batch.results", "recording.arrow", "recording.store"),
+    "pylsl": ("study.outlet",),
     "rerun": ("report.rerun_file",),
     "scenariogeneration": (),
     "xmlschema": ("roads.xsd",),

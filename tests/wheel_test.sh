@@ -14,4 +14,5 @@ done
 "$environment/bin/scenario-compiler" map plot town_grid -o town.png
 "$environment/bin/scenario-compiler" --version
 "$environment/bin/scenario-compiler" schema | cmp - "$library/../schemas/conflict.xsd"
+"$environment/bin/scenario-compiler" schema study | cmp - "$library/../schemas/study.xsd"
 "$environment/bin/scenario-compiler" library "$library" -o covered

@@ -40,7 +40,7 @@ BAD_RECORDING = Code(
 SHOWS = ("both", "view", "map")
 """What a film can show; the first by default."""
 
-EXTRAS = {"av": "video", "mcap": "mcap", "rerun": "rerun"}
+EXTRAS = {"av": "video", "mcap": "mcap", "pylsl": "lsl", "rerun": "rerun"}
 """Extra of this package by the package that it installs."""
 
 

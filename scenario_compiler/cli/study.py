@@ -24,6 +24,7 @@ from scenario_compiler.cli.options import (
     step_length,
     told,
 )
+from scenario_compiler.cli.report import needing
 from scenario_compiler.cli.terminal import flush_streams, put
 from scenario_compiler.trust import Trust
 
@@ -57,6 +58,9 @@ def add(commands: Commands) -> None:
     parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
     parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s; 0.02 when left out")
     parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead, pixels")
+    parser.add_argument(
+        "--lsl", action="store_true", help="send what happens to the Lab Streaming Layer (the extra lsl)"
+    )
     add_address(parser)
     add_maps(parser)
     add_templates(parser)
@@ -166,6 +170,11 @@ def _serve(compilation: StudyCompilation, options: argparse.Namespace) -> int:
         put(f"experimenter: {experimenter}", told(options))
         flush_streams()
 
+    mark = None
+    if options.lsl:
+        with needing("pylsl"):
+            from scenario_compiler.study.outlet import MarkerOutlet
+        mark = MarkerOutlet(compilation.study.name).mark
     with study_folder(options.output, compilation, pilot=False):
         serve_study(
             compilation,
@@ -174,6 +183,7 @@ def _serve(compilation: StudyCompilation, options: argparse.Namespace) -> int:
             port=options.port,
             trust=_trust(options),
             size=SIZES[options.size],
+            mark=mark,
             told=tell,
         )
     return FINE

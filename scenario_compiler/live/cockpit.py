@@ -27,6 +27,10 @@ REACH = 1500.0
 """How far around the start the map of the page reaches, m."""
 
 
+NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
+"""What reading a message raises that is none of ours; its socket is closed."""
+
+
 @dataclass(eq=False)
 class Viewer:
     """A page that is open.
@@ -113,7 +117,7 @@ class Cockpit:
             self._begin()
         sending = asyncio.create_task(self._send(viewer))
         try:
-            with contextlib.suppress(WebSocketDisconnect, ValueError, ValidationError):
+            with contextlib.suppress(WebSocketDisconnect, *NO_MESSAGE):
                 while True:
                     await self._hear(viewer, await connection.receive_text())
         finally:

@@ -16,6 +16,7 @@ from scenario_compiler.live.sight import Sight
 from scenario_compiler.live.wheel import DRIVEN_BY_HAND, Wheel
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.folder import write_run_folder
@@ -40,6 +41,9 @@ MIRROR_EVERY = 2
 
 BEHIND = 0.1
 """Delay from which the page says that the machine does not keep up, s."""
+
+SLOWEST = 0.2
+"""Time from one picture to the next at most, s: a run that is behind leaves out pictures before it loses time."""
 
 GIVEN_UP = 0.5
 """Delay that is not caught up any more: the clock of the run is set back by it, s."""
@@ -113,6 +117,7 @@ class Session(threading.Thread):
         *,
         probe_at: float | None = None,
         kept: Callable[[Session], None] | None = None,
+        happened: Callable[[EventRow], None] | None = None,
     ) -> None:
         """Prepare a run.
 
@@ -122,13 +127,14 @@ class Session(threading.Thread):
             number: Number of the run, which the page tells runs apart by.
             probe_at: Time at which the run stands still, s, until `go_on` is called; None for never.
             kept: Called in this thread when the run has ended and its files are written, before the page hears of it.
+            happened: Called in this thread with each event of the run, within the step in which it comes.
         """
         super().__init__(name=f"run {number}", daemon=True)
         self.drive, self.number, self._show = drive, number, show
         self.folder = drive.folder
         self.now, self.state, self.held = 0.0, "automated", ""
         self.marks: set[str] = set()
-        self._probe_at, self._kept = probe_at, kept
+        self._probe_at, self._kept, self._happens = probe_at, kept, happened
         self._paused = threading.Event()
         self._probed = threading.Event()
         self.wheel: Wheel | None = None
@@ -231,7 +237,7 @@ class Session(threading.Thread):
         sight = Sight(execution, self.drive.size, plain=self.drive.plain)
         every = max(1, round(FRAME_TIME / self.drive.plan.step))
         begin = time.perf_counter()
-        steps = 0
+        steps, shown_at, events = 0, 0.0, 0
         self._publish(execution, sight, 0.0)
         while execution.going and not self._stopping.is_set():
             begin += self._hold()
@@ -239,6 +245,7 @@ class Session(threading.Thread):
                 execution.note(kind)
             execution.advance()
             steps += 1
+            events = self._pass_on(execution, events)
             self.now, self.state = execution.state.clock[0], TAKEOVER_STATES[execution.state.takeover_state[0]]
             late = time.perf_counter() - begin - execution.state.clock[0]
             if late > GIVEN_UP:
@@ -248,7 +255,19 @@ class Session(threading.Thread):
                 self._stopping.wait(-late)
             if steps % every == 0:
                 self._late.append(max(late, 0.0))
-                self._publish(execution, sight, late)
+                if late < BEHIND or self.now - shown_at >= SLOWEST - 1e-9:
+                    shown_at = self.now
+                    self._publish(execution, sight, late)
+                else:
+                    self._lost += 1
+
+    def _pass_on(self, execution: Execution, count: int) -> int:
+        """Pass on the events of a run after the first `count`; return how many there are."""
+        news = execution.builder.events_since(count)
+        if self._happens is not None:
+            for event in news:
+                self._happens(event)
+        return count + len(news)
 
     def _hold(self) -> float:
         """Stand still as long as there is a reason to; return for how long, s.

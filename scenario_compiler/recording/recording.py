@@ -177,6 +177,10 @@ class Recording:
         ),
     ]
     lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
+    limit_time: Annotated[
+        Floats,
+        Column("run", "s", "Time budget of the last request, where that was not about an obstacle.", far=True),
+    ]
     lane_width: Annotated[Floats, Column("run", "m", "Width of the ego vehicle's lane; 0 off the lanes.")]
     lane_heading: Annotated[
         Floats, Column("run", "rad", "Heading of the ego vehicle against its lane's direction, positive to the left.")
@@ -305,6 +309,10 @@ class RecordingBuilder:
     def add(self, row: EventRow) -> None:
         """Take down an event as it is."""
         self._events.append(row)
+
+    def events_since(self, count: int) -> list[EventRow]:
+        """Return the events that were taken down after the first `count`."""
+        return self._events[count:]
 
     def frame(self, t: float, label: str, png: bytes) -> None:
         """Take down a first-person picture."""

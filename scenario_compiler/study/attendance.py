@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,11 +12,12 @@ from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.live.cockpit import Cockpit
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.outputs import make_folder
-from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem
+from scenario_compiler.recording.events import EventRow
+from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
 from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
-from scenario_compiler.study.journal import Journal, attempts_at, read_journal, step_reached
+from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
 from scenario_compiler.study.pilot import planned_run
-from scenario_compiler.study.procedure import Step, procedure
+from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
 from scenario_compiler.study.situation import CHOICES
 from scenario_compiler.trust import Trust
@@ -40,6 +41,7 @@ class Rules:
         root: Folder of its data.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        mark: Takes what happens to any participant, as it happens; None where nobody listens.
         writing: Held by whoever writes tables of all participants.
     """
 
@@ -47,7 +49,8 @@ class Rules:
     root: Path
     trust: Trust | None
     size: tuple[int, int]
-    writing: threading.Lock
+    mark: Callable[[dict[str, Any]], None] | None = None
+    writing: threading.Lock = field(default_factory=threading.Lock)
 
 
 class Attendance:
@@ -79,7 +82,7 @@ class Attendance:
             self.steps = procedure(study, self.participant, session)
             if step_reached(read_journal(self.seat.journal)) < len(self.steps) - 1:
                 break
-        self.journal = Journal(self.seat.journal)
+        self.journal = Journal(self.seat.journal, self._mark)
         declined = any(one["kind"] == "declined" for one in self.journal.records)
         self.presence: Presence = "declined" if declined else "waiting"
         self._settle()
@@ -186,8 +189,9 @@ class Attendance:
         if kind == "answers":
             self._answer(message)
             return None
-        if kind == "search" and self.rules.compilation.study.task is not None:
-            return {"search": self._searched(message)}
+        task, trial = self.rules.compilation.study.task, self.step.trial
+        if kind == "search" and task is not None and trial is not None:
+            return {"search": self._searched(message, task, trial)}
         return None
 
     def _answer(self, message: Mapping[str, Any]) -> None:
@@ -200,17 +204,15 @@ class Attendance:
             if len(given) > LONGEST_NOTE or given not in CHOICES.get(query.about, (given,)):
                 raise OutOfPlaceError(f"'{query.name}' has no answer of its choices")
             answers[query.name] = given
-        attempt, seconds = self._search["attempt"], round(float(message["seconds"]), 3)
+        attempt, seconds = self._search["attempt"], _seconds(message)
         self.journal.add("probe", self.step.number, attempt=attempt, t=session.now, answers=answers, seconds=seconds)
         session.go_on()
 
-    def _searched(self, message: Mapping[str, Any]) -> dict[str, Any]:
-        task, trial, session = self.rules.compilation.study.task, self.step.trial, self.session
-        assert task is not None
-        seed = 0 if trial is None else trial.seed
-        number = self._search.get("number", 0)
+    def _searched(self, message: Mapping[str, Any], task: SearchTask, trial: Trial) -> dict[str, Any]:
+        """Write an answer to the present picture of the secondary task, if it is one; return the picture to show."""
+        session, number = self.session, self._search.get("number", 0)
         if session is not None and message.get("number") == number:
-            shown, chosen = search_picture(task, seed, number), int(message["chosen"])
+            shown, chosen = search_picture(task, trial.seed, number), int(message["chosen"])
             self.journal.add(
                 "search",
                 self.step.number,
@@ -218,10 +220,10 @@ class Attendance:
                 t=session.now,
                 number=number,
                 right=chosen == shown.target,
-                seconds=round(float(message["seconds"]), 3),
+                seconds=_seconds(message),
             )
             number = self._search["number"] = number + 1
-        return {"number": number, "circles": search_picture(task, seed, number).circles}
+        return {"number": number, "circles": search_picture(task, trial.seed, number).circles}
 
     # Runs.
 
@@ -264,7 +266,14 @@ class Attendance:
             assert drive.folder is not None
             make_folder(drive.folder)
             self.journal.add("begun", step.number, attempt=attempt)
-            return Session(drive, show, attempt, probe_at=step.trial.probe_at, kept=self._keep)
+            return Session(drive, show, attempt, probe_at=step.trial.probe_at, kept=self._keep, happened=self._tell)
+
+    def _mark(self, record: Record) -> None:
+        if self.rules.mark is not None:
+            self.rules.mark({"participant": self.seat.sub, "session": self.seat.ses, **record})
+
+    def _tell(self, event: EventRow) -> None:
+        self._mark({"step": self.step.number, **event.model_dump(exclude_defaults=True)})
 
     def _keep(self, session: Session) -> None:
         """Write that a run has ended; called in its thread, before the page hears of it."""
@@ -283,6 +292,14 @@ class Attendance:
         with self.rules.writing:
             write_run_tables(self.rules.compilation, self.seat)
             write_dataset(self.rules.compilation, self.rules.root, pilot=False)
+
+
+def _seconds(message: Mapping[str, Any]) -> float:
+    """Return the duration that a page tells, s."""
+    found = float(message["seconds"])
+    if not 0.0 <= found < 86_400.0:
+        raise OutOfPlaceError("a duration is from 0 s to a day")
+    return round(found, 3)
 
 
 def _typed(asked: QuestionnaireElement, answers: Mapping[str, str]) -> dict[str, int | float | str]:

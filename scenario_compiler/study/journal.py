@@ -6,7 +6,7 @@ import json
 import os
 import threading
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -32,8 +32,9 @@ def _whole_lines(path: Path) -> bytes:
 class Journal:
     """A journal that is written on; whoever opens one goes on behind what is there."""
 
-    def __init__(self, path: Path) -> None:
-        """Open the journal of a file, which is made where there is none."""
+    def __init__(self, path: Path, heard: Callable[[Record], None] | None = None) -> None:
+        """Open the journal of a file, which is made where there is none; `heard` is called with what is written."""
+        self._heard = heard
         make_folder(path.parent)
         self.records = read_journal(path)
         self._file = path.open("r+b" if path.exists() else "w+b")
@@ -49,6 +50,8 @@ class Journal:
             self._file.flush()
             os.fsync(self._file.fileno())
             self.records.append(record)
+        if self._heard is not None:
+            self._heard(record)
 
     def close(self) -> None:
         """Close the file."""

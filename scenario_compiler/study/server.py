@@ -6,7 +6,6 @@ A participant's page is made anew at each step, so that a page that is loaded ag
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -117,7 +116,8 @@ class StudyServer:
     def _rendered(self, template: str, **values: Any) -> Response:
         study = self.rules.compilation.study
         page = self._environment.get_template(template)
-        return HTMLResponse(page.render(words=self.words, study=study, language=study.language, **values))
+        given = {"words": self.words, "study": study, "language": study.language} | values
+        return HTMLResponse(page.render(**given))
 
     # The participant's pages.
 
@@ -215,7 +215,7 @@ class StudyServer:
     # The experimenter's page.
 
     def _experimenter(self, request: Request) -> Response:
-        return self.desk.entered(request, lambda: self._rendered("experimenter.html.jinja"))
+        return self.desk.entered(request, lambda: self._rendered("experimenter.html.jinja", language="en"))
 
     def _overview(self, request: Request) -> Response:
         def rows() -> Response:
@@ -283,6 +283,7 @@ def serve_study(
     port: int = 0,
     trust: Trust | None = None,
     size: tuple[int, int] = (1280, 720),
+    mark: Callable[[dict[str, Any]], None] | None = None,
     told: Callable[[str, str], None],
 ) -> None:
     """Serve a study until the program is interrupted; what its folder holds is gone on with.
@@ -294,6 +295,7 @@ def serve_study(
         port: Its port; 0 takes a free one.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        mark: Takes what happens to any participant, as it happens.
         told: Is given the participants' address and the experimenter's, once they can be opened.
 
     Raises:
@@ -304,7 +306,7 @@ def serve_study(
         door = Door(host, taken, new_token(host))
         desk = Door(host, taken, new_token(host), cookie="experimenter")
         write_dataset(compilation, root, pilot=False)
-        study = StudyServer(Rules(compilation, root, trust, size, threading.Lock()), door, desk)
+        study = StudyServer(Rules(compilation, root, trust, size, mark), door, desk)
         server: list[Server] = []
         server.append(server_of(study.app, lambda: told(address_of(door), address_of(desk, "/experimenter"))))
         try:

@@ -339,6 +339,8 @@ class State(Columns):
     """Offset from the path lane's centre, positive to the left of the travel."""
     path_heading: list[float] = column(RUN)
     """Heading of the ego relative to the path's direction."""
+    limit_time: list[float] = column(RUN, op.FAR)
+    """Time that the last request left, where it was not about an obstacle, s."""
     lane_width: list[float] = column(RUN)
     """Width of the lane that the ego's point is in, 0 off every lane."""
     on_road: list[int] = column(RUN)

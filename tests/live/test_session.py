@@ -1,0 +1,86 @@
+"""A run in step with the clock: what gives way where the machine is slow, and what stands still."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.compiler import Compilation, Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.live.session import SLOWEST, Drive, Picture, Session
+from tests.live.test_drive import OPEN
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Compilation:
+    file = tmp_path_factory.mktemp("session") / "open.xml"
+    file.write_text(OPEN)
+    overrides = Overrides(perception="ideal", step=0.02, duration=2.0)
+    done = compile_target(file, {}, Diagnostics(), overrides=overrides)
+    assert done is not None
+    return done
+
+
+def drive(compiled: Compilation) -> Drive:
+    return Drive(compiled.plan, compiled.network, size=(64, 36))
+
+
+def test_a_run_that_is_behind_leaves_out_pictures_but_not_all(compiled: Compilation) -> None:
+    times: list[float] = []
+
+    def slowly(picture: Picture) -> bool:
+        if "t" in picture.about:
+            times.append(picture.about["t"])
+            time.sleep(0.15)  # longer than from one picture to the next
+        return True
+
+    session = Session(drive(compiled), slowly)
+    session.run()
+    figures = session.figures()
+    assert figures["pictures_lost"] > 0
+    assert figures["pictures_shown"] == len(times)
+    assert figures["pictures_shown"] + figures["pictures_lost"] == 51  # one each 0.04 s of 2 s, and the first
+    gaps = [later - earlier for earlier, later in pairwise(times)]
+    assert max(gaps) <= SLOWEST + 1e-6
+
+
+def test_a_run_stands_still_for_its_probe_and_shows_nothing_meanwhile(compiled: Compilation) -> None:
+    shown: list[tuple[object, int]] = []
+
+    def show(picture: Picture) -> bool:
+        shown.append((picture.about.get("held") or picture.about.get("t"), len(picture.ahead)))
+        if picture.about.get("held") and len([one for one, _ in shown if one == "probe"]) == 3:
+            session.go_on()
+        return True
+
+    session = Session(drive(compiled), show, probe_at=0.5)
+    session.run()
+    held = [k for k, (what, _) in enumerate(shown) if what == "probe"]
+    assert len(held) == 3
+    assert held == list(range(held[0], held[0] + 3))
+    before, after = shown[held[0] - 1][0], shown[held[-1] + 1][0]
+    assert (before, after) == (pytest.approx(0.48), pytest.approx(0.52))
+    assert all(size == 0 for what, size in shown if what == "probe")
+    assert session.finished is not None
+    assert session.finished.recording.t[-1] == pytest.approx(2.0)
+
+
+def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_path: Path) -> None:
+    kept: list[set[str]] = []
+
+    def show(picture: Picture) -> bool:
+        if picture.about.get("t", 0.0) > 0.3:
+            session.abort()
+        return True
+
+    folder = tmp_path / "run"
+    chosen = Drive(compiled.plan, compiled.network, folder=folder, size=(64, 36))
+    session = Session(chosen, show, kept=lambda one: kept.append(set(one.marks)))
+    session.run()
+    assert kept == [{"aborted"}]
+    assert (folder / "recording.parquet").is_file()
+    assert session.finished is not None
+    assert session.finished.recording.stop_reason == "user"
