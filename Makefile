@@ -16,7 +16,7 @@ FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate library-table site wheel-test clean
+.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate library-table studies site wheel-test clean
 
 setup: .venv/.stamp
 	@$(BIN)/python -m scenario_compiler.forms.making
@@ -73,6 +73,10 @@ generate: setup
 # Rewrites docs/separation.md: every conflict of the library with an attentive, a slow, an absent and a reference driver.
 library-table: setup
 	$(BIN)/scenario-compiler library library/conflicts --separation docs/separation.md
+
+# Rewrites docs/validity.md and its figure: published takeover studies, run again.
+studies: setup
+	$(BIN)/python -m tests.studies.page
 
 # Builds the documentation site into build/site; a link or an anchor that leads nowhere is an error.
 site: setup

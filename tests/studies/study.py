@@ -53,14 +53,12 @@ class Sample:
         inputs: Times of the first steering or braking after the request, s.
         least: Least time to collision of each run, s; HORIZON where nothing was ever approached.
         crashed: Share of the runs with a collision.
-        braked: Share of those in which the driver braked by more than 10 %.
     """
 
     times: Floats
     inputs: Floats
     least: Floats
     crashed: float
-    braked: float
 
 
 def sample(found: Iterable[Compilation], seeds: range) -> Sample:
@@ -76,5 +74,4 @@ def sample(found: Iterable[Compilation], seeds: range) -> Sample:
         inputs=np.array(numbers("input_time")),
         least=np.array([HORIZON if value is None else value for value in least]),
         crashed=float(np.mean([one.collision_with is not None for one in outcomes])),
-        braked=len(numbers("braking_time")) / len(outcomes),
     )

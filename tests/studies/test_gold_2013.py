@@ -25,7 +25,7 @@ GOLD = """<scenarios version="1"><scenario name="gold" map="motorway" duration="
 <parameter name="budget" type="time" default="7" min="1" max="20"/>
 <ego speed="33.333"><start><spawn_point name="right_lane"/></start><forward_sensor range="300"/></ego>
 <static id="accident" model="vehicle.audi.tt">
-  <at><ahead_of entity="ego" distance="500" turn="90"/></at>
+  <at><ahead_of entity="ego" distance="500"/></at>
 </static>
 <takeover budget="$budget">
   <cause kind="path_blocked"/>

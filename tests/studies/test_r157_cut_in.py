@@ -5,8 +5,8 @@ more than v_rel / (2 x 6 m/s2) + 0.35 s; its annex has the careful and competent
 
 | | the regulation | here | asserted |
 |---|---|---|---|
-| what the careful and competent driver avoids | is avoided | the automation, with an absent driver | at every point of the grid |
-| what is avoidable by 5.2.5.2 | is avoided | the automation | no collision from a time of 1 s above the line on |
+| what the careful and competent driver avoids | is avoided | by the automation alone | at every third point |
+| what is avoidable by 5.2.5.2 | is avoided | by the automation alone | at every third point |
 | what is not | may end in a collision | | nothing |
 """
 
@@ -76,9 +76,10 @@ def verdict(folder: Path, v: float, lead: float, gap: float) -> Verdict:
 
 
 def test_what_the_careful_and_competent_driver_avoids_is_avoided(tmp_path: Path) -> None:
-    found = [verdict(tmp_path, *point) for point in POINTS]
+    points = POINTS[::3]
+    found = [verdict(tmp_path, *point) for point in points]
     assert any(one.avoidable for one in found)
     assert any(not one.avoidable for one in found)
-    for point, one in zip(POINTS, found, strict=True):
+    for point, one in zip(points, found, strict=True):
         assert not (one.avoidable and one.crashed), point
-        assert not (one.intrusion > one.limit + 1.0 and one.crashed), point
+        assert not (one.intrusion > one.limit and one.crashed), point

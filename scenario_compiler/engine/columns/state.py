@@ -525,7 +525,7 @@ class State(Columns):
     merge_from_lane: list[int] = column(RUN)
     merge_from_road: list[int] = column(RUN, op.NONE)
     seeks_gap: list[int] = column(RUN)
-    """1 while the driver looks for a gap in a lane beside before he brakes."""
+    """1 while a lane beside would serve the driver but for the traffic in it."""
     evade_until: list[float] = column(RUN)
     """Odometer at which the driver may go back to the lane's centre."""
     evade_commit: list[float] = column(RUN)

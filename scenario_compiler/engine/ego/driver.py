@@ -72,9 +72,12 @@ LATE_BRAKE = 2.5
 """Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2; chosen."""
 
 GAP_BRAKE = 3.5
-"""Deceleration needed to stop in time up to which a driver looks for a gap in a lane beside that is not free, before he
-brakes, m/s2; chosen, after what is called comfortable.
+"""Deceleration needed to stop in time up to which a driver waits for a gap in a lane beside, before he brakes, m/s2;
+chosen, after what is called comfortable.
 """
+
+GAP_ROOM = 2.0
+"""Distance before a block at which a driver means to stop who has waited for a gap, m; chosen, as the automation's."""
 
 STANDOFF = 7.0
 """Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out
@@ -219,6 +222,7 @@ def corridor_beside(
     if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:
         return 0, 0.0
     if side != 0 and against == 0 and gap_beside_free(n, p, st, i, side) == 0:
+        st.seeks_gap[0] = 1
         return 0, 0.0
     return 1, centre
 
@@ -402,18 +406,6 @@ def begin_braking(st: State, distance: float) -> None:
 
 
 @compiled
-def has_lane_beside(n: RoadTables, st: State) -> int:
-    """Return 1 where there is a lane of the same direction beside the path's lane."""
-    road = st.path_road[0]
-    for side in range(1, -2, -2):
-        if beside_width(n, road, st.path_lane[0], st.path_s[0], side) <= 0.0:
-            continue
-        if same_direction(n, road, st.path_lane[0], st.path_s[0], side) == 1:
-            return 1
-    return 0
-
-
-@compiled
 def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
     """Decide between going on, braking, evading and coming back."""
     st.seeks_gap[0] = 0
@@ -426,7 +418,6 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
             if found == 1:
                 evade(p, st, i, centre)
                 return
-            st.seeks_gap[0] = has_lane_beside(n, st)
         begin_braking(st, st.blocked_distance[0])
         return
     threat = moving_threat(p, st, i)
@@ -462,10 +453,12 @@ def stop_before_block(p: Program, st: State, i: int) -> float:
 
     Who looks for a gap beside only lifts his foot until he has to brake harder than he likes.
     """
-    needed = 0.5 * st.v[i] * st.v[i] / max(st.blocked_distance[0] - 1.0, 0.1)
-    if st.seeks_gap[0] == 1 and needed < GAP_BRAKE:
-        return -LIFT_OFF
-    return stop_within(p, st, i, st.blocked_distance[0], STANDOFF)
+    room = st.blocked_distance[0] - GAP_ROOM
+    if st.seeks_gap[0] == 0 or room < 0.1:
+        return stop_within(p, st, i, st.blocked_distance[0], STANDOFF)
+    needed = 0.5 * st.v[i] * st.v[i] / max(room, 0.1)
+    brakes = needed >= GAP_BRAKE or (st.pedal[0] < -CALL and needed >= 0.5 * GAP_BRAKE)
+    return -needed if brakes else -LIFT_OFF
 
 
 @compiled
