@@ -20,6 +20,7 @@ from scenario_compiler.study.pilot import planned_run
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
 from scenario_compiler.study.situation import CHOICES
+from scenario_compiler.study.tables import read_table
 from scenario_compiler.trust import Trust
 
 Presence = Literal["waiting", "started", "paused", "declined", "finished"]
@@ -71,6 +72,7 @@ class Attendance:
         self.cockpit: Cockpit | None = None
         self._lock = threading.RLock()
         self._closing = False
+        self._last: Session | None = None
         self._search: dict[str, Any] = {}
         self._open()
 
@@ -86,6 +88,9 @@ class Attendance:
         declined = any(one["kind"] == "declined" for one in self.journal.records)
         self.presence: Presence = "declined" if declined else "waiting"
         self._settle()
+        driven = sum(one["kind"] == "driven" for one in self.journal.records)
+        if driven != len(read_table(self.seat.table(study.name, "beh"))):  # the program ended before it wrote them
+            self._write()
 
     @property
     def step(self) -> Step:
@@ -106,8 +111,9 @@ class Attendance:
     def close(self) -> None:
         """End the run under way, which is begun again when the participant goes on, and close the journal."""
         self._closing = True
-        if self.cockpit is not None:
-            self.cockpit.stop()
+        if self._last is not None and self._last.is_alive():
+            self._last.stop()
+            self._last.join(timeout=60.0)
         self.journal.close()
 
     # What the experimenter does.
@@ -266,7 +272,9 @@ class Attendance:
             assert drive.folder is not None
             make_folder(drive.folder)
             self.journal.add("begun", step.number, attempt=attempt)
-            return Session(drive, show, attempt, probe_at=step.trial.probe_at, kept=self._keep, happened=self._tell)
+            probe_at = step.trial.probe_at
+            self._last = Session(drive, show, attempt, probe_at=probe_at, kept=self._keep, happened=self._tell)
+            return self._last
 
     def _mark(self, record: Record) -> None:
         if self.rules.mark is not None:
