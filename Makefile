@@ -16,7 +16,7 @@ FIND_PYTHON = for python in python3.12 python3.11 python3.10 python3; do \
 	if $$python -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then echo $$python; break; fi; done
 PYTHON ?= $(shell $(FIND_PYTHON))
 
-.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate site wheel-test clean
+.PHONY: setup demo test test-all test-carla test-vscode fuzz check format generate library-table site wheel-test clean
 
 setup: .venv/.stamp
 	@$(BIN)/python -m scenario_compiler.forms.making
@@ -69,6 +69,10 @@ format: setup
 generate: setup
 	for build in $(wildcard maps/*/build.py); do $(BIN)/python $$build || exit 1; done
 	$(BIN)/pytest -q --update -m "not slow" $(wildcard tests/test_schemas.py tests/roads/test_unread.py)
+
+# Rewrites docs/separation.md: every conflict of the library with an attentive, a slow, an absent and a reference driver.
+library-table: setup
+	$(BIN)/scenario-compiler library library/conflicts --separation docs/separation.md
 
 # Builds the documentation site into build/site; a link or an anchor that leads nowhere is an error.
 site: setup

@@ -10,7 +10,10 @@ import pytest
 from hypothesis import settings
 from playwright.sync_api import Browser
 
+from tests.apart import pytest_runtest_protocol
 from tests.browser import opened_browser
+
+__all__ = ["pytest_runtest_protocol"]
 
 settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=50)
 settings.load_profile("repeatable")

@@ -12,11 +12,13 @@ from scenario_compiler.carla_server.traffic_lights import Light
 from scenario_compiler.frames import CarlaTransform
 from scenario_compiler.perception.labels import Tag
 from scenario_compiler.vocabulary.entities import Vehicle
+from scenario_compiler.worlds.resistance import Resistance, resistance
 
 MASS = 1000.0
 """CARLA's public default of a vehicle's mass, kg; those of single vehicles are binary assets."""
 
 WALKER_MASS = 80.0
+
 MAX_STEER = 70.0
 """Greatest angle of the front wheels, degrees: CARLA's public default."""
 
@@ -81,6 +83,7 @@ class Body(Actor):
         shape: Its box and axles.
         simulates: Whether physics moves it.
         collides: Whether others touch it.
+        weighs: Whether gravity pulls it: without, tires carry nothing.
         mass: kg.
         spawned: Where it was spawned, CARLA's axes.
     """
@@ -89,6 +92,7 @@ class Body(Actor):
     shape: Vehicle = field(default_factory=lambda: Vehicle(name="", length=1, width=1, height=1, wheelbase=1, center=0))
     simulates: bool = True
     collides: bool = True
+    weighs: bool = True
     mass: float = MASS
     spawned: CarlaTransform = field(default_factory=lambda: CarlaTransform(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
@@ -123,6 +127,8 @@ class Car(Body):
         pushed: Change of speed that waits for the next step, m/s.
         gear: The gear it is in.
         light: The traffic light that it is at.
+        friction: Friction that a trigger gives its tires while it is in it, or None.
+        slowing: What slows it down while it rolls.
     """
 
     control: list[Any] = field(default_factory=lambda: [0.0, 0.0, 0.0, False, False, False, 0])
@@ -135,6 +141,17 @@ class Car(Body):
     pushed: float = 0.0
     gear: int = 1
     light: Light | None = None
+    friction: float | None = None
+    slowing: Resistance = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.weigh_up()
+
+    def weigh_up(self) -> None:
+        """Compute what slows it down, from its physics control; there, radii are in cm."""
+        control = self.physics_control()
+        wheels = [(wheel[1], wheel[3] / 100.0) for wheel in control[15]]
+        self.slowing = resistance(wheels, control[12], self.shape.width * self.shape.height, self.mass)
 
     @property
     def sticky(self) -> bool:
@@ -155,7 +172,11 @@ class Car(Body):
 
     @property
     def grip(self) -> float:
-        """Share of its pedals that its tires bring to the road: all, unless their friction is set below 1."""
+        """Share of its forces that its tires bring to the road: all, unless their friction is below 1."""
+        if not self.weighs:
+            return 0.0
+        if self.friction is not None:
+            return min(max(self.friction, 0.0), 1.0)
         if self.physics is None:
             return 1.0
         return float(min([1.0, *(max(wheel[0], 0.0) for wheel in self.physics[15])]))
@@ -203,9 +224,15 @@ class Walker(Body):
 
 @dataclass(eq=False)
 class Sensor(Actor):
-    """A sensor; its stream's number is its own. `due` is the time of its next measurement, s."""
+    """A sensor; its stream's number is its own.
+
+    Attributes:
+        due: The time of its next measurement, s.
+        measured: How often it has measured.
+    """
 
     due: float = -math.inf
+    measured: int = 0
 
     @property
     def stream(self) -> int:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import struct
+import time
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,10 +39,24 @@ LONGEST_STEP = 10.0
 """Longest time step, s."""
 
 ANNOUNCED = 0.3
-READY = 1.3
 DRAINED = 1.0
-"""How long a tick waits for a listener who is about to come, for a camera to be ready, for one who is behind, s."""
+PREPARED = 60.0
+"""How long a tick waits at most for a listener who is about to come, for one who is behind, and for cameras to be
+ready, s: a camera that is heard sends a picture of every tick, however busy the machine is.
+"""
 
+BEGINNING = 0.3
+"""How long a new episode stands still in asynchronous mode after its first snapshot, s: a client then leaves the stream
+of snapshots and joins it anew. CARLA's own worlds begin more slowly.
+"""
+
+SETTLING = 0.001
+"""How long after a Traffic Manager has asked for the settings the next tick may come, s.
+
+It asks in its own thread at the end of each step and then waits to be woken for the next one; LibCarla's
+`TrafficManagerLocal::SynchronousTick` wakes it without holding the lock under which it waits, so that a tick which
+comes just then is missed, and the client waits for ever. CARLA's own ticks take longer than that.
+"""
 
 PERCENT = (
     *("cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "fog_density", "wetness"),
@@ -140,6 +156,8 @@ class Host:
     _bits: int = 0
     _free: asyncio.Event = field(default_factory=asyncio.Event)
     _began: float = 0.0
+    _asked: float = -math.inf
+    _begins: float = -math.inf
 
     def __post_init__(self) -> None:
         self.streams = Streams(self.knows, self.log)
@@ -190,7 +208,12 @@ class Host:
         return self.tick()
 
     def change_town(self, town: Town, *, reset: bool) -> None:
-        """Begin a new episode on a map."""
+        """Begin a new episode on a map.
+
+        That the map has changed stands in the second snapshot only. On the first one a client leaves the stream; if it
+        has to ask for the map's lamps in the stream's own thread at the same time, as it does for a changed map, its
+        process may end (0.9.16: `streaming::detail::tcp::Client::ReadData`, one time in six).
+        """
         for number in list(self._work):
             self.dismiss(number)
         self.stage = Stage(town, self.version)
@@ -200,13 +223,18 @@ class Host:
         if reset:
             self.settings = Settings()
             self._free.set()
-        self._bits |= MAP_CHANGED
+        self._begins = time.monotonic() + BEGINNING
         asyncio.get_running_loop().run_in_executor(None, town.scene)
         self.tick()
+        self._bits |= MAP_CHANGED
 
     async def load(self, name: str) -> Town:
         """Load a map in a thread; an empty name is the present one."""
         return self.stage.town if not name else await asyncio.to_thread(load_town, name, self.folders)
+
+    def note_question(self) -> None:
+        """Note that a client has asked for the settings."""
+        self._asked = time.monotonic()
 
     def note_lights(self) -> None:
         """Let the next snapshot say that lights have changed."""
@@ -215,7 +243,8 @@ class Host:
     def cue(self) -> int | Awaitable[int]:
         """Do a tick for a client; wait first for who is about to listen, for cameras and for who is behind."""
         busy = any(not work.ready.done() for number, work in self._work.items() if self.streams.heard(number))
-        if self.streams.announced or busy or self.streams.behind:
+        settles = self.managers and time.monotonic() < self._asked + SETTLING
+        if self.streams.announced or busy or self.streams.behind or settles:
             return self._patiently()
         return self.tick()
 
@@ -223,7 +252,9 @@ class Host:
         await self.streams.wait_for_announced(ANNOUNCED)
         waiting = [work.ready for number, work in self._work.items() if self.streams.heard(number)]
         if waiting:
-            await asyncio.wait(waiting, timeout=READY)
+            await asyncio.wait(waiting, timeout=PREPARED)
+        if self.managers:
+            await asyncio.sleep(max(self._asked + SETTLING - time.monotonic(), 0.0))
         loop = asyncio.get_running_loop()
         end = loop.time() + DRAINED
         while self.streams.behind and loop.time() < end:
@@ -239,7 +270,7 @@ class Host:
             await self._free.wait()
             due = max(due + self.step_length, loop.time() - self.step_length)
             await asyncio.sleep(max(due - loop.time(), 0.001))
-            if not self.settings.synchronous:
+            if not self.settings.synchronous and time.monotonic() >= self._begins:
                 try:
                     self.tick()
                 except Exception as fault:  # a fault of ours does not stop the clock
@@ -288,6 +319,7 @@ class Host:
             self.once(f"sensor {number} ({sensor.blueprint.name}) cannot work: {fault}")
             return
         body = work.instrument.measure(self.stage, sensor, self.frame, dt, self.sky)
+        sensor.measured += 1
         if body is not None:
             self.streams.send(number, self._head(sensor) + body)
 

@@ -61,6 +61,10 @@ STEER_RATE = 3.0
 verified for CARLA's).
 """
 
+TRIGGER = "static.trigger.friction"
+LONGEST_FALL = 2.0
+"""Blueprint of a friction trigger; and for how long a vehicle falls at most after it was spawned over the road, s."""
+
 NO_FAILURE = 0
 GRAVITY = 9.81
 
@@ -94,11 +98,13 @@ class Stage:
         self._by_place: dict[int, Body] = {}
         self._stale = True
         self._leapt: set[int] = set()
-        self._fresh: list[Body] = []
+        self._falling: dict[int, float] = {}
+        self._triggers: list[Actor] = []
         self._attached: list[Actor] = []
         self._before = np.zeros((PLACES, 6))
         self._bodies: list[Body] = []
         self._place = np.empty(0, np.intp)
+        self._index: dict[int, int] = {}
         self._row = np.empty(0, np.intp)
         self._center = np.empty(0)
         self._up = np.empty(0)
@@ -133,6 +139,8 @@ class Stage:
             raise CallError(f"unable to spawn actor: there are {MOST_ACTORS} already")
         actor.id, self._next = self._next, self._next + 1
         self.actors[actor.id] = actor
+        if actor.blueprint.name == TRIGGER:
+            self._triggers.append(actor)
         if actor.parent:
             self.actors[actor.parent].children.append(actor.id)
         self._stale = True
@@ -170,7 +178,9 @@ class Stage:
             raise
         self._by_place[place] = body
         self._leapt.add(place)
-        self._fresh.append(body)
+        if isinstance(body, Car):
+            above = max(body.spawned.z - self.simulation.state.z[place], 0.0)
+            self._falling[place] = self.time + min(math.sqrt(2.0 * above / GRAVITY), LONGEST_FALL)
         return body
 
     def get(self, number: int) -> Actor:
@@ -190,9 +200,12 @@ class Stage:
         if isinstance(actor, LightActor) or actor is self.spectator:
             raise CallError(f"unable to destroy actor: {actor.blueprint.name} belongs to the map")
         del self.actors[number]
+        if actor in self._triggers:
+            self._triggers.remove(actor)
         if isinstance(actor, Body):
             self.simulation.remove(actor.place)
             del self._by_place[actor.place]
+            self._falling.pop(actor.place, None)
             self._places.append(actor.place)
         for child in actor.children:
             if child in self.actors:
@@ -240,20 +253,20 @@ class Stage:
         pose = Pose(*pose_from_carla(transform, actor.shape.center, actor.up))
         self.simulation.pose(actor.place, pose, self.simulation.state.v[actor.place])
         self._leapt.add(actor.place)
+        self._falling.pop(actor.place, None)
 
     def let_simulate(self, body: Body, simulates: bool) -> None:
         """Say whether physics moves a body."""
         if simulates == body.simulates:
             return
         body.simulates = simulates
+        self._falling.pop(body.place, None)
         self.simulation.let_pose(body.place, posed=not simulates)
         self.simulation.state.v[body.place] = 0.0
 
     def friction_at(self, at: CarlaTransform) -> float | None:
         """Return the friction of a friction trigger about a point, None where there is none; its extents are in cm."""
-        for actor in self.actors.values():
-            if actor.blueprint.name != "static.trigger.friction":
-                continue
+        for actor in self._triggers:
             away = [a - b for a, b in zip(at[:3], self.transform_of(actor)[:3], strict=True)]
             axes = carla_axes(*actor.transform[3:])
             try:
@@ -316,6 +329,8 @@ class Stage:
         for body in self._by_place.values():
             if not isinstance(body, Car):
                 continue
+            if self._triggers:
+                self._enter_triggers(body)
             if body.ackermann is not None:
                 self._follow_target(body, body.ackermann, dt)
             if body.pushed:
@@ -324,6 +339,18 @@ class Stage:
             if body.constant is not None:
                 self.set_speed(body, body.constant)
                 self.simulation.command(body.place, 0.0, st.command_steer[body.place], 0.0)
+            elif body.simulates:
+                speed = st.v[body.place]
+                if speed != 0.0:
+                    lost = body.slowing.at(speed, body.grip) * dt
+                    st.v[body.place] = math.copysign(max(abs(speed) - lost, 0.0), speed)
+
+    def _enter_triggers(self, car: Car) -> None:
+        """Let the tires of a vehicle have the friction of the trigger that it is in."""
+        friction = self.friction_at(self.transform_of(car))
+        if friction != car.friction:
+            car.friction = friction
+            self.command(car)
 
     def _follow_target(self, car: Car, target: list[float], dt: float) -> None:
         """Steer and accelerate for an Ackermann controller's target."""
@@ -382,6 +409,7 @@ class Stage:
         self._attached = [actor for actor in self.actors.values() if actor.parent and not isinstance(actor, Body)]
         self._bodies = list(self._by_place.values())
         self._place = np.array([body.place for body in self._bodies], np.intp)
+        self._index = {body.place: index for index, body in enumerate(self._bodies)}
         self._row = np.array([body.row for body in self._bodies], np.intp)
         self._center = np.array([body.shape.center for body in self._bodies])
         self._up = np.array([body.up for body in self._bodies])
@@ -406,11 +434,12 @@ class Stage:
         every, place, row = self.rows.every, self._place, self._row
         column = self.simulation.column
         pose = [column(name)[place] for name in COLUMNS]
+        for one, until in list(self._falling.items()):  # it leans as the road does once its wheels are on it
+            spawned = pose_from_carla(self._by_place[one].spawned)
+            pose[4][self._index[one]], pose[5][self._index[one]] = spawned.pitch, spawned.roll
+            if until <= self.time:
+                del self._falling[one]
         now = carla_rows(np.stack(pose), self._center, self._up)
-        fresh, self._fresh = self._fresh, []
-        for body in fresh:  # as in CARLA, one has not come to rest on the road in its first tick
-            if isinstance(body, Car) and self._by_place.get(body.place) is body:
-                now[self._bodies.index(body), [3, 5]] = body.spawned.pitch, body.spawned.roll
         before = self._before[place]
         self._before[place] = now
         speed, ahead = column("v")[place], _ahead(now)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
@@ -23,6 +24,9 @@ from scenario_compiler.roads.spawn_points import read_spawn_points
 
 if TYPE_CHECKING:
     from scenario_compiler.perception.scene import Scene
+
+DRIVING = re.compile(rb"<lane\b[^>]*\btype\s*=\s*[\"']driving")
+"""A lane for vehicles in an OpenDRIVE file."""
 
 GENERATED = "OpenDriveMap"
 """Name of a world that is generated from a client's own OpenDRIVE file, as CARLA calls it."""
@@ -61,12 +65,20 @@ class Town:
 
     @cached_property
     def _scene(self) -> Scene:
-        from scenario_compiler.perception.road_camera import scene_of
+        from scenario_compiler.perception.camera import Camera
+        from scenario_compiler.perception.road_camera import RoadCamera, scene_of
+        from scenario_compiler.vocabulary.weather import Weather
 
-        return scene_of(self.network)
+        scene = scene_of(self.network)
+        camera = RoadCamera(scene, Camera(64, 32, math.radians(90.0), windscreen=False), 1)
+        camera.draw(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), [], Weather(), {}).image(1, 0)
+        return scene
 
     def scene(self) -> Scene:
-        """Return the scene that cameras draw; made once, whoever asks first."""
+        """Return the scene that cameras draw; made once, whoever asks first.
+
+        A small picture is drawn then too: the first one of a process takes several times as long as those after it.
+        """
         with self._lock:
             return self._scene
 
@@ -80,6 +92,22 @@ class Town:
 def known_towns(folders: Sequence[Path]) -> list[str]:
     """Return the names of the maps on the search path."""
     return sorted({Path(name).stem for name in known_maps(folders)})
+
+
+def drivable_towns(folders: Sequence[Path]) -> list[str]:
+    """Return the names of those maps that have a lane for vehicles: the others load by their name alone.
+
+    CARLA's clients take each map of the list to have waypoints.
+    """
+    paths = {name: find_map(name, folders=folders) for name in known_towns(folders)}
+    return [name for name, path in paths.items() if _is_drivable(path, path.stat().st_mtime_ns)]
+
+
+@lru_cache(maxsize=256)
+def _is_drivable(path: Path, written: int) -> bool:
+    """Return whether a file, as it was written at a time, has a lane for vehicles."""
+    del written
+    return DRIVING.search(path.read_bytes()) is not None
 
 
 def town_name(name: str) -> str:

@@ -31,8 +31,16 @@ WAITING = 4096
 SLOW = 128 << 20
 """Bytes that a consumer of a stream may be behind before messages are left out."""
 
+LINGERING = 1.0
+"""How long a connection to a stream that is no more is kept, s: a client that has not stopped its sensor comes again as
+soon as it ends.
+"""
+
 PATIENCE = 4 << 20
 """Bytes that it may be behind before a tick waits for it."""
+
+MOST_MISSED = 1000
+"""Streams that are no more of which the log tells at most."""
 
 SIZE = struct.Struct("<I")
 
@@ -146,6 +154,7 @@ class Streams:
         self._knows, self._log = knows, log
         self._listeners: dict[int, set[asyncio.Transport]] = {}
         self._arrivals: dict[int, asyncio.Event] = {}
+        self._missed: set[int] = set()
         self.open: set[asyncio.BaseTransport] = set()
 
     def connection(self) -> Stream:
@@ -184,6 +193,12 @@ class Streams:
         if arrived is not None:
             arrived.set()
         return True
+
+    def note_missing(self, number: int) -> None:
+        """Log, the first time only, that a stream was asked for that there is not."""
+        if number not in self._missed and len(self._missed) < MOST_MISSED:
+            self._missed.add(number)
+            self._log(f"stream {number} was asked for, and there is none")
 
     def leave(self, transport: asyncio.Transport) -> None:
         """Forget a connection."""
@@ -243,7 +258,16 @@ class Stream(asyncio.Protocol):
         elif len(self._begun) == SIZE.size:
             self._joined = self._streams.join(SIZE.unpack(self._begun)[0], self._transport)
             if not self._joined:
-                self._refuse(f"there is no stream {SIZE.unpack(self._begun)[0]}")
+                self._turn_away(SIZE.unpack(self._begun)[0])
+
+    def _turn_away(self, number: int) -> None:
+        """End the connection after a while: the log has one line for each stream that was asked for in vain."""
+        self._streams.note_missing(number)
+        asyncio.get_running_loop().call_later(LINGERING, self._end)
+
+    def _end(self) -> None:
+        if self._transport is not None:
+            self._transport.abort()
 
     def _refuse(self, why: str) -> None:
         if self._transport is not None:

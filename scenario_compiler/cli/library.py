@@ -45,6 +45,12 @@ def add(commands: Commands) -> None:
         help="run each N times with ideal perception; not at all by default",
     )
     parser.add_argument(
+        "--separation",
+        type=Path,
+        metavar="PAGE",
+        help="run each with an attentive, a slow, an absent and a reference driver, and write the table as Markdown",
+    )
+    parser.add_argument(
         "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
     )
     add_maps(parser)
@@ -73,6 +79,8 @@ def library_command(options: argparse.Namespace) -> int:
 
         write_survey(found, options.output)
         put(f"page: {options.output / PAGE}", told(options))
+    if options.separation is not None:
+        _separate(found, options)
     return AT_FAULT if failed or found.broken else FINE
 
 
@@ -94,6 +102,21 @@ def _print(found: Survey, file: TextIO) -> None:
         put(f"never fail: {', '.join(found.never_fail) or 'none'}", file)
     for sentence in found.missing:
         put(sentence, file)
+
+
+def _separate(found: Survey, options: argparse.Namespace) -> None:
+    """Run the scenarios with the four drivers, write the page, and print how many of them are told apart."""
+    from scenario_compiler.outputs import write_whole
+    from scenario_compiler.survey.separating import separate_all
+    from scenario_compiler.survey.separation_page import separation_page
+
+    targets = [one.target for one in found.scenarios if not one.fault]
+    with _shown_progress() as progress:
+        separated = list(separate_all(targets, processes=options.jobs, maps=options.maps, progress=progress))
+    write_whole(options.separation, separation_page(separated))
+    apart = sum(one.separates for one in separated)
+    put(f"{apart} of {len(separated)} fail for the slow or the absent driver", told(options))
+    put(f"page: {options.separation}", told(options))
 
 
 def _count(text: str) -> int:

@@ -158,6 +158,18 @@ def lane_departures(traces: Traces) -> Floats:
     return _of_runs(traces, lambda rows: float(_departures(rows).count))
 
 
+def first_departure(traces: Traces) -> Floats:
+    """Return the time of the first row behind the request in which it was out of its lane, s, (...); NaN for none."""
+
+    def first(index: tuple[int, ...]) -> float:
+        times = traces.t[index].tolist()
+        there = enumerate(places(traces, index))
+        return next((times[k] for k, one in there if one is not None and one.after and one.out), math.nan)
+
+    shape = traces.t.shape[:-1]
+    return np.array([first(index) for index in np.ndindex(*shape)], dtype=np.float64).reshape(shape)
+
+
 def longest_departure(traces: Traces) -> Floats:
     """Return how long it was out of its lane at a time, s, (...); NaN where it never was."""
     longest = _of_runs(traces, lambda rows: float(_departures(rows).longest))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from scenario_compiler.engine.measures.in_lane import JUMP
-from scenario_compiler.engine.measures.lane_keeping import SETTLING
+from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, rows_of_window
+from scenario_compiler.recording.durations import Timed, after_request, whole_steps
 from scenario_compiler.recording.recording import Booleans, Floats
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
@@ -73,11 +74,22 @@ def time_off_lanes_total(totals: RunTotals) -> Floats:
 def lane_position_deviation(traces: Traces) -> Floats:
     """Return the standard deviation of the lateral position in the first seconds after the response, m, (...)."""
     response = traces.times["response"]
-    window = traces.between(response, response + SETTLING)
+    return _deviation(traces, response, response + SETTLING)
+
+
+def settled_deviation(traces: Traces) -> Floats:
+    """Return the same of the seconds behind them, m, (...)."""
+    response = traces.times["response"]
+    return _deviation(traces, response + SETTLING, response + SETTLED)
+
+
+def _deviation(traces: Traces, begin: Floats, end: Floats) -> Floats:
+    """Return the standard deviation of the lateral position in a window; NaN if it ends early or the lane changes."""
+    window = traces.between(begin, end)
     left = left_of_centre(traces)
     jumps = np.abs(np.diff(left, axis=-1)) > JUMP
     changes = (jumps & window[..., 1:] & window[..., :-1]).any(axis=-1)
-    lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= response + SETTLING - 1e-6
+    lasts = np.fmax.reduce(traces.t, axis=-1, initial=np.nan) >= end - 1e-6
     count = window.sum(axis=-1)
     mean = _total(np.where(window, left, 0.0)) / np.maximum(count, 1)
     square = _total(np.where(window, (left - mean[..., None]) ** 2, 0.0))
@@ -90,10 +102,28 @@ def _total(values: Floats) -> Floats:
     return np.asarray(np.add.accumulate(values, axis=-1)[..., -1])
 
 
-def lane_position_deviation_total(totals: RunTotals) -> Floats:
-    """Return the same as `lane_position_deviation`, (runs,)."""
-    lasts = totals.last_time >= totals.times["response"] + SETTLING - 1e-6
-    count = totals.column("keeping_count")
-    broken = ~np.isnan(totals.column("keeping_broken"))
-    squares = np.nan_to_num(totals.column("keeping_squares"))
-    return np.where(lasts & ~broken & (count > 1), np.sqrt(squares / np.maximum(count - 1, 1)), np.nan)
+def stabilisation_time(traces: Traces) -> Floats:
+    """Return the time from the request until the lateral position is stable, s, (...); NaN where it never is."""
+    shape = traces.t.shape[:-1]
+    size = rows_of_window(traces.step)
+    offsets = left_of_lane_at_request(traces)
+    first = np.full(shape, np.nan)
+    for index in np.ndindex(*shape):
+        driven = offsets[index][traces.driven[index]]
+        spreads = [float(np.std(driven[k : k + size], ddof=1)) for k in range(0, len(driven) - size + 1, size)]
+        for number in reversed(range(len(spreads))):
+            if spreads[number] > BAND:
+                break
+            first[index] = number
+    return _from_request(traces, first)
+
+
+def stabilisation_time_total(totals: RunTotals) -> Floats:
+    """Return the same as `stabilisation_time`, (runs,)."""
+    return _from_request(totals, totals.column("stable_from"))
+
+
+def _from_request(runs: Timed, windows: Floats) -> Floats:
+    """Return the time from the request to the begin of a window after the response, s, by its number."""
+    waited = after_request(runs, runs.times["response"])
+    return whole_steps(runs, waited + windows * rows_of_window(runs.step) * runs.step)

@@ -13,13 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenario_compiler.engine.columns.opcodes import CAUSE_LANE_ENDS, CAUSE_NONE, CAUSE_PATH_BLOCKED
-from scenario_compiler.engine.measures.lane_keeping import SETTLING
+from scenario_compiler.engine.measures.encroachment import APART, LONGEST
+from scenario_compiler.engine.measures.lane_keeping import BAND, SETTLED, SETTLING, WINDOW
 from scenario_compiler.engine.measures.takeover import BRAKING
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.boxes import least_box_distance
 from scenario_compiler.recording.durations import Timed, after_request, whole_steps
+from scenario_compiler.recording.encroachment import least_encroachment, least_encroachment_total
 from scenario_compiler.recording.in_lane import (
     deepest_departure,
+    first_departure,
     heading_error_at_response,
     lane_departures,
     lane_departures_total,
@@ -41,9 +44,11 @@ from scenario_compiler.recording.inputs import (
 )
 from scenario_compiler.recording.lateral import (
     lane_position_deviation,
-    lane_position_deviation_total,
     lateral_offset_at_response,
     maximum_lateral_offset,
+    settled_deviation,
+    stabilisation_time,
+    stabilisation_time_total,
     time_off_lanes,
     time_off_lanes_total,
 )
@@ -148,26 +153,42 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    speed, towards = (_at_request(traces, values) for values in (traces.v[..., 0], traces.blocked_speed))
-    return whole_steps(traces, time_to_limit(cause_of_request(traces), limit_distance(traces), speed, towards))
+    speed, towards, left = (
+        _at_request(traces, values) for values in (traces.v[..., 0], traces.blocked_speed, traces.limit_time)
+    )
+    cause, distance = cause_of_request(traces), limit_distance(traces)
+    return whole_steps(traces, time_to_limit(cause, distance, speed, towards, left))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
-    cause, speed, towards = (totals.column(f"request_{name}") for name in ("cause", "speed", "blocked_speed"))
-    return whole_steps(totals, time_to_limit(cause, _limit_distance_total(totals), speed, towards))
+    cause, speed, towards, left = (
+        totals.column(f"request_{name}") for name in ("cause", "speed", "blocked_speed", "limit_time")
+    )
+    return whole_steps(totals, time_to_limit(cause, _limit_distance_total(totals), speed, towards, left))
 
 
-def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Floats) -> Floats:
+def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Floats, left: Floats) -> Floats:
     """Return the time until a limit is reached at unchanged speeds, s; NaN where nothing moves.
 
     Args:
         cause: Code of the request's cause.
-        distance: Distance to the limit, m.
+        distance: Distance to an obstacle or the lane's end, m; NaN where the request is not about one.
         speed: Speed of the vehicle, m/s.
         towards: Speed at which what blocks the path comes towards it, m/s.
+        left: The time itself, s, where the request is not about an obstacle; NaN else.
     """
     closing = np.where(cause == CAUSE_PATH_BLOCKED, speed + towards, speed)
-    return np.where(closing > 0, distance / np.where(closing > 0, closing, 1.0), np.nan)
+    reached = np.where(closing > 0, distance / np.where(closing > 0, closing, 1.0), np.nan)
+    return np.where(np.isnan(distance), left, reached)
+
+
+def request_lead(traces: Traces) -> Floats:
+    """Time from the request to what it came before."""
+    return after_request(traces, np.fmin(first_departure(traces), traces.times["collision"]))
+
+
+def _request_lead_total(totals: RunTotals) -> Floats:
+    return after_request(totals, np.fmin(totals.column("time_departed"), totals.times["collision"]))
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
@@ -326,8 +347,12 @@ MEASURES: tuple[Measure, ...] = (
         "time_budget",
         "s",
         "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
-        "is reached at unchanged speed. The speed of what comes towards the vehicle and blocks its path is added.",
-        "no request, or one that is not about a place ahead",
+        "is reached at unchanged speed. The limit is where the path is blocked or the lane ends; of lane confidence, "
+        "where neither side has paint that is seen well enough, up to 60 m ahead. The speed of what comes towards the "
+        "vehicle and blocks its path is added. Of other causes, and where no such end is in sight, it is the time "
+        "until a side of the vehicle would be beyond its lane with its speed and its steering angle unchanged, if "
+        f"that is less than {HORIZON:g} s.",
+        "no request, or one whose limit would not be reached",
         time_budget,
         _time_budget_total,
         "lead time, Eriksson and Stanton 2017",
@@ -340,6 +365,15 @@ MEASURES: tuple[Measure, ...] = (
         takeover_buffer,
         _takeover_buffer_total,
         "arXiv 2507.22262",
+    ),
+    Measure(
+        "request_lead",
+        "s",
+        "Time from the request to the first collision, or to the first row from the request on in a lane departure, "
+        "whichever was first: how early the request was for what came of it.",
+        "no request, or neither came",
+        request_lead,
+        _request_lead_total,
     ),
     Measure(
         "limit_distance",
@@ -384,6 +418,19 @@ MEASURES: tuple[Measure, ...] = (
         of_takeover=False,
     ),
     Measure(
+        "minimum_post_encroachment_time",
+        "s",
+        "Least over the run of the time between one vehicle's leaving a place and the other's coming there, of the "
+        "vehicle and any entity that has moved: the time between its box and that of the other which overlap, of rows "
+        f"that are at most {APART:g} s apart. 0 while boxes overlap at one time. What is followed on one way has one "
+        f"too: its time gap. {LONGEST:g} s or more counts as none.",
+        f"no place that both came to within {LONGEST:g} s",
+        least_encroachment,
+        least_encroachment_total,
+        "post-encroachment time (PET), Allen, Shin and Cooper 1978",
+        of_takeover=False,
+    ),
+    Measure(
         "minimum_distance",
         "m",
         "Least distance in the plane between the vehicle's box and another entity's over the run; 0 when they overlap.",
@@ -417,8 +464,28 @@ MEASURES: tuple[Measure, ...] = (
         f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
         f"no response, a lane change, or a run that ends within {SETTLING:g} s of it",
         lane_position_deviation,
-        lane_position_deviation_total,
+        total("settling_deviation"),
         "standard deviation of lateral position (SDLP)",
+    ),
+    Measure(
+        "settled_lane_position_deviation",
+        "m",
+        f"The same from {SETTLING:g} s to {SETTLED:g} s after the response.",
+        f"no response, a lane change in that time, or a run that ends within {SETTLED:g} s of the response",
+        settled_deviation,
+        total("settled_deviation"),
+        "standard deviation of lateral position (SDLP)",
+    ),
+    Measure(
+        "stabilisation_time",
+        "s",
+        f"Time from the request until lane keeping is stable: to the begin of the first window of {WINDOW:g} s, of "
+        "those one after the other from the response on while the driver drives, from which on the standard deviation "
+        f"of the lateral position is at most {BAND:g} m in all of them. A change of lane counts as motion.",
+        f"no response, no such window, or the driver drove for less than {WINDOW:g} s",
+        stabilisation_time,
+        stabilisation_time_total,
+        "after Merat et al. 2014, whose criterion is not verified",
     ),
     Measure(
         "maximum_lateral_offset",

@@ -177,6 +177,10 @@ class Recording:
         ),
     ]
     lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
+    limit_time: Annotated[
+        Floats,
+        Column("run", "s", "Time budget of the last request, where that was not about an obstacle.", far=True),
+    ]
     lane_width: Annotated[Floats, Column("run", "m", "Width of the ego vehicle's lane; 0 off the lanes.")]
     lane_heading: Annotated[
         Floats, Column("run", "rad", "Heading of the ego vehicle against its lane's direction, positive to the left.")

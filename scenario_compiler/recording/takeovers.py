@@ -51,7 +51,9 @@ class Takeover(BaseModel):
         description="Distance from the front bumper to where the path is blocked or the lane ends, in the same row.",
         json_schema_extra={"unit": "m"},
     )
-    time_budget: float | None = _seconds("The limit's distance over the closing speed, to the nearest whole step.")
+    time_budget: float | None = _seconds(
+        "Time until the limit is reached, as `time_budget` of the run says of the first request."
+    )
     takeover_buffer: float | None = _seconds("Time budget less takeover time.")
 
 
@@ -77,10 +79,11 @@ def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
         for name in ("blocked_distance", "blocked_speed", "lane_end_distance")
     }
     speed = np.where(known, recording.v[rows, 0], np.nan)
+    left = np.where(known, recording.limit_time[rows], np.nan)
     codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
     distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
     ends = {kind: np.array(found) for kind, found in times.items()}
-    budget = time_to_limit(codes, distance, speed, at["blocked_speed"])
+    budget = time_to_limit(codes, distance, speed, at["blocked_speed"], left)
     crashes = np.full(len(asked), crash)
     return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, recording.header.step))
 
@@ -97,11 +100,12 @@ def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
     runs, places = np.nonzero(~np.isnan(request))
     picked = {
         name: totals.of_takeovers(f"takeover_{name}")[runs, places]
-        for name in ("cause", "blocked", "blocked_speed", "lane_end", "speed", *ENDS)
+        for name in ("cause", "blocked", "blocked_speed", "lane_end", "speed", "limit_time", *ENDS)
     }
     causes = [str(CAUSES[int(code)]) for code in picked["cause"]]
     distance = distance_to_limit(picked["cause"], picked["blocked"], picked["lane_end"])
-    budget = time_to_limit(picked["cause"], distance, picked["speed"], picked["blocked_speed"])
+    moving = (picked["speed"], picked["blocked_speed"])
+    budget = time_to_limit(picked["cause"], distance, *moving, picked["limit_time"])
     ends: dict[EventKind, Floats] = {kind: picked[kind] for kind in ENDS}
     crash = totals.times["collision"][runs]
     found: list[list[Takeover]] = [[] for _ in range(len(request))]

@@ -120,6 +120,7 @@ class Traces:
         blocked_distance: (..., n), m, NaN where the path is free.
         blocked_speed: (..., n), m/s, at which what blocks the path comes towards the ego.
         lane_end_distance: (..., n), m, NaN where the lane goes on.
+        limit_time: (..., n), s, that the last request left which was not about an obstacle; NaN without one.
         lane_width: (..., n), m, of the ego vehicle's lane; 0 off the lanes.
         lane_heading: (..., n), rad, of the ego vehicle against its lane's direction, positive to the left.
         on_road: (..., n), on a lane for motor traffic, a shoulder or a parking lane.
@@ -154,6 +155,7 @@ class Traces:
     blocked_distance: Floats
     blocked_speed: Floats
     lane_end_distance: Floats
+    limit_time: Floats
     lane_width: Floats
     lane_heading: Floats
     on_road: Booleans
@@ -243,7 +245,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
         *("takeover_state", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "blocked_speed", "lane_end_distance"),
-        *("lane_width", "lane_heading", "on_road"),
+        *("limit_time", "lane_width", "lane_heading", "on_road"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
     return Traces(

@@ -158,12 +158,21 @@ far the second best arc is behind, how the sides agree, whether they are where t
 images of the maps below with wear, weather, noise, pitch and traffic.
 
 **Tilt.** A camera that is tilted by one degree puts a boundary 18 m ahead off by half a metre. The detector gets
-nothing of the true tilt: it finds it in the image, where the boundaries seem to run together, weighs that by how sure
-it is and by what it found before, and forgets it where it sees no lane. The ego's body pitches as it brakes, by
-`pitch_gradient` of its [vehicle](language.md#Vehicle).
+nothing of the true tilt: it finds it in the image, where the boundaries seem to run together, and weighs that by how
+sure it is that both are painted and by what it found before (probabilistic data association); it forgets it where it
+sees no lane. Where one side alone is painted nothing tells the tilt, and what the tilt may do to the boundary is doubt
+that the confidence keeps. The ego's body pitches as it brakes, by `pitch_gradient` of its
+[vehicle](language.md#Vehicle).
 
 **Bends** are driven at the speed that keeps the lateral acceleration at 2.5 m/s2 (the controller's
 `lateral_acceleration`), as far as the planned way shows them, 40 m ahead.
+
+**The confidence that comes with the program** was fitted to 600 clips of each map when ridges without paint still told
+the tilt. It is kept, because a fit to the 192 clips below is worse in bends. On 307 clips of Town01, 03, 04 and 05 of
+another seed it has, while driving, an area of 0.958, an expected error of 0.025 and a largest one of 0.075, and 3.2 %
+of its sides over 0.8 are wrong; the tables are of fits that took no part in what they judge. Since paint is asked for,
+76 % of the painted boundaries of these clips are right within 0.25 m, before 69 % (Town01: 55 %, before 31 %). The
+area has become smaller with it, by 0.01: a tilt that was plainly wrong was easily told.
 
 [How far it drives on clear roads](lane-keeping.md) was measured too, and there is
 [a learned detector](perception-learned.md).

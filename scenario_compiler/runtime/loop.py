@@ -69,6 +69,7 @@ RUN_COLUMNS = {
     "blocked_distance": "blocked_distance",
     "blocked_speed": "blocked_speed",
     "lane_end_distance": "lane_end_distance",
+    "limit_time": "limit_time",
     "lane_width": "lane_width",
     "lane_heading": "path_heading",
     "on_road": "on_road",

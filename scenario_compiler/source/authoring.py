@@ -44,6 +44,7 @@ TEXT = """<?xml version="1.0" encoding="UTF-8"?>
     <!-- The automated car, where it starts, and its speed in m/s. The map's map.toml names its spawn points. -->
     <ego speed="{speed:g}">
       <start><spawn_point name={spawn_point}/></start>
+      <forward_sensor kind="camera" range="200"/>
     </ego>
     <!-- {summary}. What is not written takes the value named here. -->
 {use}
@@ -51,7 +52,7 @@ TEXT = """<?xml version="1.0" encoding="UTF-8"?>
     <takeover budget="7">
       <cause kind="lane_confidence"/>
       <cause kind="sensor_health"/>
-      <cause kind="path_blocked" range="200"/>
+      <cause kind="path_blocked"/>
       <cause kind="lane_ends"/>
       <driver preset="study_means"/>
       <message modality="text tone" content="what why"/>

@@ -38,6 +38,7 @@ from scenario_compiler.worlds.model import (
     WorldFinding,
     WorldOptions,
 )
+from scenario_compiler.worlds.resistance import resistance
 
 if TYPE_CHECKING:
     import numpy as np
@@ -339,8 +340,10 @@ class CarlaWorld:
         actor.set_simulate_physics(self.moves_ego)
         if not self.moves_ego:
             actor.set_transform(self._transform(0, state.pose))
-        wheels = actor.get_physics_control().wheels
-        self._max_steer = math.radians(max((wheel.max_steer_angle for wheel in wheels), default=70.0))
+        physics, half = actor.get_physics_control(), actor.bounding_box.extent
+        self._max_steer = math.radians(max((wheel.max_steer_angle for wheel in physics.wheels), default=70.0))
+        wheels = [(wheel.damping_rate, wheel.radius / 100.0) for wheel in physics.wheels]
+        self._slowing = resistance(wheels, physics.drag_coefficient, 4.0 * half.y * half.z, physics.mass)
         self._attach("sensor.other.collision", self._note_collision)
         self._attach("sensor.other.lane_invasion", self._note_lane)
         if self._carla_sees:
@@ -484,14 +487,20 @@ class CarlaWorld:
                 self._set_weather(snapshot.weather)
             if self.moves_ego:
                 steer = -command.steer * math.radians(ego.vehicle.max_steer) / self._max_steer
-                self._actors[0].apply_control(
-                    self._carla.VehicleControl(command.throttle, min(max(steer, -1.0), 1.0), command.brake)
-                )
+                throttle, brake = self._pedals(ego, snapshot.entities[0].speed, command)
+                self._actors[0].apply_control(self._carla.VehicleControl(throttle, min(max(steer, -1.0), 1.0), brake))
             self._mirror(snapshot)
             self._world.tick(self.options.timeout)
             self._look()
             self._follow_with_spectator()
             return self._ego_state(ego) if self.moves_ego else None
+
+    def _pedals(self, ego: Entity, speed: float, command: EgoCommand) -> tuple[float, float]:
+        """Return throttle and brake that make up for what slows CARLA's vehicles down, which the engine's are not."""
+        lost = self._slowing.at(speed)
+        if command.brake > 0.0:
+            return command.throttle, max(command.brake - lost / ego.vehicle.max_deceleration, 0.0)
+        return min(command.throttle + lost / ego.vehicle.max_acceleration, 1.0), 0.0
 
     def _ego_state(self, ego: Entity) -> EgoState:
         actor = self._actors[0]

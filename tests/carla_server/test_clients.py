@@ -15,8 +15,8 @@ import pytest
 
 from tests.carla_server.conftest import Served
 
-pytestmark = pytest.mark.slow
-"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+pytestmark = [pytest.mark.slow, pytest.mark.apart]
+"""Run by `make test-carla`."""
 
 Spawn = Callable[..., Any]
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.labels import Tag
 
-pytestmark = pytest.mark.slow
-"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+pytestmark = [pytest.mark.slow, pytest.mark.apart]
+"""Run by `make test-carla`."""
 
 Spawn = Callable[..., Any]
 
@@ -71,6 +71,21 @@ def pixels(image: Any) -> NDArray[np.uint8]:
 
 
 SMALL = {"image_size_x": 320, "image_size_y": 240}
+
+
+def test_noise_begins_anew_with_each_sensor(world: Any, spawn: Spawn) -> None:
+    """As in CARLA, the seed alone decides: a repetition at another frame has the same noise."""
+    runs = []
+    for _ in range(2):
+        receiver = Listening(spawn("sensor.other.gnss", noise_seed=7, noise_alt_stddev=1.0))
+        for _ in range(3):
+            world.tick()
+        runs.append([receiver.next().altitude for _ in range(3)])
+        receiver.sensor.stop()
+        receiver.sensor.destroy()
+        world.tick()
+    assert runs[0] == runs[1]
+    assert len(set(runs[0])) == 3
 
 
 def test_a_cameras_first_image_comes_in_the_next_tick(world: Any, scene: Any) -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from tests.carla_server.conftest import STEP, Served, served
 
-pytestmark = pytest.mark.slow
-"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+pytestmark = [pytest.mark.slow, pytest.mark.apart]
+"""Run by `make test-carla`."""
 
 MAPS = Path(__file__).parents[2] / "maps"
 
@@ -131,6 +131,49 @@ def test_a_world_is_generated_from_a_clients_own_map(server: Served) -> None:
     with pytest.raises(RuntimeError, match="OpenDriveMap"):
         client.generate_opendrive_world("<OpenDRIVE><road/></OpenDRIVE>")
     assert client.load_world("town_grid").get_map().name == "Carla/Maps/town_grid"
+
+
+CREST = """<?xml version="1.0"?><OpenDRIVE><header revMajor="1" revMinor="4" name="crest"/>
+<road name="" length="200" id="1" junction="-1"><link/>
+<planView><geometry s="0" x="0" y="0" hdg="0" length="200"><line/></geometry></planView>
+<elevationProfile><elevation s="0" a="0" b="0.2" c="-0.001" d="0"/></elevationProfile>
+<lanes><laneSection s="0"><center><lane id="0" type="none" level="false"/></center>
+<right><lane id="-1" type="driving" level="false"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right>
+</laneSection></lanes></road></OpenDRIVE>"""
+"""A road over a hilltop: under a car it leans otherwise than under the axle behind its middle."""
+
+
+def test_cars_lean_as_their_spawn_points_until_they_stand_on_the_road(server: Served) -> None:
+    import carla
+
+    client = server.client()
+    world = client.generate_opendrive_world(CREST)
+    settings = world.get_settings()
+    settings.synchronous_mode, settings.fixed_delta_seconds = True, STEP
+    world.apply_settings(settings)
+    model, points = world.get_blueprint_library().find("vehicle.tesla.model3"), world.get_map().get_spawn_points()
+    assert max(point.rotation.pitch for point in points) > 5.0 > -5.0 > min(point.rotation.pitch for point in points)
+    ids = [
+        one.actor_id
+        for one in client.apply_batch_sync([carla.command.SpawnActor(model, point) for point in points], True)
+    ]
+
+    def away() -> float:
+        snapshot = world.get_snapshot()
+        found = 0.0
+        for number, point in zip(ids, points, strict=True):
+            at = snapshot.find(number).get_transform()
+            found = max(found, abs(at.rotation.pitch - point.rotation.pitch), abs(at.location.x - point.location.x))
+        return found
+
+    world.tick()
+    assert away() < 0.005
+    for _ in range(10):
+        world.tick()
+    assert 0.05 < away() < 0.5
+    settings.synchronous_mode, settings.fixed_delta_seconds = False, None
+    world.apply_settings(settings)
+    client.load_world("town_grid")
 
 
 def test_it_says_what_it_cannot_be_started_with(tmp_path: Path) -> None:

@@ -11,8 +11,8 @@ from lxml import etree
 
 from tests.carla_server.conftest import STEP, Served, served
 
-pytestmark = pytest.mark.slow
-"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+pytestmark = [pytest.mark.slow, pytest.mark.apart]
+"""Run by `make test-carla`."""
 
 MAPS = Path(__file__).parents[2] / "maps"
 MANAGER = 8650

@@ -11,7 +11,7 @@ import pytest
 from scenario_compiler import Plan, compile_scenario, load_network, open_world, run
 from scenario_compiler.roads import Pose
 from scenario_compiler.worlds import WORLDS, EntityState, Snapshot, World
-from tests.carla_server.conftest import served
+from tests.carla_server.conftest import installed_version, served
 
 CONFLICT = Path(__file__).parent.parent.parent / "library" / "conflicts" / "obstacle_ahead.xml"
 
@@ -21,11 +21,11 @@ def plan() -> Plan:
     return compile_scenario(CONFLICT, distance=60).model_copy(update={"duration": 1.0})
 
 
-APART = {"carla": pytest.mark.slow}
-"""Worlds whose client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+MARKS = {"carla": (pytest.mark.slow, pytest.mark.apart)}
+"""What marks the tests of some worlds: CARLA's are run by `make test-carla`."""
 
 
-@pytest.fixture(scope="module", params=[pytest.param(name, marks=APART.get(name, ())) for name in sorted(WORLDS)])
+@pytest.fixture(scope="module", params=[pytest.param(name, marks=MARKS.get(name, ())) for name in sorted(WORLDS)])
 def given(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[tuple[str, dict[str, int]]]:
@@ -33,9 +33,7 @@ def given(
     if request.param != "carla":
         yield request.param, {}
         return
-    carla = pytest.importorskip("carla", reason="the CARLA client has no wheel for this Python")
-    version = carla.Client("127.0.0.1", 1).get_client_version()
-    with served(tmp_path_factory.mktemp("carla"), "--carla-version", version) as running:
+    with served(tmp_path_factory.mktemp("carla"), "--carla-version", installed_version()) as running:
         yield "carla", {"port": running.port}
 
 

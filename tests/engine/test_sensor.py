@@ -104,8 +104,8 @@ def test_a_leading_vehicle_and_an_oncoming_one_in_its_lane_do_not_block() -> Non
     assert look(draft).st.blocked_distance[0] == FAR
 
 
-@pytest.mark.parametrize(("speed", "blocked"), [(0.0, True), (3.0, False)])
-def test_a_crossing_vehicle_blocks_unless_it_is_gone_in_time(speed: float, blocked: bool) -> None:
+@pytest.mark.parametrize(("speed", "blocked"), [(0.0, True), (0.52, True), (0.8, False), (3.0, False)])
+def test_a_crossing_vehicle_blocks_unless_it_is_gone_a_second_before(speed: float, blocked: bool) -> None:
     draft = Draft(highway())
     draft.program.perception[0] = op.PERCEPTION_CAMERA
     draft.ego(speed=10.0)

@@ -50,6 +50,28 @@ def test_the_budget_to_what_comes_towards_the_car_counts_the_speed_of_both(budge
     assert run.st.blocked_distance[0] / (run.st.v[0] + towards) == pytest.approx(budget, abs=0.11)
 
 
+def test_a_stop_obstructs_a_lane_that_goes_on_and_not_one_that_is_blocked() -> None:
+    free = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_NOISE: 60.0})
+    free.ego(speed=SPEED)
+    stopped = free.start().go()
+    assert stopped.time_of(op.EVENT_OBSTRUCTION) == stopped.time_of(op.EVENT_STANDSTILL) > 0.0
+    before = blocked(None).go()
+    assert before.time_of(op.EVENT_STANDSTILL) > 0.0
+    assert before.time_of(op.EVENT_OBSTRUCTION) == -1.0
+
+
+def test_a_leader_that_drives_on_does_not_hold_who_has_stopped() -> None:
+    for leads in (12.0, 0.0):
+        draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_NOISE: 60.0})
+        draft.ego(speed=12.0)
+        leader = draft.moving(-1, 85.0, 12.0)
+        if leads == 0.0:
+            draft.event(draft.maneuver(), draft.at_time(0.5), draft.speed(leader, 0.0, 1.0))
+        run = draft.start().go()
+        assert run.time_of(op.EVENT_STANDSTILL) > 0.0
+        assert (run.time_of(op.EVENT_OBSTRUCTION) > 0.0) == (leads > 0.0)
+
+
 def test_a_cause_that_is_switched_off_asks_for_nothing() -> None:
     run = blocked(2.0, causes=(op.CAUSE_LANE_CONFIDENCE,)).go()
     assert run.time_of(op.EVENT_REQUEST) == -1.0

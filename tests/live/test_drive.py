@@ -20,10 +20,10 @@ FLAGSHIPS = ("obstacle_ahead", "road_narrows", "markings_missing", "sensor_failu
 SOON = """\
 <scenarios version="1">
   <scenario name="soon" map="town_grid" duration="600">
-    <ego speed="6"><start><lane road="3" lane="-1" s="20"/></start></ego>
+    <ego speed="6"><start><lane road="3" lane="-1" s="20"/></start><forward_sensor range="300"/></ego>
     <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="125"/></at></static>
     <takeover budget="40" escalate_after="600" minimum_risk_after="600">
-      <cause kind="path_blocked" range="300"/>
+      <cause kind="path_blocked"/>
       <driver><person/></driver>
       <message modality="text icon" content="what why"/>
     </takeover>

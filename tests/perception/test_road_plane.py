@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from scenario_compiler.perception.calibration.scenes import Reference, Strip, make_scene
+from scenario_compiler.perception.calibration.scenes import Line, Reference, Strip, make_scene
 from scenario_compiler.perception.lane_detector import ClassicalLaneDetector, LaneState
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.road_plane import LEVEL, USUAL_PITCH, Tilt
-from scenario_compiler.roads.mesh import Material
+from scenario_compiler.roads.mesh import Material, Paint
 from tests.perception.scenery import CLEAR, bend, two_lanes
 
 DETECTOR = ClassicalLaneDetector()
@@ -67,3 +67,28 @@ def test_an_observation_counts_the_more_the_surer_it_is() -> None:
     assert LEVEL.with_seen(unsure).pitch < 0.002
     assert LEVEL.with_seen(Tilt(0.0, math.inf)) == LEVEL
     assert LEVEL.with_seen(sure).deviation < 0.001
+
+
+def test_what_may_be_of_something_else_counts_by_how_likely_it_is_and_how_well_it_agrees() -> None:
+    close, far = Tilt(0.005, 0.002), Tilt(0.06, 0.002)
+    known = Tilt(0.0, 0.005)
+    assert known.with_seen(close, 0.0) == known
+    moved = [known.with_seen(close, real).pitch for real in (0.1, 0.5, 0.9, 1.0)]
+    assert moved == sorted(moved)
+    assert moved[0] > 0.0
+    assert known.with_seen(far, 0.9).pitch < 0.001
+    assert known.with_seen(close, 0.5).deviation > known.with_seen(close).deviation
+
+
+def test_where_one_side_alone_is_painted_the_tilt_is_not_told_by_the_asphalt() -> None:
+    """The right side's ridges are the ground's own: a true tilt of 0 must not drift away over the images."""
+    reference = bend(0.0)
+    scene = make_scene(
+        reference, [Strip(20.0, -20.0, Material.GRASS), Strip(5.25, -1.95)], [Line(1.75, 3.0, 9.0, colour=Paint.YELLOW)]
+    )
+    camera, state, tilts = RoadCamera(scene), LaneState(), []
+    for frame in range(16):
+        found = DETECTOR.detect(camera.frame(reference.pose(30.0 + 0.6 * frame), [], CLEAR, 0.0, frame), state)
+        state = state.after(found)
+        tilts.append(math.degrees(found.tilt.pitch))
+    assert max(map(abs, tilts)) < 0.5

@@ -171,7 +171,7 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
             "on_road",
         )
     }
-    nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance")}
+    nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance", "limit_time")}
     nothing["blocked_speed"] = np.zeros((runs, rows))
     sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
     center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
@@ -201,6 +201,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
     count = runs.x.shape[-1]
     program = Program()
     program.entity_count[:], program.ego[:] = [count], [0]
+    program.entity_motion[:] = [opcodes.MOTION_SCRIPTED] * count
     program.entity_const[:] = [slots.K_ENTITIES + i * BLOCK for i in range(count)]
     program.const[:] = [0.0] * (slots.K_ENTITIES + count * BLOCK)
     program.const[slots.K_STEP] = runs.step
@@ -228,6 +229,7 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
             float(side[index][row]) for side in (runs.confidence_left, runs.confidence_right)
         )
         st.blocked_distance[0] = _or_far(runs.blocked_distance[index][row])
+        st.limit_time[0] = _or_far(runs.limit_time[index][row])
         st.lane_width[0] = float(np.nan_to_num(runs.lane_width[index][row]))
         st.path_heading[0] = float(np.nan_to_num(runs.lane_heading[index][row]))
         st.on_road[0] = int(runs.on_road[index][row])

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
+from scenario_compiler.engine.columns import opcodes
 from scenario_compiler.recording.recording import Recording
 from tests.recording.made import STEP, Row, record
 from tests.recording.test_measures import value
@@ -109,3 +110,26 @@ def test_the_heading_at_the_response_is_that_of_its_row() -> None:
     events = [(0.5, "request", "lane_confidence"), (1.5, "response", "")]
     assert value("heading_error_at_response", record(("ego",), 30, row, events)) == pytest.approx(0.015)
     assert math.isnan(value("heading_error_at_response", record(("ego",), 30, row, events[:1])))
+
+
+def test_a_request_leads_what_came_of_it() -> None:
+    """Out of its lane from the fourth row on: 3 rows after the request; the collision that follows does not count."""
+    left = [0.0, 0.5, 0.7, 0.9, 1.1, 0.0]
+    assert value("request_lead", drive(left)) == pytest.approx(3 * STEP)
+    assert math.isnan(value("request_lead", drive([0.0, 0.5])))
+
+
+def test_a_request_without_an_obstacle_has_the_budget_that_the_engine_found() -> None:
+    def row(t: float) -> Row:
+        asked = t > 0.95
+        return {
+            "x": (10.0 * t,),
+            "v": (10.0,),
+            "cause": (opcodes.CAUSE_LANE_CONFIDENCE if asked else opcodes.CAUSE_NONE,),
+            "limit_time": (2.52 if asked else opcodes.FAR,),
+        }
+
+    run = record(("ego",), 40, row, [(1.0, "request", "lane_confidence"), (2.0, "response", "")])
+    assert value("time_budget", run) == pytest.approx(2.5)
+    assert value("takeover_buffer", run) == pytest.approx(1.5)
+    assert math.isnan(value("limit_distance", run))

@@ -29,7 +29,7 @@ from tests.recording.made import STEP, Row, added_up, approach, plan_of, random_
 IDS = ("ego", "parked")
 BY_NAME = {measure.name: measure for measure in MEASURES}
 
-SUMMED_OTHERWISE = {"lane_position_deviation": 1e-12}
+SUMMED_OTHERWISE = {"lane_position_deviation": 1e-12, "settled_lane_position_deviation": 1e-12}
 """Measures whose total adds in another order than numpy does, and how far the two may differ, relatively."""
 
 
@@ -273,6 +273,33 @@ def test_deviation_of_the_lateral_position(direction: float) -> None:
     n = 101
     expected = float(np.std([0.2 if k % 2 else -0.2 for k in range(10, 10 + n)], ddof=1))
     assert value("lane_position_deviation", run) == pytest.approx(expected)
+
+
+def weaving(t: float) -> Row:
+    """Return a row that weaves by 0.5 m with a period of 2 s until 13 s, and by 0.1 m from then on."""
+    wide = 0.5 if t < 12.9 else 0.1
+    state = opcodes.TAKEOVER_MANUAL if t > 3.05 else opcodes.TAKEOVER_REQUEST
+    return {
+        "x": (10.0 * t,),
+        "v": (10.0,),
+        "s": (10.0 * t,),
+        "road": (0,),
+        "lane": (-1,),
+        "off": (wide * math.sin(math.pi * t),),
+        "takeover_state": (state,),
+    }
+
+
+def test_lane_keeping_settles_in_the_first_window_from_which_on_it_is_stable() -> None:
+    """Request at 1 s, response at 3 s; the window from 3 to 13 s is not stable, those from 13 s on are."""
+    events = [(1.0, "request", "lane_confidence"), (3.0, "response", "")]
+    run = record(("ego",), round(64.0 / STEP) + 1, weaving, events)
+    assert value("stabilisation_time", run) == pytest.approx(12.0)
+    assert value("lane_position_deviation", run) == pytest.approx(0.5 * math.sqrt(0.5), rel=0.02)
+    assert value("settled_lane_position_deviation", run) == pytest.approx(0.1 * math.sqrt(0.5), rel=0.02)
+    short = record(("ego",), round(12.0 / STEP), weaving, events)
+    assert math.isnan(value("stabilisation_time", short))
+    assert math.isnan(value("settled_lane_position_deviation", short))
 
 
 def test_deviation_is_not_measured_over_a_lane_change_nor_over_less_than_its_window() -> None:

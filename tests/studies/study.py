@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 from scenario_compiler import Outcome, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
+from scenario_compiler.recording.recording import Floats
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 
 def compiled(folder: Path, text: str, **arguments: object) -> Compilation:
@@ -39,3 +42,39 @@ def time_of(recording: Recording, kind: str) -> float:
 def row_at(recording: Recording, time: float) -> int:
     """Return the row of a time."""
     return int(np.searchsorted(recording.t, time - 1e-6))
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What comes of a condition of a study over its runs.
+
+    Attributes:
+        times: Takeover times of those who answered, s.
+        inputs: Times of the first steering or braking after the request, s.
+        least: Least time to collision of each run, s; HORIZON where nothing was ever approached.
+        crashed: Share of the runs with a collision.
+        braked: Share of those in which the driver braked by more than 10 %.
+    """
+
+    times: Floats
+    inputs: Floats
+    least: Floats
+    crashed: float
+    braked: float
+
+
+def sample(found: Iterable[Compilation], seeds: range) -> Sample:
+    """Run each compilation with each seed."""
+    outcomes = [outcome for one in found for _, outcome in runs(one, seeds)]
+
+    def numbers(measure: str) -> list[float]:
+        return [value for one in outcomes if (value := one.measures[measure].value) is not None]
+
+    least = [one.measures["minimum_time_to_collision"].value for one in outcomes]
+    return Sample(
+        times=np.array(numbers("takeover_time")),
+        inputs=np.array(numbers("input_time")),
+        least=np.array([HORIZON if value is None else value for value in least]),
+        crashed=float(np.mean([one.collision_with is not None for one in outcomes])),
+        braked=len(numbers("braking_time")) / len(outcomes),
+    )

@@ -18,8 +18,8 @@ from scenario_compiler.compiler import Overrides
 from scenario_compiler.worlds import WorldError
 from tests.carla_server.conftest import Served, client_version, served
 
-pytestmark = pytest.mark.slow
-"""CARLA's client can end the whole process of the tests by a fault of its own: `make test-carla` runs them."""
+pytestmark = [pytest.mark.slow, pytest.mark.apart]
+"""Run by `make test-carla`."""
 
 __all__ = ["client_version"]
 

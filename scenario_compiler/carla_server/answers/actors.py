@@ -140,6 +140,14 @@ def simulate_physics(host: Host, number: int, enabled: bool) -> None:
         host.stage.let_simulate(actor, enabled)
 
 
+def let_weigh(host: Host, number: int, enabled: bool) -> None:
+    """Say whether gravity pulls a body: where it does not, tires bring no force to the road."""
+    body = body_of(host, number)
+    body.weighs = enabled
+    if isinstance(body, Car):
+        host.stage.command(body)
+
+
 def collide(host: Host, number: int, enabled: bool) -> None:
     """Say whether others touch a body."""
     actor = host.stage.get(number)

@@ -78,7 +78,7 @@ COMMANDS = (
     Command("ApplyAngularImpulse", (VECTOR,), nothing),
     Command("ApplyTorque", (VECTOR,), nothing),
     Command("SetSimulatePhysics", (BOOL,), actors.simulate_physics),
-    Command("SetEnableGravity", (BOOL,), nothing),
+    Command("SetEnableGravity", (BOOL,), actors.let_weigh),
     Command("SetAutopilot", (BOOL, U16), nothing),
     Command("ShowDebugTelemetry", (BOOL,), nothing),
     Command("SetVehicleLightState", (U32,), _set_lights),

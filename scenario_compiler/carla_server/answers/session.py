@@ -10,7 +10,7 @@ from scenario_compiler.carla_server.actors import on_wire
 from scenario_compiler.carla_server.blueprints import definitions
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.host import SNAPSHOTS, Host, Settings, sky_of
-from scenario_compiler.carla_server.towns import GENERATED, generate_town, known_towns, town_name
+from scenario_compiler.carla_server.towns import GENERATED, drivable_towns, generate_town, town_name
 
 FOLDER = "/Game/Carla/Maps/"
 LONGEST_MAP = 32 << 20
@@ -37,6 +37,7 @@ def sensor_token(host: Host, stream: int) -> list[Any]:
 
 def settings(host: Host) -> list[Any]:
     """Answer with the settings."""
+    host.note_question()
     return host.settings.on_wire()
 
 
@@ -51,8 +52,8 @@ def tick(host: Host) -> int | Awaitable[int]:
 
 
 def available_maps(host: Host) -> list[str]:
-    """Answer with all maps, as CARLA writes them."""
-    return [FOLDER + name for name in known_towns(host.folders)]
+    """Answer with the maps that can be driven on, as CARLA writes them."""
+    return [FOLDER + name for name in drivable_towns(host.folders)]
 
 
 def map_info(host: Host) -> list[Any]:

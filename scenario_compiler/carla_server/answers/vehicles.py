@@ -95,6 +95,7 @@ def set_physics(host: Host, number: int, wire: list[Any]) -> None:
     if not mass > 0.0 or any(not 0.0 <= wheel[2] <= STEEPEST for wheel in wheels):
         raise CallError(f"a mass is positive, and a wheel turns 0 to {STEEPEST:g} degrees")
     car.physics, car.mass = wire, mass
+    car.weigh_up()
     host.stage.command(car)
 
 

@@ -67,10 +67,10 @@ class Gnss(Simple):
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Return latitude, longitude and altitude with their noise."""
-        del dt, weather
+        del frame, dt, weather
         at = stage.transform_of(sensor)
         latitude, longitude = on_globe(stage.version, self.reference, at.x, at.y)
-        drawn = generator(sensor, frame).standard_normal(3).tolist()
+        drawn = generator(sensor).standard_normal(3).tolist()
         noisy = [
             value + sensor.number(f"noise_{name}_bias") + sensor.number(f"noise_{name}_stddev") * one
             for value, name, one in zip((latitude, longitude, at.z), ("lat", "lon", "alt"), drawn, strict=True)
@@ -84,7 +84,7 @@ class Imu(Simple):
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Return acceleration with gravity, m/s2, and turning rates, rad/s, in the sensor's axes; the compass, rad."""
-        del dt, weather
+        del frame, dt, weather
         at = stage.transform_of(sensor)
         axes = np.array(carla_axes(*at[3:]))
         parent = stage.actors.get(sensor.parent)
@@ -92,7 +92,7 @@ class Imu(Simple):
         if parent is not None and parent.row >= 0:
             row = stage.rows.every[parent.row]
             gained, turning = row["acceleration"].astype(np.float64), np.radians(row["angular"].astype(np.float64))
-        drawn = generator(sensor, frame).standard_normal(6)
+        drawn = generator(sensor).standard_normal(6)
         felt = axes @ (gained + np.array([0.0, 0.0, stage.gravity]))
         turned = axes @ turning
         for k, axis in enumerate("xyz"):

@@ -63,12 +63,12 @@ class CameraInstrument:
         self._encode = ENCODINGS[sensor.blueprint.name]
         self._camera: RoadCamera | None = None
         self._mounted: tuple[float, ...] = ()
-        _, mounting, center = self._mounting(stage, sensor)
-        self._first = (mounting, center)
+        self._first = self._mounting(stage, sensor)
 
     def prepare(self) -> None:
         """Make the map's scene and the renderer."""
-        self._mount(*self._first)
+        _, mounting, center = self._first
+        self._mount(mounting, center)
 
     def _mount(self, mounting: tuple[float, ...], center: float) -> RoadCamera:
         """Return the drawing for a mounting: x, y, z, yaw, pitch, roll relative to what carries it."""

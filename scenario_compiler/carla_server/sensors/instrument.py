@@ -34,7 +34,10 @@ class Simple:
         """Nothing takes long."""
 
 
-def generator(sensor: Sensor, frame: int) -> np.random.Generator:
-    """Return the source of a sensor's noise in a frame: it depends on the sensor's seed, its number and the frame."""
+def generator(sensor: Sensor) -> np.random.Generator:
+    """Return the source of a sensor's noise: as in CARLA, a run of its own that begins with the sensor's seed.
+
+    The same sensor therefore measures the same in a repetition that begins at another frame.
+    """
     seed = int(sensor.number("noise_seed"))
-    return np.random.Generator(np.random.Philox(key=[seed & (1 << 63) - 1, (sensor.id << 32) + (frame & 0xFFFFFFFF)]))
+    return np.random.Generator(np.random.Philox(key=[seed & (1 << 63) - 1, sensor.measured]))

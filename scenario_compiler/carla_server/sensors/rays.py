@@ -132,7 +132,7 @@ class Lidar(Simple):
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Turn on and return the points of this tick, channel by channel."""
-        del weather
+        del frame, weather
         field = sensor.number("horizontal_fov")
         turn = min(sensor.number("rotation_frequency") * field * dt, field)
         each = min(round(sensor.number("points_per_second") * dt / self.channels), MOST_RAYS // self.channels)
@@ -149,7 +149,7 @@ class Lidar(Simple):
         if self.semantic:
             return self._message(each, kept, self._semantic(rays, local, local @ axes, kept))
         strength = np.exp(-sensor.number("atmosphere_attenuation_rate") * np.where(kept, rays.distance, 0.0))
-        noise = generator(sensor, frame)
+        noise = generator(sensor)
         kept &= noise.random(len(kept)) >= sensor.number("dropoff_general_rate")
         zero, limit = sensor.number("dropoff_zero_intensity"), sensor.number("dropoff_intensity_limit")
         weak = 0.0 if limit <= 0.0 else zero * (1.0 - strength / limit)
@@ -181,9 +181,9 @@ class Radar(Simple):
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
         """Return the detections: velocity towards the sensor is negative, azimuth, altitude, depth."""
-        del weather
+        del frame, weather
         count = min(int(sensor.number("points_per_second") * dt), MOST_RAYS)
-        noise = generator(sensor, frame)
+        noise = generator(sensor)
         radius, angle = np.sqrt(noise.random(count)), noise.random(count) * math.tau
         azimuth = radius * np.cos(angle) * math.radians(0.5 * sensor.number("horizontal_fov"))
         altitude = radius * np.sin(angle) * math.radians(0.5 * sensor.number("vertical_fov"))

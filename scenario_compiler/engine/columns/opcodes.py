@@ -200,6 +200,9 @@ DIMENSION_DISTANCE = 2
 PERCEPTION_IDEAL = 0
 PERCEPTION_CAMERA = 1
 
+SPREAD_OF_WINDOW = 2
+"""Spread of the lateral position in the window that may be stable; those of the windows after the response are 0, 1."""
+
 SENSOR_CAMERA = 0
 SENSOR_RADAR = 1
 SENSOR_LIDAR = 2

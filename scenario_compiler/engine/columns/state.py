@@ -339,6 +339,8 @@ class State(Columns):
     """Offset from the path lane's centre, positive to the left of the travel."""
     path_heading: list[float] = column(RUN)
     """Heading of the ego relative to the path's direction."""
+    limit_time: list[float] = column(RUN, op.FAR)
+    """Time that the last request left, where it was not about an obstacle, s."""
     lane_width: list[float] = column(RUN)
     """Width of the lane that the ego's point is in, 0 off every lane."""
     on_road: list[int] = column(RUN)
@@ -522,6 +524,8 @@ class State(Columns):
     merging: list[int] = column(RUN)
     merge_from_lane: list[int] = column(RUN)
     merge_from_road: list[int] = column(RUN, op.NONE)
+    seeks_gap: list[int] = column(RUN)
+    """1 while the driver looks for a gap in a lane beside before he brakes."""
     evade_until: list[float] = column(RUN)
     """Odometer at which the driver may go back to the lane's centre."""
     evade_commit: list[float] = column(RUN)

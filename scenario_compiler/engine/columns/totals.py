@@ -8,17 +8,24 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import ENTITY
-from scenario_compiler.forms.declaration import RUN, Columns, column, columns_of, container, fixed
+from scenario_compiler.forms.declaration import RUN, Columns, Of, column, columns_of, container, fixed
 from scenario_compiler.vocabulary.horizon import HORIZON
 
 CORNER = fixed("corner of a box", 4)
 CORNERS = fixed("corner of two boxes", 8)
+
+SPREAD = fixed("spread of the lateral position", 3)
 
 VARIANT = fixed("variant of the steering reversal rate", 2)
 
 TAKEOVERS = 8
 """Takeovers of a run that are kept, the first ones; all are counted."""
 TAKEOVER = fixed("takeover", TAKEOVERS)
+
+
+TRAIL_ROWS = 256
+"""Rows that are kept of where each entity was."""
+TRAIL = Of("place on an entity's trail", lambda program: TRAIL_ROWS * ENTITY.count(program))
 
 
 @container("m", 3, written=True)
@@ -62,6 +69,8 @@ class Totals(Columns):
     least_headway: list[float] = column(RUN, HORIZON)
     least_room: list[float] = column(RUN, op.FAR)
     """Twice the gap over the square of the closing speed, s2/m: the inverse of the deceleration that would do."""
+    encroachment_rows: list[int] = column(RUN)
+    """Least number of kept rows between one vehicle's being at a place and the ego's, or the other way."""
     touched: list[int] = column(RUN)
     """1 from when the ego's box has overlapped that of another entity; all these least values are 0 then."""
     least_confidence: list[float] = column(RUN, op.FAR)
@@ -83,6 +92,10 @@ class Totals(Columns):
     request_blocked_speed: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
+    request_limit_time: list[float] = column(RUN, op.FAR)
+    """Time that it left, where it was not about an obstacle."""
+    time_departed: list[float] = column(RUN, -1.0)
+    """Time of the first row behind the request in which the ego was out of its lane."""
     time_first_brake: list[float] = column(RUN, -1.0)
     driving: list[int] = column(RUN)
     """1 while the driver drives who took over first, 2 from when control was handed back."""
@@ -141,14 +154,21 @@ class Totals(Columns):
     takeover_minimum_risk: list[float] = column(TAKEOVER, -1.0)
     takeover_standstill: list[float] = column(TAKEOVER, -1.0)
     takeover_hand_back: list[float] = column(TAKEOVER, -1.0)
+    takeover_limit_time: list[float] = column(TAKEOVER, op.FAR)
 
-    # Lane keeping after the response: the rows of its window.
-    keeping_count: list[int] = column(RUN)
-    keeping_mean: list[float] = column(RUN)
+    # Lane keeping after the response: of the two windows, and of the one that may be stable.
+    spread_count: list[int] = column(SPREAD)
+    spread_mean: list[float] = column(SPREAD)
     """Mean of the lateral position, and the sum of squared distances from it."""
-    keeping_squares: list[float] = column(RUN)
-    keeping_broken: list[int] = column(RUN)
+    spread_squares: list[float] = column(SPREAD)
+    spread_broken: list[int] = column(SPREAD)
     """1 from when the lane was changed, or the ego was gone, in the window."""
+    settling_deviation: list[float] = column(RUN, -1.0)
+    """Standard deviation of the first window, m, and of the second."""
+    settled_deviation: list[float] = column(RUN, -1.0)
+    windows: list[int] = column(RUN)
+    """Windows that are over, and the first of those that were stable up to the last one, or NONE."""
+    stable_from: list[int] = column(RUN, op.NONE)
 
     # The ego in the last row.
     row_time: list[float] = column(RUN, -1.0)
@@ -169,6 +189,7 @@ class Totals(Columns):
     row_blocked: list[float] = column(RUN, op.FAR)
     row_blocked_speed: list[float] = column(RUN)
     row_lane_end: list[float] = column(RUN, op.FAR)
+    row_limit_time: list[float] = column(RUN, op.FAR)
     row_width: list[float] = column(RUN)
     """Width of the lane, 0 off the lanes, and the heading against its direction."""
     row_heading: list[float] = column(RUN)
@@ -181,12 +202,15 @@ class Totals(Columns):
     before_s: list[float] = column(RUN)
     before_off: list[float] = column(RUN)
     before_present: list[int] = column(RUN)
-    before_inside: list[int] = column(RUN)
+    before_inside: list[int] = column(SPREAD)
     """1 where it lies in the window."""
+    before_driven: list[int] = column(RUN)
+    """1 where the driver drove who took over first."""
     added_left: list[float] = column(RUN)
     """Offset to the left in the direction of travel."""
-    added_inside: list[int] = column(RUN)
+    added_inside: list[int] = column(SPREAD)
     before_lane: list[int] = column(RUN)
+    before_time: list[float] = column(RUN)
     before_v: list[float] = column(RUN)
     before_width: list[float] = column(RUN)
     before_heading: list[float] = column(RUN)
@@ -214,6 +238,30 @@ class Totals(Columns):
     departed_left: list[float] = column(RUN)
     departed_step: list[float] = column(RUN)
     departed_aside: list[float] = column(RUN)
+
+    # Where everybody was: middle of the box, height, cosine and sine of the heading, and whether it was there.
+    trail_x: list[float] = column(TRAIL, kept=True)
+    trail_y: list[float] = column(TRAIL, kept=True)
+    trail_z: list[float] = column(TRAIL, kept=True)
+    trail_cos: list[float] = column(TRAIL, kept=True)
+    trail_sin: list[float] = column(TRAIL, kept=True)
+    trail_there: list[int] = column(TRAIL, kept=True)
+    trail_count: list[int] = column(RUN)
+    """Number of rows that have been kept."""
+    trail_at: list[int] = column(RUN)
+    """Where in the rings the next row goes."""
+    trail_square: list[float] = column(ENTITY)
+    """Square of the greatest way from one row to the next, m2."""
+    trail_way: list[float] = column(ENTITY)
+    """Way from the row before, m."""
+    free_before: list[float] = column(ENTITY)
+    """How far the ego and the entity may drive together until it may be where the ego was, and the other way, m."""
+    free_behind: list[float] = column(ENTITY)
+    trail_every: list[int] = column(RUN, 1)
+    """Steps from one kept row to the next, and the number of rows that are looked back at, and one."""
+    trail_limit: list[int] = column(RUN, 1)
+    movers: list[int] = column(RUN)
+    """Number of other entities that may move."""
 
     # Boxes.
     seen_h: list[float] = column(ENTITY)

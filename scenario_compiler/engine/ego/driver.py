@@ -28,6 +28,7 @@ from scenario_compiler.engine.ego.passing import (
     meets_oncoming,
 )
 from scenario_compiler.engine.ego.sensor import (
+    CROSSING,
     GAP_HORIZON,
     SLOW,
     gap_behind_free,
@@ -69,6 +70,11 @@ BRAKE_JERK = 12.65
 
 LATE_BRAKE = 2.5
 """Deceleration needed to stop in time at which a driver gives up smooth braking, m/s2; chosen."""
+
+GAP_BRAKE = 3.5
+"""Deceleration needed to stop in time up to which a driver looks for a gap in a lane beside that is not free, before he
+brakes, m/s2; chosen, after what is called comfortable.
+"""
 
 STANDOFF = 7.0
 """Distance that a driver who stops keeps to what blocks the path beyond the standstill gap, m: room to pull out
@@ -396,17 +402,31 @@ def begin_braking(st: State, distance: float) -> None:
 
 
 @compiled
+def has_lane_beside(n: RoadTables, st: State) -> int:
+    """Return 1 where there is a lane of the same direction beside the path's lane."""
+    road = st.path_road[0]
+    for side in range(1, -2, -2):
+        if beside_width(n, road, st.path_lane[0], st.path_s[0], side) <= 0.0:
+            continue
+        if same_direction(n, road, st.path_lane[0], st.path_s[0], side) == 1:
+            return 1
+    return 0
+
+
+@compiled
 def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int) -> None:
     """Decide between going on, braking, evading and coming back."""
+    st.seeks_gap[0] = 0
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE:
         go_on_evading(p, st, i, blocker)
         return
     if blocker >= 0 and reacts_to(p, st, blocker) == 1:
-        if st.style[0] != op.STYLE_BRAKES:
+        if st.style[0] != op.STYLE_BRAKES and abs(st.across[blocker]) < CROSSING:
             found, centre = find_corridor(n, p, st, i, blocker)
             if found == 1:
                 evade(p, st, i, centre)
                 return
+            st.seeks_gap[0] = has_lane_beside(n, st)
         begin_braking(st, st.blocked_distance[0])
         return
     threat = moving_threat(p, st, i)
@@ -437,6 +457,18 @@ def stop_within(p: Program, st: State, i: int, distance: float, standoff: float)
 
 
 @compiled
+def stop_before_block(p: Program, st: State, i: int) -> float:
+    """Return the acceleration that stops the ego before what blocks its path.
+
+    Who looks for a gap beside only lifts his foot until he has to brake harder than he likes.
+    """
+    needed = 0.5 * st.v[i] * st.v[i] / max(st.blocked_distance[0] - 1.0, 0.1)
+    if st.seeks_gap[0] == 1 and needed < GAP_BRAKE:
+        return -LIFT_OFF
+    return stop_within(p, st, i, st.blocked_distance[0], STANDOFF)
+
+
+@compiled
 def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -> float:
     """Return the acceleration that all that is ahead in a corridor allows; what is new is not braked for yet."""
     wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], op.FAR, 0.0)
@@ -444,7 +476,7 @@ def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -
     front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
     for j in range(p.entity_count[0]):
         called = called_for(p, st, i, j, corridor, slowest)
-        if called >= op.FAR:
+        if called >= op.FAR or (st.seeks_gap[0] == 1 and st.ahead_is[j] == op.AHEAD_BLOCKING):
             continue
         closing = max(st.v[i] - st.along[j], 0.0)
         needed = 0.5 * closing * closing / max(st.near[j] - front - 1.0, 0.1)
@@ -472,7 +504,7 @@ def press_pedals(p: Program, st: State, i: int) -> None:
     if st.manoeuvre[0] == op.MANOEUVRE_EVADE and st.style[0] == op.STYLE_BOTH and st.odometer[i] < st.shift_end[0]:
         wanted = min(wanted, -BOTH_SHARE * hardest)
     if st.manoeuvre[0] == op.MANOEUVRE_BRAKE and st.blocked_distance[0] < op.FAR:
-        wanted = min(wanted, stop_within(p, st, i, st.blocked_distance[0], STANDOFF))
+        wanted = min(wanted, stop_before_block(p, st, i))
     if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
         wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0], 0.0))
     if st.red_line[0] < op.FAR:

@@ -22,6 +22,12 @@ from scenario_compiler.roads.travel import distance_to_lane_end
 SLOW = 2.0
 """Speed along the way below which an entity does not lead, m/s."""
 
+CROSSING = 0.5
+"""Speed across the way from which on something crosses, m/s; chosen: slower than walking."""
+
+CROSSING_TIME = 1.0
+"""Time by which what crosses must be gone before the ego is there, s; chosen."""
+
 LANE_END_HORIZON = 300.0
 """How far ahead the end of the lane is looked for, m."""
 
@@ -144,7 +150,10 @@ def sees(p: Program, st: State, i: int, j: int) -> int:
 
 @compiled
 def foresee(st: State, i: int, j: int, front: float) -> None:
-    """Shift the box of a slow, crossing or oncoming entity to the side by what it moves until i is there."""
+    """Shift the box of a slow, crossing or oncoming entity to the side by what it moves until i is there.
+
+    What crosses is given a time more to be gone: its box reaches back by the way of that time.
+    """
     gap = st.near[j] - front
     if gap <= 0.0:
         return
@@ -152,6 +161,10 @@ def foresee(st: State, i: int, j: int, front: float) -> None:
     shift = st.across[j] * gap / closing
     st.low[j] += shift
     st.high[j] += shift
+    if st.across[j] >= CROSSING:
+        st.low[j] -= CROSSING_TIME * st.across[j]
+    elif st.across[j] <= -CROSSING:
+        st.high[j] -= CROSSING_TIME * st.across[j]
 
 
 @compiled

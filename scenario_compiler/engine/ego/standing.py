@@ -11,6 +11,7 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.objects_ahead import nearest_ahead
+from scenario_compiler.engine.ego.sensor import SLOW
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.lane_types import is_drivable, is_roadside
 from scenario_compiler.roads.lanes import lane_type, row_width
@@ -38,11 +39,16 @@ def standing_place(n: RoadTables, st: State, i: int) -> int:
 
 @compiled
 def is_held(p: Program, st: State, i: int) -> int:
-    """Return 1 where an object, a red signal or the end of the lane close ahead, or a collision, holds the ego."""
+    """Return 1 where an object, a red signal or the end of the lane close ahead, or a collision, holds the ego.
+
+    A leader that moves on holds nobody.
+    """
     front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
-    _, follows = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
+    leader, gap = nearest_ahead(p, st, i, op.AHEAD_FOLLOWED)
     _, blocked = nearest_ahead(p, st, i, op.AHEAD_BLOCKING)
-    nearest = min(min(follows, blocked), min(st.red_line[0] - front, st.lane_end_distance[0]))
+    nearest = min(min(blocked, st.red_line[0] - front), st.lane_end_distance[0])
+    if leader >= 0 and st.along[leader] < SLOW:
+        nearest = min(nearest, gap)
     return 1 if nearest <= HELD_WITHIN or st.crashed[0] == 1 else 0
 
 

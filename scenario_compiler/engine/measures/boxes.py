@@ -30,12 +30,20 @@ OTHER = 4
 
 @compiled
 def see_heading(st: State, m: Totals, i: int) -> None:
-    """Keep an entity's heading as it is recorded, its cosine and its sine; most drive straight on."""
+    """Keep an entity's heading as it is recorded, its cosine and its sine; most drive straight on.
+
+    Those of its box are the same where the heading is, and are known.
+    """
     h = st.h[i]
     if h < 0.0 or h >= 2.0 * pi:
         h = heading_in_circle(h)
-    if h != m.seen_h[i]:
-        m.seen_h[i] = h
+    if h == m.seen_h[i]:
+        return
+    m.seen_h[i] = h
+    if h == st.box_h[i]:
+        m.seen_cos[i] = st.box_cos[i]
+        m.seen_sin[i] = st.box_sin[i]
+    else:
         m.seen_cos[i] = cos(h)
         m.seen_sin[i] = sin(h)
 
@@ -196,7 +204,7 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
         return
     at = p.entity_const[ego]
     front = p.const[at + slot.E_CENTER] + 0.5 * p.const[at + slot.E_LENGTH]
-    lay_corners(p, st, m, ego, 0)
+    laid = 0
     for j in range(p.entity_count[0]):
         if j == ego or st.present[j] == 0 or is_above(p, st, ego, j) == 1:
             continue
@@ -216,6 +224,9 @@ def measure_boxes(p: Program, st: State, m: Totals, ego: int) -> None:
         if nearer or ahead:
             see_heading(st, m, j)
             lay_corners(p, st, m, j, OTHER)
+        if nearer and laid == 0:
+            laid = 1
+            lay_corners(p, st, m, ego, 0)
         if nearer:
             add_distance(p, st, m, ego, j)
         if ahead:

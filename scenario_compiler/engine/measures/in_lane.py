@@ -56,10 +56,21 @@ def add_crossing(m: Totals, time: float) -> None:
 
 
 @compiled
+def surely_inside(p: Program, m: Totals, left: float) -> int:
+    """Return 1 where no corner can be beyond an edge: a sine is not above its angle, a cosine not above 1."""
+    base = p.entity_const[reported_entity(p)]
+    reach = abs(p.const[base + slot.E_CENTER]) + 0.5 * p.const[base + slot.E_LENGTH]
+    side = 0.5 * p.const[base + slot.E_WIDTH] + reach * abs(m.before_heading[0])
+    return 1 if m.before_lane[0] != 0 and abs(left) + side < 0.5 * m.before_width[0] else 0
+
+
+@compiled
 def add_in_lane(p: Program, m: Totals, left: float) -> None:
     """Add the row that waits, whose offset from its lane's centre to the left is known now."""
     if m.before_present[0] == 0:
         m.departed[0] = 0
+        return
+    if m.before_after[0] == 0 and m.departed[0] == 0 and surely_inside(p, m, left) == 1:
         return
     base = p.entity_const[reported_entity(p)]
     turned = sin(m.before_heading[0])
@@ -79,6 +90,8 @@ def add_in_lane(p: Program, m: Totals, left: float) -> None:
     if m.before_after[0] == 0:
         return
     if out == 1:
+        if m.time_departed[0] < 0.0:
+            m.time_departed[0] = m.before_time[0]
         add_crossing(m, 0.0)
         return
     across = m.before_v[0] * turned

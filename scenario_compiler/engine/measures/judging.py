@@ -8,7 +8,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.inputs import add_inputs
-from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping
+from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping, finish_keeping
 from scenario_compiler.engine.measures.reversals import add_steering
 from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover
 from scenario_compiler.engine.measures.takeovers import add_takeovers
@@ -80,6 +80,7 @@ def finish_totals(p: Program, st: State, m: Totals) -> None:
     """Add the last row, after which none follows, and how the run ended."""
     judge_row(p, st, m)
     add_keeping(p, m, 0)
+    finish_keeping(m)
     m.stop[0] = st.stop[0]
     note_fault(st, m)
     asked = first_logged(st, op.EVENT_REQUEST)

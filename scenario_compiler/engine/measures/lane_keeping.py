@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.in_lane import JUMP, add_in_lane
@@ -10,16 +12,67 @@ from scenario_compiler.engine.measures.takeover import SAME_TIME, since
 from scenario_compiler.marker import compiled
 
 SETTLING = 10.0
-"""Length of the window after the response that lane keeping is measured in, s."""
+SETTLED = 60.0
+"""Ends of the two windows after the response that lane keeping is measured in, s: from 0 to 10 s, and from there."""
+
+WINDOW = 10.0
+"""Length of the windows in which lane keeping is looked at for being stable, s: our own choice."""
+
+BAND = 0.25
+"""Standard deviation of the lateral position up to which it is stable, m: our own choice, the upper end of what is
+measured of drivers who have settled (0.15 to 0.25 m)."""
 
 
 @compiled
-def add_position(m: Totals, position: float) -> None:
-    """Add a lateral position to the mean and the sum of squares (Welford 1962)."""
-    m.keeping_count[0] += 1
-    off_mean = position - m.keeping_mean[0]
-    m.keeping_mean[0] += off_mean / max(m.keeping_count[0], 1)
-    m.keeping_squares[0] += off_mean * (position - m.keeping_mean[0])
+def add_position(m: Totals, k: int, position: float) -> None:
+    """Add a lateral position to the mean and the sum of squares of a spread (Welford 1962)."""
+    m.spread_count[k] += 1
+    off_mean = position - m.spread_mean[k]
+    m.spread_mean[k] += off_mean / max(m.spread_count[k], 1)
+    m.spread_squares[k] += off_mean * (position - m.spread_mean[k])
+
+
+@compiled
+def deviation_of(m: Totals, k: int) -> float:
+    """Return the standard deviation (n - 1) of a spread, m."""
+    return safe_sqrt(m.spread_squares[k] / max(m.spread_count[k] - 1, 1))
+
+
+@compiled
+def rows_of_window(step: float) -> int:
+    """Return the number of rows of a window in which lane keeping may be stable."""
+    return int(clip(WINDOW / max(step, 1.0e-6) + 0.5, 2.0, 1.0e6))
+
+
+@compiled
+def add_stability(p: Program, m: Totals, position: float) -> None:
+    """Add a row that the driver drives who took over first; where a window is full, look whether it was stable."""
+    if m.before_driven[0] == 0 or m.before_present[0] == 0:
+        return
+    add_position(m, op.SPREAD_OF_WINDOW, position)
+    if m.spread_count[op.SPREAD_OF_WINDOW] < rows_of_window(p.const[slot.K_STEP]):
+        return
+    if deviation_of(m, op.SPREAD_OF_WINDOW) > BAND:
+        m.stable_from[0] = -1
+    elif m.stable_from[0] < 0:
+        m.stable_from[0] = m.windows[0]
+    m.windows[0] += 1
+    m.spread_count[op.SPREAD_OF_WINDOW] = 0
+    m.spread_mean[op.SPREAD_OF_WINDOW] = 0.0
+    m.spread_squares[op.SPREAD_OF_WINDOW] = 0.0
+
+
+@compiled
+def finish_keeping(m: Totals) -> None:
+    """Write the standard deviations of the windows that the run lasted through without a change of lane."""
+    for k in range(2):
+        end = m.time_response[0] + (SETTLING if k == 0 else SETTLED)
+        lasts = m.time_response[0] >= 0.0 and m.row_time[0] >= end - SAME_TIME
+        if lasts and m.spread_broken[k] == 0 and m.spread_count[k] > 1:
+            if k == 0:
+                m.settling_deviation[0] = deviation_of(m, k)
+            else:
+                m.settled_deviation[0] = deviation_of(m, k)
 
 
 @compiled
@@ -65,12 +118,14 @@ def add_keeping(p: Program, m: Totals, step: int) -> None:
     left = -m.before_off[0] if m.sense_kept[0] < 0 else m.before_off[0]
     add_offset(m, left)
     add_in_lane(p, m, left)
-    if m.before_inside[0] == 1:
-        if m.before_present[0] == 0 or (m.added_inside[0] == 1 and abs(left - m.added_left[0]) > JUMP):
-            m.keeping_broken[0] = 1
-        add_position(m, left)
+    add_stability(p, m, left + m.aside[0])
+    for k in range(2):
+        if m.before_inside[k] == 1:
+            if m.before_present[0] == 0 or (m.added_inside[k] == 1 and abs(left - m.added_left[0]) > JUMP):
+                m.spread_broken[k] = 1
+            add_position(m, k, left)
+        m.added_inside[k] = m.before_inside[k]
     m.added_left[0] = left
-    m.added_inside[0] = m.before_inside[0]
 
 
 @compiled
@@ -84,11 +139,18 @@ def add_to_keeping(p: Program, m: Totals) -> None:
     m.before_off[0] = m.row_off[0]
     m.before_present[0] = m.row_present[0]
     m.before_lane[0] = m.row_lane[0]
+    m.before_time[0] = m.row_time[0]
     m.before_v[0] = m.row_v[0]
     m.before_width[0] = m.row_width[0]
     m.before_heading[0] = m.row_heading[0]
     m.before_after[0] = since(m, m.time_request[0])
     m.before_answered[0] = since(m, m.time_response[0])
+    m.before_driven[0] = 1 if m.driving[0] == 1 else 0
     m.before_inside[0] = 0
-    if since(m, m.time_response[0]) == 1 and m.row_time[0] <= m.time_response[0] + SETTLING + SAME_TIME:
+    m.before_inside[1] = 0
+    if since(m, m.time_response[0]) == 0:
+        return
+    if m.row_time[0] <= m.time_response[0] + SETTLING + SAME_TIME:
         m.before_inside[0] = 1
+    if since(m, m.time_response[0] + SETTLING) == 1 and m.row_time[0] <= m.time_response[0] + SETTLED + SAME_TIME:
+        m.before_inside[1] = 1

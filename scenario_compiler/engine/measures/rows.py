@@ -10,6 +10,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.boxes import measure_boxes, see_heading
+from scenario_compiler.engine.measures.encroachment import add_encroachment
 from scenario_compiler.engine.motion.collision import reported_entity
 from scenario_compiler.marker import compiled
 
@@ -59,6 +60,8 @@ def take_row(p: Program, st: State, m: Totals) -> None:
         m.row_road[0] = op.NONE
         m.row_lane[0] = 0
         m.row_brake[0] = 0.0
+    if p.entity_count[0] > 1:
+        add_encroachment(p, st, m, ego)
     m.row_time[0] = st.clock[0]
     m.row_state[0] = st.takeover_state[0]
     m.row_cause[0] = st.cause[0]
@@ -66,3 +69,4 @@ def take_row(p: Program, st: State, m: Totals) -> None:
     m.row_blocked[0] = st.blocked_distance[0]
     m.row_blocked_speed[0] = st.blocked_speed[0]
     m.row_lane_end[0] = st.lane_end_distance[0]
+    m.row_limit_time[0] = st.limit_time[0]

@@ -28,6 +28,7 @@ def add_request(m: Totals) -> None:
         m.request_blocked_speed[0] = m.row_blocked_speed[0]
         m.request_lane_end[0] = m.row_lane_end[0]
         m.request_speed[0] = m.row_v[0]
+        m.request_limit_time[0] = m.row_limit_time[0]
 
 
 @compiled

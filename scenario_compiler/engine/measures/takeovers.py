@@ -46,6 +46,7 @@ def add_takeovers(st: State, m: Totals) -> None:
         m.takeover_blocked_speed[k] = m.row_blocked_speed[0]
         m.takeover_lane_end[k] = m.row_lane_end[0]
         m.takeover_speed[k] = m.row_v[0]
+        m.takeover_limit_time[k] = m.row_limit_time[0]
 
 
 @compiled
@@ -64,4 +65,5 @@ def write_takeovers(m: Totals, out: list[float], base: int) -> None:
         out[at + 8] = m.takeover_minimum_risk[k]
         out[at + 9] = m.takeover_standstill[k]
         out[at + 10] = m.takeover_hand_back[k]
-        at = at + 11
+        out[at + 11] = m.takeover_limit_time[k]
+        at = at + 12

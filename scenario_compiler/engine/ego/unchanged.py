@@ -1,0 +1,91 @@
+"""How much time a request leaves that is not about an obstacle: until the paint ends, or the ego leaves its lane.
+
+Both are of a vehicle that goes on as it does: with its speed, and the angle of its front wheels.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin, tan
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.lane_confidence import mark_visibility
+from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.lanes import lane_pose, row_width
+from scenario_compiler.roads.tables import RoadTables
+
+PAINT_AHEAD = 60
+"""How far ahead of the front bumper the end of the paint is looked for, m: as far as a camera follows a line."""
+
+LOOK_EACH = 0.1
+"""Time from one place that would be reached to the next, s."""
+
+LOOKS = 300
+"""Number of these places: 30 s, the horizon of times to collision too."""
+
+STRAIGHT = 1.0e-6
+"""Curvature below which a way counts as straight, 1/m."""
+
+
+@compiled
+def distance_to_paint_end(n: RoadTables, p: Program, st: State, i: int) -> float:
+    """Return how far ahead of the front bumper neither side of the lane has paint to follow, m; FAR where all has.
+
+    Paint to follow is seen in the present weather with the confidence below which the automation asks, or better.
+    """
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    for k in range(PAINT_AHEAD):
+        road, lane, _, s, rest = path_ahead(n, p, st, front + k)
+        if rest > 0.0:
+            return op.FAR
+        outer = mark_visibility(n, p, road, lane, s)
+        inner = mark_visibility(n, p, road, lane + 1 if lane < 0 else lane - 1, s)
+        if st.paint_seen[0] * max(outer, inner) < p.const[slot.K_CONFIDENCE_REQUEST]:
+            return 1.0 * k
+    return op.FAR
+
+
+@compiled
+def time_to_leave(n: RoadTables, p: Program, st: State, i: int) -> float:
+    """Return the time until a side of the ego is beyond its lane, or the lane ends, s; FAR beyond the horizon."""
+    base = p.entity_const[i]
+    bend = tan(st.steer[i]) / max(p.const[base + slot.E_WHEELBASE], 0.1)
+    h = st.h[i]
+    before = 0.0
+    for k in range(LOOKS + 1):
+        way = LOOK_EACH * k * st.v[i]
+        dx = way * cos(h)
+        dy = way * sin(h)
+        if abs(bend) > STRAIGHT:
+            dx = (sin(h + bend * way) - sin(h)) / bend
+            dy = (cos(h) - cos(h + bend * way)) / bend
+        road, lane, row, s, rest = path_ahead(n, p, st, way)
+        if rest > 0.0 or row < 0:
+            return LOOK_EACH * k
+        x, y, _, along, _, _ = lane_pose(n, road, lane, s, 0.0)
+        left = (st.y[i] + dy - y) * cos(along) - (st.x[i] + dx - x) * sin(along)
+        room = 0.5 * (row_width(n, row, s) - p.const[base + slot.E_WIDTH]) - abs(left)
+        if room <= 0.0:
+            return LOOK_EACH * (k - 1 + before / max(before - room, STRAIGHT)) if k > 0 else 0.0
+        before = room
+    return op.FAR
+
+
+@compiled
+def time_left(n: RoadTables, p: Program, st: State, i: int, cause: int) -> float:
+    """Return the time budget of a request that is not about an obstacle, s; FAR for one that is, and where it is none.
+
+    Of lane confidence it is the time to the end of the paint, of other causes, and where no end is in sight, that
+    until the ego leaves its lane.
+    """
+    if cause in (op.CAUSE_PATH_BLOCKED, op.CAUSE_LANE_ENDS) or st.v[i] <= 0.0 or st.path_road[0] < 0:
+        return op.FAR
+    if cause == op.CAUSE_LANE_CONFIDENCE:
+        distance = distance_to_paint_end(n, p, st, i)
+        if distance < op.FAR:
+            return distance / st.v[i] if st.v[i] > 0.0 else op.FAR
+    return time_to_leave(n, p, st, i)

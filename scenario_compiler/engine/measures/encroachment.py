@@ -1,0 +1,169 @@
+"""The least post-encroachment time: between one vehicle's leaving a place and the other's coming there.
+
+Two vehicles were at one place where the box of one overlaps the box that the other had some rows before. The places
+of the last seconds are kept of every entity, in columns that are not cleared between runs: `trail_count` says which of
+them count. A look back skips the rows in which the other one was too far away to have come here, and says how far both
+may drive until there can be anything to find.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.numbers import clip, length_of
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.totals import TRAIL_ROWS, Totals
+from scenario_compiler.marker import compiled
+
+LONGEST = 10.0
+"""Post-encroachment time from which on there is none, s: our own choice."""
+
+APART = 0.1
+"""Time between two rows that are kept at most, s, where steps are no longer: our own choice."""
+
+
+@compiled
+def rows_between(step: float) -> int:
+    """Return the number of time steps from one kept row to the next: as many as fit into `APART`, at least one."""
+    return int(clip(APART / max(step, 1.0e-9) + 1.0e-6, 1.0, 1.0e6))
+
+
+@compiled
+def rows_looked_at(step: float) -> int:
+    """Return how many kept rows before the present one are looked at, and one."""
+    return int(clip(LONGEST / max(step * rows_between(step), 1.0e-9) + 0.5, 1.0, 1.0 * TRAIL_ROWS))
+
+
+@compiled
+def begin_trails(p: Program, m: Totals, ego: int) -> None:
+    """Work out what stays as it is for a run: whether any other entity may move, and which rows are kept."""
+    m.movers[0] = 0
+    for i in range(p.entity_count[0]):
+        if i != ego and p.entity_motion[i] != op.MOTION_STATIC:
+            m.movers[0] += 1
+    m.trail_every[0] = rows_between(p.const[slot.K_STEP])
+    m.trail_limit[0] = rows_looked_at(p.const[slot.K_STEP])
+
+
+@compiled
+def keep_place(st: State, m: Totals, i: int, before: int) -> None:
+    """Keep where an entity is, and how far it has come at most since the row before, whose place is `before`."""
+    at = i * TRAIL_ROWS + m.trail_at[0]
+    x = st.middle_x[i]
+    y = st.middle_y[i]
+    m.trail_x[at] = x
+    m.trail_y[at] = y
+    m.trail_z[at] = st.z[i]
+    m.trail_cos[at] = st.box_cos[i]
+    m.trail_sin[at] = st.box_sin[i]
+    m.trail_there[at] = st.present[i]
+    if m.trail_count[0] > 0:
+        dx = x - m.trail_x[i * TRAIL_ROWS + before]
+        dy = y - m.trail_y[i * TRAIL_ROWS + before]
+        square = dx * dx + dy * dy
+        m.trail_way[i] = sqrt(square) if square > 0.0 else 0.0
+        m.trail_square[i] = max(m.trail_square[i], square)
+
+
+@compiled
+def divides(p: Program, i: int, j: int, along: float, across: float, c: float, s: float) -> int:
+    """Return 1 where an axis of box i divides it from box j, whose middle is (along, across) in its axes.
+
+    The boxes are turned against each other by an angle of which the absolute cosine and sine are given.
+    """
+    a = p.entity_const[i]
+    b = p.entity_const[j]
+    long = 0.5 * p.const[b + slot.E_LENGTH]
+    wide = 0.5 * p.const[b + slot.E_WIDTH]
+    if abs(along) > 0.5 * p.const[a + slot.E_LENGTH] + long * c + wide * s:
+        return 1
+    return 1 if abs(across) > 0.5 * p.const[a + slot.E_WIDTH] + long * s + wide * c else 0
+
+
+@compiled
+def met_then(p: Program, st: State, m: Totals, i: int, at: int, j: int, dx: float, dy: float) -> int:
+    """Return 1 where the box that i had at a place of its trail overlaps j's now; between their middles is (dx, dy)."""
+    ci = m.trail_cos[at]
+    si = m.trail_sin[at]
+    cj = st.box_cos[j]
+    sj = st.box_sin[j]
+    c = abs(ci * cj + si * sj)
+    s = abs(ci * sj - si * cj)
+    if divides(p, i, j, dx * ci + dy * si, dy * ci - dx * si, c, s) == 1:
+        return 0
+    return 1 - divides(p, j, i, dx * cj + dy * sj, dy * cj - dx * sj, c, s)
+
+
+@compiled
+def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int) -> tuple[int, float]:
+    """Return how many kept rows ago i was last where j is now, if less than `limit`, else that; and a way, m.
+
+    Until both together have driven that far there is nothing to find. From a row in which the boxes are a gap apart,
+    half of it is skipped, so that those between are apart by the other half.
+    """
+    reach = st.reach[i] + st.reach[j]
+    step = sqrt(max(m.trail_square[i], 0.0))
+    last = min(limit - 1, m.trail_count[0])
+    free = length_of(st.middle_x[j] - st.middle_x[i], st.middle_y[j] - st.middle_y[i]) - reach
+    k = 1
+    while k <= last:
+        at = i * TRAIL_ROWS + m.trail_at[0] - k
+        if k > m.trail_at[0]:
+            at = at + TRAIL_ROWS
+        dx = st.middle_x[j] - m.trail_x[at]
+        dy = st.middle_y[j] - m.trail_y[at]
+        gap = length_of(dx, dy) - reach
+        free = min(free, 0.5 * gap)
+        if gap <= 0.0:
+            above = st.z[j] - m.trail_z[at]
+            over = above > p.const[p.entity_const[i] + slot.E_HEIGHT]
+            under = -above > p.const[p.entity_const[j] + slot.E_HEIGHT]
+            if m.trail_there[at] == 1 and not over and not under and met_then(p, st, m, i, at, j, dx, dy) == 1:
+                return k, 0.0
+            k += 1
+        elif step <= 0.0:
+            return limit, free
+        else:
+            k += int(clip(0.5 * gap / step, 1.0, 1.0 * TRAIL_ROWS))
+    return limit, free
+
+
+@compiled
+def look_back_where_due(p: Program, st: State, m: Totals, j: int, ego: int, limit: int) -> int:
+    """Return the least number of kept rows between the ego's and j's being at one place, if less than `limit`."""
+    driven = m.trail_way[j] + m.trail_way[ego]
+    m.free_before[j] -= driven
+    m.free_behind[j] -= driven
+    found = limit
+    if m.free_before[j] <= 0.0:
+        found, free = look_back(p, st, m, ego, j, found)
+        m.free_before[j] = free
+    if m.free_behind[j] <= 0.0:
+        found, free = look_back(p, st, m, j, ego, found)
+        m.free_behind[j] = free
+    return found
+
+
+@compiled
+def add_encroachment(p: Program, st: State, m: Totals, ego: int) -> None:
+    """Add the row of now; nothing is left to find once boxes have overlapped at one time."""
+    if m.rows[0] == 1:
+        begin_trails(p, m, ego)
+    if m.movers[0] == 0 or m.touched[0] == 1 or (m.rows[0] - 1) % max(m.trail_every[0], 1) != 0:
+        return
+    before = m.trail_at[0] - 1 if m.trail_at[0] > 0 else TRAIL_ROWS - 1
+    for i in range(p.entity_count[0]):
+        if p.entity_motion[i] != op.MOTION_STATIC:
+            keep_place(st, m, i, before)
+    limit = m.encroachment_rows[0] if m.encroachment_rows[0] > 0 else m.trail_limit[0]
+    if st.present[ego] == 1:
+        for j in range(p.entity_count[0]):
+            if j != ego and m.trail_square[j] > 0.0 and st.present[j] == 1:
+                limit = look_back_where_due(p, st, m, j, ego, limit)
+    if limit < m.trail_limit[0]:
+        m.encroachment_rows[0] = limit
+    m.trail_count[0] += 1
+    m.trail_at[0] = m.trail_at[0] + 1 if m.trail_at[0] < TRAIL_ROWS - 1 else 0

@@ -1,0 +1,158 @@
+"""Whether a library's scenarios separate drivers: each is run with four of them, and judged by its own criteria.
+
+A scenario that ends well whoever drives says nothing about takeovers. The runs have ideal perception and the seed 1;
+nothing but the driver differs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenario_compiler.compiler import Overrides, compile_target
+from scenario_compiler.diagnostics import Diagnostics, Severity
+from scenario_compiler.files import split_target
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.recording.outcome import Outcome, judge
+from scenario_compiler.report.wording import CAUSE_WORDS, outcome_words
+from scenario_compiler.resources import library_folder, templates_from, templates_given
+from scenario_compiler.roads import Network
+from scenario_compiler.runtime import open_world, run
+from scenario_compiler.source.catalogs import load_catalogs
+from scenario_compiler.source.expansion import catalog_driver
+from scenario_compiler.vocabulary.driver import Driver, DriverModel
+
+SEED = 1
+"""Seed of all runs."""
+
+ATTENTIVE = 2.4
+"""Takeover time of the attentive driver, s: the median of the catalog's `study_means`, after Zhang et al. 2019."""
+
+SLOW = 6.061
+"""That of the slow driver, s: the median of drivers who were busy reading, Eriksson and Stanton 2017."""
+
+DRIVERS: dict[str, Driver] = {
+    "attentive": Driver(takeover_time=ATTENTIVE),
+    "slow": Driver(takeover_time=SLOW),
+    "absent": Driver(preset="absent"),
+    "reference": Driver(preset="fuzzy_safety_model"),
+}
+"""The four drivers, as a scenario would name them."""
+
+
+class Driven(BaseModel):
+    """What came of a scenario with one of the drivers."""
+
+    model_config = ConfigDict(frozen=True)
+
+    result: str = Field(description="pass, fail or error.")
+    cause: str = Field(description="Cause of the first request; empty without one.")
+    request: float | None = Field(description="Time of the first request, s.")
+    takeover_time: float | None = Field(description="Time from it to the response, s.")
+    minimum_ttc: float | None = Field(description="Least time to collision of the run, s.")
+    outcome: str = Field(description="What came of it, in a few words.")
+    broken: tuple[str, ...] = Field(description="Criteria that it broke.")
+
+
+class Separated(BaseModel):
+    """A scenario with the four drivers."""
+
+    model_config = ConfigDict(frozen=True)
+
+    target: str = Field(description="FILE#name as `run` takes it.")
+    name: str = Field(description="Its name.")
+    summary: str = Field(default="", description="One sentence: what happens.")
+    fault: str = Field(default="", description="Why it could not be run; empty where it could.")
+    drivers: dict[str, Driven] = Field(default={}, description="What came of it, by the driver.")
+
+    @property
+    def separates(self) -> bool:
+        """Whether the slow or the absent driver fails."""
+        return any(self.drivers[name].result == "fail" for name in ("slow", "absent") if name in self.drivers)
+
+    @property
+    def asks(self) -> bool:
+        """Whether the automation asks anybody."""
+        return any(one.cause for one in self.drivers.values())
+
+
+def separate_all(
+    targets: Sequence[str],
+    *,
+    processes: int = 1,
+    maps: Sequence[Path] = (),
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[Separated]:
+    """Yield each scenario with the four drivers, in order.
+
+    Args:
+        targets: FILE#name of each.
+        processes: Number of processes to spread them over.
+        maps: Folders that maps are looked for in first.
+        progress: Called with how many are done, and of how many.
+    """
+    task = partial(separate, maps=tuple(maps), templates=templates_given())
+    if processes < 2:
+        yield from _counted(map(task, targets), len(targets), progress)
+        return
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        yield from _counted(pool.map(task, targets), len(targets), progress)
+
+
+def _counted(
+    found: Iterator[Separated], count: int, progress: Callable[[int, int], None] | None
+) -> Iterator[Separated]:
+    for done, one in enumerate(found, start=1):
+        if progress is not None:
+            progress(done, count)
+        yield one
+
+
+def separate(target: str, maps: Sequence[Path] = (), templates: Sequence[Path] = ()) -> Separated:
+    """Run a scenario with the four drivers; why it cannot be compiled is part of what is returned."""
+    sink = Diagnostics()
+    name = split_target(target)[1] or Path(target).stem
+    with templates_from(templates):
+        compilation = compile_target(
+            target, {}, sink, maps=maps, overrides=Overrides(perception="ideal", driven_by="model")
+        )
+    if compilation is None:
+        fault = next((one.message for one in sink if one.severity is Severity.ERROR), "it cannot be compiled")
+        return Separated(target=target, name=name, fault=fault)
+    plan = compilation.plan
+    if plan.controller is None:
+        return Separated(target=target, name=plan.name, summary=plan.summary, fault="it has no automated vehicle")
+    catalogs = load_catalogs(library_folder() / "catalogs", sink)
+    models = {name: catalog_driver(driver, catalogs, sink) for name, driver in DRIVERS.items()}
+    return Separated(
+        target=target,
+        name=plan.name,
+        summary=plan.summary,
+        drivers={name: _driven(plan, compilation.network, model) for name, model in models.items()},
+    )
+
+
+def _driven(plan: Plan, network: Network, driver: Driver | DriverModel) -> Driven:
+    """Run a plan with a driver in place of its own."""
+    changed = plan.model_copy(update={"takeover": plan.takeover.model_copy(update={"driver": driver})})
+    with open_world("kinematic", changed, network) as world:
+        outcome = judge(changed, run(changed, world, SEED))
+    return Driven(
+        result=outcome.result,
+        cause=CAUSE_WORDS.get(outcome.cause, outcome.cause) if outcome.cause else "",
+        request=_value(outcome, "request_time"),
+        takeover_time=_value(outcome, "takeover_time"),
+        minimum_ttc=_value(outcome, "minimum_time_to_collision"),
+        outcome=outcome_words(outcome),
+        broken=tuple(one.criterion for one in outcome.criteria if not one.passed),
+    )
+
+
+def _value(outcome: Outcome, measure: str) -> float | None:
+    found = outcome.measures.get(measure)
+    return None if found is None else found.value

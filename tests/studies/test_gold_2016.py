@@ -1,0 +1,51 @@
+"""Gold, Koerber, Lechner and Bengler 2016: 0, 10 and 20 vehicles per kilometre.
+
+"Taking over control from highly automated vehicles in complex traffic situations: the role of traffic density", Human
+Factors 58, 642-652. 120 km/h, a request 7 s before an obstacle.
+
+| | the paper | here | asserted |
+|---|---|---|---|
+| any traffic against none | smaller time to collision (from memory, not verified) | gaps beside are waited for, or he brakes | the direction of the median |
+| collisions | more (from memory, not verified) | rare | no fewer with traffic |
+| from 10 to 20 vehicles per km | a small step (from memory, not verified) | see the page | nothing |
+| takeover time by traffic | longer (from memory, not verified) | not modelled without a coefficient | nothing |
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tests.studies.study import Sample, compiled, sample
+
+GOLD_2016 = """<scenarios version="1"><scenario name="gold_2016" map="motorway" duration="16" control_every="2">
+<parameter name="density" type="number" default="10" min="1" max="40"/>
+<parameter name="phase" type="fraction" default="0"/> <parameter name="count" type="integer" default="0"/>
+<ego speed="33.333"><start><lane road="1" lane="-2" s="900"/></start><forward_sensor range="300"/></ego>
+<static id="accident"><at><ahead_of entity="ego" distance="360"/></at></static>
+<repeat id="left" count="$count" as="k"><dynamic id="car" speed="33.333">
+  <start><ahead_of entity="ego" distance="${400 - 2000 / $density * ($k + $phase)}" lanes="1"/></start><follow time_gap="1"/>
+</dynamic></repeat>
+<repeat id="right" count="$count" as="k"><dynamic id="car" speed="33.333">
+  <start><ahead_of entity="ego" distance="${400 - 2000 / $density * ($k + $phase) - 37}" lanes="-1"/></start><follow time_gap="1"/>
+</dynamic></repeat>
+<takeover budget="7"><cause kind="path_blocked"/><driver preset="study_means"/></takeover>
+<criteria><no_collision/></criteria></scenario></scenarios>"""
+PHASES = (0.1, 0.35, 0.6, 0.85)
+
+
+def with_density(folder: Path, density: int, seeds: range = range(1, 9)) -> Sample:
+    """Return what comes of a density, in vehicles per km of the road: half in the lane on the left, half on the right."""
+    if density == 0:
+        found = [compiled(folder, GOLD_2016)] * len(PHASES)
+    else:
+        count = density // 2
+        found = [compiled(folder, GOLD_2016, density=density, count=count, phase=phase) for phase in PHASES]
+    return sample(found, seeds)
+
+
+def test_traffic_leaves_less_time_to_collision(tmp_path: Path) -> None:
+    none, some = (with_density(tmp_path, density) for density in (0, 20))
+    assert np.median(some.least) < np.median(none.least)
+    assert some.crashed >= none.crashed
