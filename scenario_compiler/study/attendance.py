@@ -73,7 +73,7 @@ class Attendance:
         self._lock = threading.RLock()
         self._closing = False
         self._last: Session | None = None
-        self._search: dict[str, Any] = {}
+        self._run: dict[str, Any] = {}
         self._open()
 
     def _open(self) -> None:
@@ -202,7 +202,7 @@ class Attendance:
 
     def _answer(self, message: Mapping[str, Any]) -> None:
         probe, session = self.rules.compilation.study.probe, self.session
-        if probe is None or session is None or session.held != "probe":
+        if probe is None or session is None or session.held != "probe" or self._run["probed"]:
             return
         answers = {}
         for query in probe.queries:
@@ -210,25 +210,26 @@ class Attendance:
             if len(given) > LONGEST_NOTE or given not in CHOICES.get(query.about, (given,)):
                 raise OutOfPlaceError(f"'{query.name}' has no answer of its choices")
             answers[query.name] = given
-        attempt, seconds = self._search["attempt"], _seconds(message)
+        attempt, seconds = self._run["attempt"], _seconds(message)
         self.journal.add("probe", self.step.number, attempt=attempt, t=session.now, answers=answers, seconds=seconds)
+        self._run["probed"] = True
         session.go_on()
 
     def _searched(self, message: Mapping[str, Any], task: SearchTask, trial: Trial) -> dict[str, Any]:
         """Write an answer to the present picture of the secondary task, if it is one; return the picture to show."""
-        session, number = self.session, self._search.get("number", 0)
+        session, number = self.session, self._run.get("number", 0)
         if session is not None and message.get("number") == number:
             shown, chosen = search_picture(task, trial.seed, number), int(message["chosen"])
             self.journal.add(
                 "search",
                 self.step.number,
-                attempt=self._search["attempt"],
+                attempt=self._run["attempt"],
                 t=session.now,
                 number=number,
                 right=chosen == shown.target,
                 seconds=_seconds(message),
             )
-            number = self._search["number"] = number + 1
+            number = self._run["number"] = number + 1
         return {"number": number, "circles": search_picture(task, trial.seed, number).circles}
 
     # Runs.
@@ -237,7 +238,7 @@ class Attendance:
         """Make the wheel that the step needs; without one where it needs none."""
         step = self.step
         self.cockpit = None
-        self._search = {}
+        self._run = {}
         if step.kind == "end":
             self.presence = "finished"
         elif step.trial is not None:
@@ -247,7 +248,7 @@ class Attendance:
         """Return what is driven at the step."""
         trial = self.step.trial
         assert trial is not None
-        planned, attempt = planned_run(self.rules.compilation, trial), self._search.get("attempt", 1)
+        planned, attempt = planned_run(self.rules.compilation, trial), self._run.get("attempt", 1)
         folder = self.seat.run_folder(trial.number, attempt)
         plan, network = planned.plan, planned.network
         return Drive(
@@ -261,13 +262,13 @@ class Attendance:
         )
 
     def _begin(self, show: Callable[[Picture], bool]) -> Session | None:
-        """Begin the run of the step, which a run that a crash has ended before is no part of."""
+        """Return a new run of the step, with files of its own: one that a crash has ended before is another attempt."""
         with self._lock:
             step = self.step
             if step.trial is None or self.presence != "started":
                 return None
             attempt = attempts_at(self.journal.records, step.number) + 1
-            self._search = {"attempt": attempt, "number": 0}
+            self._run = {"attempt": attempt, "number": 0, "probed": False}
             drive = self.drive()
             assert drive.folder is not None
             make_folder(drive.folder)
@@ -289,7 +290,7 @@ class Attendance:
             return
         with self._lock:
             step = self.step
-            broken = session.finished is None or session.finished.outcome.result == "error"
+            broken = session.finished is not None and session.finished.outcome.result == "error"
             marks = sorted({*session.marks, *(("broken_off",) if broken else ())})
             self.journal.add("driven", step.number, attempt=session.number, marks=marks, driven_by="person")
             self.journal.add("done", step.number)
