@@ -55,9 +55,13 @@ def heading_from_carla(yaw: float) -> float:
     return math.radians(-yaw) % (2 * math.pi)
 
 
+ROUNDED = 1e-6
+"""Degrees by which a yaw may be off half a turn and still be one: numbers of 32 bits do not tell them apart."""
+
+
 def yaw_from_heading(heading: float) -> float:
-    """Return the CARLA yaw in [-180, 180) degrees of a heading in radians."""
-    return (180.0 - math.degrees(heading)) % 360.0 - 180.0
+    """Return the CARLA yaw in (-180, 180] degrees of a heading in radians; what rounds to -180 is 180."""
+    return (180.0 - ROUNDED - math.degrees(heading)) % 360.0 - (180.0 - ROUNDED)
 
 
 def reference_from_center(x: float, y: float, heading: float, center: float) -> tuple[float, float]:
@@ -123,7 +127,7 @@ def carla_rows(poses: NDArray[np.float64], center: NDArray[np.float64], up: NDAr
     rows[:, 1] = -(y + center * sh * cp + up * (sh * sp * cr - ch * sr))
     rows[:, 2] = z - center * sp + up * cp * cr
     rows[:, 3] = -np.degrees(pitch)
-    rows[:, 4] = (180.0 - np.degrees(heading)) % 360.0 - 180.0
+    rows[:, 4] = (180.0 - ROUNDED - np.degrees(heading)) % 360.0 - (180.0 - ROUNDED)
     rows[:, 5] = np.degrees(roll)
     return rows
 

@@ -73,6 +73,35 @@ def test_a_severe_failure_leads_to_a_request_and_a_slight_one_to_none(
         assert times(recording, "failure") == [1.0]
 
 
+@pytest.mark.parametrize(("severity", "sigma"), [(1, 0.08), (3, 0.18), (5, 0.38)])
+def test_a_severity_is_that_of_imagenet_c(tmp_path: Path, severity: int, sigma: float) -> None:
+    failure = f'<camera><failure kind="noise" severity="{severity}"/></camera>'
+    recording, _ = played(compiled(tmp_path, "ideal", camera=failure, duration=0.2))
+    assert recording.sigma[-1] == pytest.approx(255.0 * sigma)
+
+
+@pytest.mark.parametrize("kind", ["impulse_noise", "overexposure", "dead_rows", "quantisation", "latency"])
+def test_a_failure_that_pictures_alone_show_is_ignored_with_ideal_perception_and_that_is_reported(
+    tmp_path: Path, kind: str
+) -> None:
+    failure = f'<camera><failure kind="{kind}" amount="0.5"/></camera>'
+    compiled(tmp_path, camera=failure)
+    modes: tuple[Perception, ...] = ("ideal", "camera")
+    for perception in modes:
+        sink = Diagnostics()
+        compile_target(str(tmp_path / "made.xml"), {}, sink, overrides=Overrides(perception=perception))
+        assert ("SC407" in {one.code.id for one in sink}) is (perception == "ideal")
+
+
+@pytest.mark.parametrize("kind", ["impulse_noise", "overexposure", "dead_rows"])
+def test_such_a_failure_takes_the_lane_from_the_camera(tmp_path: Path, kind: str) -> None:
+    failure = f'<camera><failure kind="{kind}" onset="0.5"/></camera>'
+    recording, _ = played(compiled(tmp_path, "camera", camera=failure, duration=1.0))
+    sides = np.fmax(recording.confidence_left, recording.confidence_right)
+    assert sides[9] > 0.8
+    assert sides[-1] < 0.3
+
+
 def test_a_failure_grows_and_goes_in_its_ramp(tmp_path: Path) -> None:
     failure = '<camera><failure kind="noise" onset="1" duration="2" ramp="0.5" amount="0.25"/></camera>'
     recording, _ = played(compiled(tmp_path, camera=failure))

@@ -62,8 +62,11 @@ verified for CARLA's).
 """
 
 TRIGGER = "static.trigger.friction"
+SETTLES = 0.2
 LONGEST_FALL = 2.0
-"""Blueprint of a friction trigger; and for how long a vehicle falls at most after it was spawned over the road, s."""
+"""Blueprint of a friction trigger; for how long a spawned vehicle is on its springs before it leans as the road does,
+and for how long it falls at most, s.
+"""
 
 NO_FAILURE = 0
 GRAVITY = 9.81
@@ -179,8 +182,9 @@ class Stage:
         self._by_place[place] = body
         self._leapt.add(place)
         if isinstance(body, Car):
-            above = max(body.spawned.z - self.simulation.state.z[place], 0.0)
-            self._falling[place] = self.time + min(math.sqrt(2.0 * above / GRAVITY), LONGEST_FALL)
+            above = max(pose.z - self.simulation.state.z[place], 0.0)
+            falls = math.sqrt(2.0 * above / GRAVITY)
+            self._falling[place] = self.time + min(max(falls, SETTLES), LONGEST_FALL)
         return body
 
     def get(self, number: int) -> Actor:

@@ -100,5 +100,6 @@ class ForeignDetector:
         return found
 
     def _misbehaved(self, what: str) -> ControllerError:
-        code = inspect.unwrap(type(self._inner).detect).__code__
-        return ControllerError.at(self.name, FilePlace(code.co_filename, code.co_firstlineno), what, DETECTOR)
+        code = getattr(inspect.unwrap(type(self._inner).detect), "__code__", None)
+        place = FilePlace("") if code is None else FilePlace(code.co_filename, code.co_firstlineno)
+        return ControllerError.at(self.name, place, what, DETECTOR)

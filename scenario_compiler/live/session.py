@@ -236,9 +236,9 @@ class Session(threading.Thread):
     def _go(self, execution: Execution) -> None:
         sight = Sight(execution, self.drive.size, plain=self.drive.plain)
         every = max(1, round(FRAME_TIME / self.drive.plan.step))
-        begin = time.perf_counter()
         steps, shown_at, events = 0, 0.0, 0
         self._publish(execution, sight, 0.0)
+        begin = time.perf_counter()  # the first picture takes long, and the clock waits for it
         while execution.going and not self._stopping.is_set():
             begin += self._hold()
             for kind in self._news():

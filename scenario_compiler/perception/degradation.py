@@ -1,14 +1,19 @@
 """What goes wrong in the camera, done to a clean image at the sensor's own resolution.
 
-In the order of the light's way: dirt on the lens, blur, darkness, noise; then, at the readout, images that are missing
-or repeated. Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel,
-clipped to 0-255. It is drawn with Philox, a counter-based generator keyed by (seed, frame index), so a
-frame's noise depends on these two numbers alone and frames can be made in any order. Sigma has a meaning
-only at one resolution: halving an image by area averaging halves it. Dirt is drawn from the seed alone: it sticks.
+In the order of the light's way: dirt on the lens, blur, darkness or too much light, noise, impulses, rows that are
+dead, coarse grey levels; then, at the readout, images that are missing, repeated or late: until the first late one is
+there, the last one stays. Overexposure adds to the value of
+hue, saturation and value, as ImageNet-C's brightness does; impulses strike all channels of a pixel.
+
+Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel, clipped to
+0-255. It is drawn with Philox, a counter-based generator keyed by (seed, frame index), so a frame's noise depends on
+these two numbers alone and frames can be made in any order; so are impulses. Sigma has a meaning only at one
+resolution: halving an image by area averaging halves it. Dirt and dead rows are drawn from the seed alone: they stay.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -19,7 +24,7 @@ from numpy.typing import NDArray
 Image = NDArray[np.uint8]
 
 
-SENSOR_NOISE, RAIN, DIRT, DROPS = 0, 1, 2, 3
+SENSOR_NOISE, RAIN, DIRT, DROPS, IMPULSES, ROWS = 0, 1, 2, 3, 4, 5
 """Streams of random numbers within one frame; dirt and drops on the windscreen are the same in all."""
 
 DIRT_SIZE = 0.03
@@ -30,6 +35,10 @@ DIRT_COLOUR = (20, 27, 32)
 
 DIRT_RIM = 0.12
 """Width of the soft rim of the blotches, in standard deviations of the field that they are cut from."""
+
+
+AT_ONCE = 1e-6
+"""What two times may differ by and still be the same, s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +52,11 @@ class Degradation:
         dirt: Share of the image that dirt covers, 0-1.
         missing: The image does not arrive: it is black.
         frozen: The image before is delivered again.
+        impulses: Share of the pixels that are black or white, 0-1.
+        brighter: What is added to the brightness, a share of white.
+        dead_rows: Share of the rows that are black, 0-1.
+        coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
+        late: How late an image arrives, s.
     """
 
     sigma: float = 0.0
@@ -51,6 +65,11 @@ class Degradation:
     dirt: float = 0.0
     missing: bool = False
     frozen: bool = False
+    impulses: float = 0.0
+    brighter: float = 0.0
+    dead_rows: float = 0.0
+    coarse: float = 0.0
+    late: float = 0.0
 
 
 class Sensor:
@@ -60,32 +79,76 @@ class Sensor:
         """Begin with no image; `seed` is the run's."""
         self.seed = seed
         self._last: Image | None = None
+        self._on_the_way: deque[tuple[float, Image]] = deque()
 
-    def deliver(self, image: Image, state: Degradation, frame_index: int) -> Image:
+    def deliver(self, image: Image, state: Degradation, frame_index: int, t: float = 0.0) -> Image:
         """Return what arrives of an image.
 
         Args:
             image: (height, width, 3) uint8, BGR, as the optics of a clean camera would see it.
             state: What is wrong.
             frame_index: Number of the frame within the run.
+            t: When it was taken, s.
         """
         if state.missing:
             return np.zeros_like(image)
         if state.frozen and self._last is not None:
             return self._last
-        self._last = degraded(image, state, self.seed, frame_index)
+        self._on_the_way.append((t, degraded(image, state, self.seed, frame_index)))
+        while self._on_the_way and (self._last is None or self._on_the_way[0][0] <= t - state.late + AT_ONCE):
+            self._last = self._on_the_way.popleft()[1]
+        assert self._last is not None
         return self._last
 
 
 def degraded(image: Image, state: Degradation, seed: int, frame_index: int) -> Image:
-    """Return the image through dirt, blur, darkness and noise."""
+    """Return the image through everything but what happens at the readout."""
     if state.dirt > 0.0:
         image = add_dirt(image, state.dirt, seed)
     if state.blur > 0.0:
         image = np.asarray(cv2.GaussianBlur(image, (0, 0), state.blur * image.shape[1] / 512.0), np.uint8)
     if state.dark > 0.0:
         image = cv2.convertScaleAbs(image, alpha=max(1.0 - state.dark, 0.0))  # type: ignore[assignment]
-    return add_noise(image, state.sigma, seed, frame_index)
+    if state.brighter > 0.0:
+        image = overexposed(image, state.brighter)
+    image = add_noise(image, state.sigma, seed, frame_index)
+    if state.impulses > 0.0:
+        image = add_impulses(image, state.impulses, seed, frame_index)
+    if state.dead_rows > 0.0:
+        image = without_rows(image, state.dead_rows, seed)
+    return image if state.coarse <= 0.0 else quantised(image, state.coarse)
+
+
+def overexposed(image: Image, more: float) -> Image:
+    """Return the image with `more` of white added to the value of each pixel; hue and saturation stay."""
+    value = image.max(axis=2, keepdims=True).astype(np.float32)
+    wanted = np.minimum(value + np.float32(255.0 * more), np.float32(255.0))
+    scaled = np.where(value > 0.0, image * (wanted / np.maximum(value, 1.0)), wanted)
+    return np.asarray(np.rint(scaled), np.uint8)
+
+
+def add_impulses(image: Image, share: float, seed: int, frame_index: int) -> Image:
+    """Return the image with a share of its pixels struck: half of those are black, half white."""
+    drawn = generator(seed, frame_index, IMPULSES).random(image.shape[:2], dtype=np.float32)
+    struck = image.copy()
+    struck[drawn < 0.5 * share] = 0
+    struck[drawn > 1.0 - 0.5 * share] = 255
+    return struck
+
+
+def without_rows(image: Image, share: float, seed: int) -> Image:
+    """Return the image with a share of its rows black; more of them are dead where some were."""
+    dead = generator(seed, 0, ROWS).random(image.shape[0]) < share
+    left = image.copy()
+    left[dead] = 0
+    return left
+
+
+def quantised(image: Image, coarse: float) -> Image:
+    """Return the image in fewer grey levels, evenly from black to white: 2 to the power of 8 - 7 `coarse`, rounded."""
+    steps = round(2.0 ** (8.0 - 7.0 * min(coarse, 1.0))) - 1
+    levels = np.rint(np.rint(np.arange(256) * steps / 255.0) * 255.0 / steps)
+    return np.asarray(cv2.LUT(image, levels.astype(np.uint8)), np.uint8)
 
 
 def add_dirt(image: Image, share: float, seed: int) -> Image:

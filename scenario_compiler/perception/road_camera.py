@@ -89,6 +89,7 @@ class RoadCamera:
         state: Degradation | float,
         frame_index: int,
         signals: Mapping[str, str] = MappingProxyType({}),
+        t: float = 0.0,
     ) -> NDArray[np.uint8]:
         """Return the image (height, width, 3) uint8, BGR.
 
@@ -99,10 +100,11 @@ class RoadCamera:
             state: What is wrong with the camera; a number is the standard deviation of its noise, grey levels.
             frame_index: Number of the frame.
             signals: States of traffic lights (see `draw`).
+            t: Time of the frame, s, by which late images are told from those that are due.
         """
         image = self.draw(pose, objects, weather, signals).image(self.seed, frame_index)
         wrong = state if isinstance(state, Degradation) else Degradation(sigma=state)
-        return self._sensor.deliver(image, wrong, frame_index)
+        return self._sensor.deliver(image, wrong, frame_index, t)
 
     def forget(self) -> None:
         """Forget the images before, which a frozen camera repeats."""

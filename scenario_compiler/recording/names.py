@@ -89,6 +89,11 @@ FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_BLACKOUT: "blackout",
     opcodes.FAILURE_BLUR: "blur",
     opcodes.FAILURE_DIRT: "dirt",
+    opcodes.FAILURE_IMPULSE_NOISE: "impulse_noise",
+    opcodes.FAILURE_OVEREXPOSURE: "overexposure",
+    opcodes.FAILURE_DEAD_ROWS: "dead_rows",
+    opcodes.FAILURE_QUANTISATION: "quantisation",
+    opcodes.FAILURE_LATENCY: "latency",
 }
 
 STOP_REASONS: dict[int, StopReason] = {

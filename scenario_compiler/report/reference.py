@@ -94,7 +94,10 @@ as messages and the stop do, has an empty one.
 """
 
 _OF_MEASURES = """The `value` of a measure is null where it is not defined, and `undefined` says why. A run without an
-automated vehicle has only those that are not about a takeover. They are:
+automated vehicle has only those that are not about a takeover. commonroad-crime 0.4.5 finds the same times to collision
+and decelerations to avoid a crash within 1 % on five recordings, and on five others post-encroachment times that are
+shorter by two steps, as it counts between the steps outside the conflict area
+(`tests/recording/test_against_commonroad.py`). The measures are:
 """
 
 _OF_TRAJECTORIES = """`run --trajectory FILE.csv` writes a row an entity present and step, for and from other programs:

@@ -20,7 +20,7 @@ from scenario_compiler.controllers.person import Person
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws
-from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE
+from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE, IMPULSES_AT_ONE
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
 from scenario_compiler.engine.moves.appearance import LIGHTS
 from scenario_compiler.engine.program.build import build_program, lowered
@@ -193,6 +193,11 @@ def faults_of(state: State) -> CameraFaults:
         dark=now[op.FAILURE_BLACKOUT],
         blur=BLUR_AT_ONE * now[op.FAILURE_BLUR],
         dirt=now[op.FAILURE_DIRT],
+        impulses=IMPULSES_AT_ONE * now[op.FAILURE_IMPULSE_NOISE],
+        brighter=now[op.FAILURE_OVEREXPOSURE],
+        dead_rows=now[op.FAILURE_DEAD_ROWS],
+        coarse=now[op.FAILURE_QUANTISATION],
+        late=now[op.FAILURE_LATENCY],
         missing=state.missing[0] == 1,
         frozen=state.frozen[0] == 1,
     )

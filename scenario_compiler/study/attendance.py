@@ -20,6 +20,7 @@ from scenario_compiler.study.pilot import planned_run
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.searching import search_picture
 from scenario_compiler.study.situation import CHOICES
+from scenario_compiler.study.tables import read_table
 from scenario_compiler.trust import Trust
 
 Presence = Literal["waiting", "started", "paused", "declined", "finished"]
@@ -71,7 +72,8 @@ class Attendance:
         self.cockpit: Cockpit | None = None
         self._lock = threading.RLock()
         self._closing = False
-        self._search: dict[str, Any] = {}
+        self._last: Session | None = None
+        self._run: dict[str, Any] = {}
         self._open()
 
     def _open(self) -> None:
@@ -86,6 +88,9 @@ class Attendance:
         declined = any(one["kind"] == "declined" for one in self.journal.records)
         self.presence: Presence = "declined" if declined else "waiting"
         self._settle()
+        driven = sum(one["kind"] == "driven" for one in self.journal.records)
+        if driven != len(read_table(self.seat.table(study.name, "beh"))):  # the program ended before it wrote them
+            self._write()
 
     @property
     def step(self) -> Step:
@@ -106,8 +111,9 @@ class Attendance:
     def close(self) -> None:
         """End the run under way, which is begun again when the participant goes on, and close the journal."""
         self._closing = True
-        if self.cockpit is not None:
-            self.cockpit.stop()
+        if self._last is not None and self._last.is_alive():
+            self._last.stop()
+            self._last.join(timeout=60.0)
         self.journal.close()
 
     # What the experimenter does.
@@ -196,7 +202,7 @@ class Attendance:
 
     def _answer(self, message: Mapping[str, Any]) -> None:
         probe, session = self.rules.compilation.study.probe, self.session
-        if probe is None or session is None or session.held != "probe":
+        if probe is None or session is None or session.held != "probe" or self._run["probed"]:
             return
         answers = {}
         for query in probe.queries:
@@ -204,25 +210,26 @@ class Attendance:
             if len(given) > LONGEST_NOTE or given not in CHOICES.get(query.about, (given,)):
                 raise OutOfPlaceError(f"'{query.name}' has no answer of its choices")
             answers[query.name] = given
-        attempt, seconds = self._search["attempt"], _seconds(message)
+        attempt, seconds = self._run["attempt"], _seconds(message)
         self.journal.add("probe", self.step.number, attempt=attempt, t=session.now, answers=answers, seconds=seconds)
+        self._run["probed"] = True
         session.go_on()
 
     def _searched(self, message: Mapping[str, Any], task: SearchTask, trial: Trial) -> dict[str, Any]:
         """Write an answer to the present picture of the secondary task, if it is one; return the picture to show."""
-        session, number = self.session, self._search.get("number", 0)
+        session, number = self.session, self._run.get("number", 0)
         if session is not None and message.get("number") == number:
             shown, chosen = search_picture(task, trial.seed, number), int(message["chosen"])
             self.journal.add(
                 "search",
                 self.step.number,
-                attempt=self._search["attempt"],
+                attempt=self._run["attempt"],
                 t=session.now,
                 number=number,
                 right=chosen == shown.target,
                 seconds=_seconds(message),
             )
-            number = self._search["number"] = number + 1
+            number = self._run["number"] = number + 1
         return {"number": number, "circles": search_picture(task, trial.seed, number).circles}
 
     # Runs.
@@ -231,7 +238,7 @@ class Attendance:
         """Make the wheel that the step needs; without one where it needs none."""
         step = self.step
         self.cockpit = None
-        self._search = {}
+        self._run = {}
         if step.kind == "end":
             self.presence = "finished"
         elif step.trial is not None:
@@ -241,7 +248,7 @@ class Attendance:
         """Return what is driven at the step."""
         trial = self.step.trial
         assert trial is not None
-        planned, attempt = planned_run(self.rules.compilation, trial), self._search.get("attempt", 1)
+        planned, attempt = planned_run(self.rules.compilation, trial), self._run.get("attempt", 1)
         folder = self.seat.run_folder(trial.number, attempt)
         plan, network = planned.plan, planned.network
         return Drive(
@@ -255,18 +262,20 @@ class Attendance:
         )
 
     def _begin(self, show: Callable[[Picture], bool]) -> Session | None:
-        """Begin the run of the step, which a run that a crash has ended before is no part of."""
+        """Return a new run of the step, with files of its own: one that a crash has ended before is another attempt."""
         with self._lock:
             step = self.step
             if step.trial is None or self.presence != "started":
                 return None
             attempt = attempts_at(self.journal.records, step.number) + 1
-            self._search = {"attempt": attempt, "number": 0}
+            self._run = {"attempt": attempt, "number": 0, "probed": False}
             drive = self.drive()
             assert drive.folder is not None
             make_folder(drive.folder)
             self.journal.add("begun", step.number, attempt=attempt)
-            return Session(drive, show, attempt, probe_at=step.trial.probe_at, kept=self._keep, happened=self._tell)
+            probe_at = step.trial.probe_at
+            self._last = Session(drive, show, attempt, probe_at=probe_at, kept=self._keep, happened=self._tell)
+            return self._last
 
     def _mark(self, record: Record) -> None:
         if self.rules.mark is not None:
@@ -281,7 +290,7 @@ class Attendance:
             return
         with self._lock:
             step = self.step
-            broken = session.finished is None or session.finished.outcome.result == "error"
+            broken = session.finished is not None and session.finished.outcome.result == "error"
             marks = sorted({*session.marks, *(("broken_off",) if broken else ())})
             self.journal.add("driven", step.number, attempt=session.number, marks=marks, driven_by="person")
             self.journal.add("done", step.number)

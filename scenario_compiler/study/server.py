@@ -59,7 +59,7 @@ class StudyServer:
     """Serves a study.
 
     Attributes:
-        attendances: The participants' sessions by their numbers.
+        attendances: The participants' sessions by their numbers, as addresses write them.
         app: The application.
     """
 
@@ -74,7 +74,7 @@ class StudyServer:
         self.rules, self.door, self.desk = rules, door, desk
         study = rules.compilation.study
         self.words = WORDS[study.language]
-        self.attendances = {one: Attendance(rules, one) for one in range(1, study.participants + 1)}
+        self.attendances = {str(one): Attendance(rules, one) for one in range(1, study.participants + 1)}
         self._markdown = MarkdownIt("commonmark", {"html": False})
         self._environment = jinja2.Environment(
             loader=jinja2.FileSystemLoader(PAGES),
@@ -86,11 +86,11 @@ class StudyServer:
         self.app = Starlette(
             routes=[
                 Route("/", self._first),
-                Route("/participant/{number:int}", self._page, methods=["GET"]),
-                Route("/participant/{number:int}", self._sent, methods=["POST"]),
-                Route("/participant/{number:int}/about", self._about),
-                Route("/participant/{number:int}/state", self._state),
-                WebSocketRoute("/participant/{number:int}/socket", self._socket),
+                Route("/participant/{number}", self._page, methods=["GET"]),
+                Route("/participant/{number}", self._sent, methods=["POST"]),
+                Route("/participant/{number}/about", self._about),
+                Route("/participant/{number}/state", self._state),
+                WebSocketRoute("/participant/{number}/socket", self._socket),
                 Route("/experimenter", self._experimenter),
                 Route("/experimenter/state", self._overview),
                 Route("/experimenter/do", self._ordered, methods=["POST"]),
@@ -107,11 +107,9 @@ class StudyServer:
             one.close()
 
     def _own(self, request: Request) -> Response:
-        return (
-            self.door.file(request, PAGES, OWN)
-            if self.door.refusal(request) == ""
-            else self.desk.file(request, PAGES, OWN)
-        )
+        """Return a file of the pages, to whoever may come to either kind of them."""
+        who = self.desk if self.door.refusal(request) else self.door
+        return who.file(request, PAGES, OWN)
 
     def _rendered(self, template: str, **values: Any) -> Response:
         study = self.rules.compilation.study
@@ -123,9 +121,9 @@ class StudyServer:
 
     def _first(self, request: Request) -> Response:
         def page() -> Response:
-            number = request.query_params.get("participant", "")
-            if number.isascii() and number.isdecimal() and int(number) in self.attendances:
-                return RedirectResponse(f"/participant/{int(number)}", status_code=303)
+            number = request.query_params.get("participant", "").strip().lstrip("0")
+            if number in self.attendances:
+                return RedirectResponse(f"/participant/{number}", status_code=303)
             return self._rendered("first.html.jinja", most=len(self.attendances))
 
         return self.door.entered(request, page)
@@ -229,7 +227,7 @@ class StudyServer:
         body = await _body(request)
         try:
             order = Order.model_validate_json(body or b"")
-            attendance = self.attendances[order.participant]
+            attendance = self.attendances[str(order.participant)]
             if order.action == "note":
                 await asyncio.to_thread(attendance.note, order.text)
             else:

@@ -5,8 +5,30 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-FailureKind = Literal["noise", "dropout", "freeze", "blackout", "blur", "dirt"]
-"""How a camera fails."""
+FailureKind = Literal[
+    "noise",
+    "dropout",
+    "freeze",
+    "blackout",
+    "blur",
+    "dirt",
+    "impulse_noise",
+    "overexposure",
+    "dead_rows",
+    "quantisation",
+    "latency",
+]
+"""How a camera fails. Secci and Ceccarelli (arXiv 2008.05938) call blackout "black", overexposure "brightness" and, in
+full, "white", dead rows lines of "dead pixels", and noise "no noise reduction"; blur and dirt are theirs too."""
+
+SEVERITIES: dict[FailureKind, tuple[float, float, float, float, float]] = {
+    "noise": (0.255, 0.3825, 0.57375, 0.82875, 1.21125),
+    "blur": (0.254, 0.508, 0.762, 1.016, 1.524),
+    "impulse_noise": (0.06, 0.12, 0.18, 0.34, 0.54),
+    "overexposure": (0.1, 0.2, 0.3, 0.4, 0.5),
+}
+"""Amounts of the severities 1 to 5 of ImageNet-C, as its make_imagenet_c.py has them: Gaussian noise of 0.08 to 0.38 of
+255 grey levels, a Gaussian blur of 1 to 6 of 224 pixels, 3 to 27 % of the pixels, 0.1 to 0.5 more brightness."""
 
 
 class Failure(Word):
@@ -14,9 +36,12 @@ class Failure(Word):
 
     What `amount` 1 means: noise of 80 grey levels beside the camera's own; every image missing (dropout: black images)
     or repeated (freeze); no light (blackout); a blur with a radius of 9/512 of the image's width; all of the lens
-    behind dirt. With `--perception ideal` the sensor's health falls by the same curves that the lane detector applies
-    to its images: noise is one half at 30 grey levels, blackout at 0.94, blur at 0.5, dirt at 0.5; a missing or
-    repeated image has no health.
+    behind dirt; half of all pixels black or white (impulse_noise); an image that is white (overexposure: what is added
+    to the brightness); every row black (dead_rows, the same rows in every image); 2 in place of 256 grey levels
+    (quantisation: 1 bit of 8); images that are 1 s late (latency). With `--perception ideal` the sensor's health falls
+    by the same curves that the lane detector applies to its images: noise is one half at 30 grey levels, blackout at
+    0.94, blur at 0.5, dirt at 0.5; a missing or repeated image has no health. Of the last five ideal perception knows
+    nothing: pictures alone show them.
     """
 
     word: Literal["failure"] = "failure"
@@ -38,6 +63,20 @@ class Failure(Word):
         minimum=0,
         maximum=1,
     )
+    severity: int | None = attribute(
+        "In place of `amount`: the severity of ImageNet-C (Hendrycks and Dietterich 2019), of noise, blur, "
+        "impulse_noise and overexposure.",
+        default=None,
+        minimum=1,
+        maximum=5,
+    )
+
+    @property
+    def strength(self) -> Number:
+        """The amount, by the severity where one is given."""
+        if self.severity is None or self.kind not in SEVERITIES:
+            return self.amount
+        return SEVERITIES[self.kind][self.severity - 1]
 
 
 class Camera(Word):

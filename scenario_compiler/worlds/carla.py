@@ -534,7 +534,7 @@ class CarlaWorld:
         """Return what the camera sees: CARLA's last picture through our degradation, or one that is drawn here."""
         if self._image is None or self._degradation is None or not self._carla_sees:
             return self._built_in.observe(snapshot)
-        image = self._degradation.deliver(self._image.copy(), degradation_of(snapshot), snapshot.frame)
+        image = self._degradation.deliver(self._image.copy(), degradation_of(snapshot), snapshot.frame, snapshot.t)
         return SensorData(snapshot.t, image, self._built_in.mounting)
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from types import TracebackType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -76,6 +77,7 @@ class KinematicWorld:
             degradation_of(snapshot),
             snapshot.frame,
             dict(snapshot.signals),
+            snapshot.t,
         )
         return SensorData(snapshot.t, image, self.mounting)
 
@@ -154,5 +156,4 @@ def degradation_of(snapshot: Snapshot) -> Degradation:
     """Return what is wrong with the camera in the image of a snapshot."""
     from scenario_compiler.perception.degradation import Degradation
 
-    faults = snapshot.faults
-    return Degradation(snapshot.sigma, faults.dark, faults.blur, faults.dirt, faults.missing, faults.frozen)
+    return Degradation(sigma=snapshot.sigma, **asdict(snapshot.faults))

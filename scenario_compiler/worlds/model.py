@@ -65,6 +65,11 @@ class CameraFaults:
         dirt: Share of the image that dirt covers, 0-1.
         missing: The image does not arrive.
         frozen: The image before is delivered again.
+        impulses: Share of the pixels that are black or white, 0-1.
+        brighter: What is added to the brightness, a share of white.
+        dead_rows: Share of the rows that are black, 0-1.
+        coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
+        late: How late an image arrives, s.
     """
 
     dark: float = 0.0
@@ -72,6 +77,11 @@ class CameraFaults:
     dirt: float = 0.0
     missing: bool = False
     frozen: bool = False
+    impulses: float = 0.0
+    brighter: float = 0.0
+    dead_rows: float = 0.0
+    coarse: float = 0.0
+    late: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,13 @@ AIR_DENSITY = 1.25
 """kg/m3, as Unreal has it."""
 
 
+SMALLEST = 0.001
+MOST = 1000.0
+"""Smallest radius of a wheel that counts, m, and the most that either part of a resistance can be: a client may give a
+vehicle any number.
+"""
+
+
 class Resistance(NamedTuple):
     """What slows a vehicle down.
 
@@ -38,5 +45,6 @@ def resistance(wheels: Iterable[tuple[float, float]], drag: float, area: float, 
         area: Area of the chassis from ahead, m2.
         mass: kg.
     """
-    damped = sum(max(damping, 0.0) / (radius * radius) for damping, radius in wheels if radius > 0.0)
-    return Resistance(damped / mass, 0.5 * AIR_DENSITY * max(drag, 0.0) * area / mass)
+    damped = sum(max(damping, 0.0) / (radius * radius) for damping, radius in wheels if radius >= SMALLEST)
+    dragged = 0.5 * AIR_DENSITY * max(drag, 0.0) * area
+    return Resistance(min(damped / mass, MOST), min(dragged / mass, MOST))

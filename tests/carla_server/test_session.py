@@ -108,6 +108,26 @@ def test_a_map_is_loaded_and_begins_without_anybody(server: Served, spawn: Any) 
     assert client.load_world("town_grid").get_map().name == "Carla/Maps/town_grid"
 
 
+def test_maps_are_loaded_again_and_again(server: Served) -> None:
+    """The client's process used to end here, one time in six."""
+    client = server.client()
+    for name in ("highway_loop", "town_grid") * 5:
+        world = client.load_world(name)
+        settings = world.get_settings()
+        settings.synchronous_mode, settings.fixed_delta_seconds = True, STEP
+        world.apply_settings(settings)
+        assert world.tick() < world.tick()
+    settings.synchronous_mode, settings.fixed_delta_seconds = False, None
+    world.apply_settings(settings)
+
+
+def test_maps_that_cannot_be_driven_on_are_not_listed(server: Served) -> None:
+    client = server.client()
+    assert not any("open_ground" in name for name in client.get_available_maps())
+    assert client.load_world("open_ground").get_map().name == "Carla/Maps/open_ground"
+    client.load_world("town_grid")
+
+
 def test_a_reloaded_world_can_keep_its_settings(server: Served, world: Any) -> None:
     again = server.client().reload_world(False)
     assert again.id != world.id

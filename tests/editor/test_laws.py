@@ -196,6 +196,20 @@ def test_a_text_that_is_being_written_keeps_what_was_found_of_the_rest() -> None
     assert while_written([second], [first]) == [second]
 
 
+def test_a_study_and_a_questionnaire_are_completed_explained_and_checked(tmp_path: Path) -> None:
+    text = (
+        '<study version="1" name="it" participants="2">\n  <scenario name="a" target="obstacle_ahead"/>\n  <\n</study>'
+    )
+    analysis = Analysis(str(tmp_path / "study.xml"), text)
+    assert {"hmi", "setting", "probe"} <= {one.label for one in offers(analysis, text.index("<\n") + 1)}
+    shown = explained(analysis, text.index("participants") + 2)
+    assert shown is not None
+    assert "Number of participants" in shown.text
+    asked = '<questionnaire version="1" name="it"><item name="a" text="b" scale="c"/></questionnaire>'
+    found = findings(str(tmp_path / "asked.xml"), Draft(asked))
+    assert [(one.code, asked[one.start : one.end]) for one in found] == [("SC261", "c")]
+
+
 def test_everything_that_can_be_named_is_known() -> None:
     rules = [rule for word in words_below(ROOTS.values()) for rule in grammar_of(word).attributes.values()]
     assert {rule.spelling.names for rule in rules if rule.spelling.names} == set(KNOWN)

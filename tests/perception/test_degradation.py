@@ -1,7 +1,20 @@
+import cv2
 import numpy as np
 import pytest
 
-from scenario_compiler.perception.degradation import RAIN, SENSOR_NOISE, add_noise, generator
+from scenario_compiler.perception.degradation import (
+    RAIN,
+    SENSOR_NOISE,
+    Degradation,
+    Sensor,
+    add_impulses,
+    add_noise,
+    degraded,
+    generator,
+    overexposed,
+    quantised,
+    without_rows,
+)
 
 GREY = np.full((64, 128, 3), 128, np.uint8)
 
@@ -38,3 +51,57 @@ def test_streams_of_a_frame_differ() -> None:
 
 def test_negative_seeds_and_large_frame_numbers_are_taken() -> None:
     assert generator(-1, 2**63, RAIN).random() >= 0.0
+
+
+def test_impulses_strike_the_share_of_pixels_asked_for_half_black_and_half_white() -> None:
+    struck = add_impulses(GREY, 0.2, 1, 3)
+    assert (struck == 0).all(axis=2).mean() == pytest.approx(0.1, abs=0.02)
+    assert (struck == 255).all(axis=2).mean() == pytest.approx(0.1, abs=0.02)
+    assert np.array_equal(struck, add_impulses(GREY, 0.2, 1, 3))
+    assert not np.array_equal(struck, add_impulses(GREY, 0.2, 1, 4))
+    assert (GREY == 128).all()
+
+
+def test_overexposure_adds_to_the_brightest_channel_and_keeps_the_hue() -> None:
+    pixel = np.array([[[20, 40, 80], [0, 0, 0], [100, 200, 250]]], np.uint8)
+    assert overexposed(pixel, 80 / 255).tolist() == [[[40, 80, 160], [80, 80, 80], [102, 204, 255]]]
+    assert (overexposed(GREY, 1.0) == 255).all()
+
+
+def test_dead_rows_are_the_same_in_every_image_and_more_of_them_grow_from_those() -> None:
+    few, many = (np.flatnonzero((without_rows(GREY, share, 1) == 0).all(axis=(1, 2))) for share in (0.1, 0.4))
+    assert 0 < len(few) < len(many)
+    assert set(few) <= set(many)
+    assert np.array_equal(without_rows(GREY, 0.1, 1), without_rows(GREY, 0.1, 1))
+
+
+@pytest.mark.parametrize(("coarse", "levels"), [(1.0, 2), (5 / 7, 8), (3 / 7, 32)])
+def test_coarse_grey_levels_go_evenly_from_black_to_white(coarse: float, levels: int) -> None:
+    ramp = np.repeat(np.arange(256, dtype=np.uint8)[None, :, None], 3, axis=2)
+    found = np.unique(quantised(ramp, coarse))
+    assert len(found) == levels
+    assert (found[0], found[-1]) == (0, 255)
+    assert np.ptp(np.diff(found.astype(int))) <= 1
+
+
+@pytest.mark.parametrize("threads", [1, 2, 7])
+def test_what_goes_wrong_does_not_depend_on_the_number_of_threads(threads: int) -> None:
+    state = Degradation(10.0, 0.1, 2.0, 0.2, impulses=0.1, brighter=0.2, dead_rows=0.1, coarse=0.4)
+    image = generator(5, 0, 0).integers(0, 256, (128, 256, 3), dtype=np.uint8)
+    before = cv2.getNumThreads()
+    try:
+        cv2.setNumThreads(1)
+        alone = degraded(image, state, 1, 2)
+        cv2.setNumThreads(threads)
+        assert np.array_equal(degraded(image, state, 1, 2), alone)
+    finally:
+        cv2.setNumThreads(before)
+
+
+def test_late_images_arrive_when_they_are_due_and_the_last_one_stays_until_then() -> None:
+    sensor, seen = Sensor(1), []
+    for k in range(10):
+        late = 0.3 if 2 <= k < 7 else 0.0
+        image = np.full((4, 4, 3), k, np.uint8)
+        seen.append(int(sensor.deliver(image, Degradation(late=late), k, 0.1 * k)[0, 0, 0]))
+    assert seen == [0, 1, 1, 1, 1, 2, 3, 7, 8, 9]

@@ -61,6 +61,7 @@ def origin(server: Served) -> str:
         *("/participant/3", "/participant/0", "/participant/-1", "/participant/1/../../etc/passwd", "/participant/x"),
         *("/study/../server.py", "/study/%2e%2e/server.py", "/study/first.html.jinja", "/study/..%2fserver.py"),
         *("/participant/3/about", "/participant/1/about", "/participant/3/state", "/sourcedata/study.json", "/data"),
+        f"/participant/{'9' * 5000}",
     ],
 )
 def test_nothing_else_is_served(own: Served, path: str) -> None:

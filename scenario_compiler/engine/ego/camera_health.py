@@ -12,6 +12,9 @@ the confidence in both sides of the lane.
     dropout     the image is missing                           every image               missing: health 0
     freeze      the image before is repeated while moving      every image               repeated: health 0
 
+Impulse noise, overexposure, dead rows and coarse grey levels have no curve: of these the detector's estimators see the
+strongest alone, as noise, blur or dirt, and ideal perception sees none.
+
 The numbers are policy, not measurement: they say from where on a camera counts as failing. 220 grey levels are white
 paint at a clear noon; a darker scene counts as black sooner in the image than in the engine.
 """
@@ -34,6 +37,9 @@ TONES_WIDTH = 2.0
 BLUR_AT_ONE = 9.0
 BLUR_MIDDLE = 4.5
 BLUR_WIDTH = 0.5
+
+IMPULSES_AT_ONE = 0.5
+"""Share of the pixels that impulse noise of amount 1 strikes."""
 
 DIRT_MIDDLE = 0.5
 DIRT_WIDTH = 0.05

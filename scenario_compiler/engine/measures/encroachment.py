@@ -28,12 +28,16 @@ APART = 0.1
 @compiled
 def rows_between(step: float) -> int:
     """Return the number of time steps from one kept row to the next: as many as fit into `APART`, at least one."""
+    if not step > 0.0:
+        return 1
     return int(clip(APART / max(step, 1.0e-9) + 1.0e-6, 1.0, 1.0e6))
 
 
 @compiled
 def rows_looked_at(step: float) -> int:
     """Return how many kept rows before the present one are looked at, and one."""
+    if not step > 0.0:
+        return 1
     return int(clip(LONGEST / max(step * rows_between(step), 1.0e-9) + 0.5, 1.0, 1.0 * TRAIL_ROWS))
 
 
@@ -127,7 +131,10 @@ def look_back(p: Program, st: State, m: Totals, i: int, j: int, limit: int) -> t
         elif step <= 0.0:
             return limit, free
         else:
-            k += int(clip(0.5 * gap / step, 1.0, 1.0 * TRAIL_ROWS))
+            leap = clip(0.5 * gap / step, 1.0, 1.0 * TRAIL_ROWS)
+            if not leap >= 1.0:
+                leap = 1.0
+            k += int(leap)
     return limit, free
 
 
@@ -152,7 +159,9 @@ def add_encroachment(p: Program, st: State, m: Totals, ego: int) -> None:
     """Add the row of now; nothing is left to find once boxes have overlapped at one time."""
     if m.rows[0] == 1:
         begin_trails(p, m, ego)
-    if m.movers[0] == 0 or m.touched[0] == 1 or (m.rows[0] - 1) % max(m.trail_every[0], 1) != 0:
+    if st.flag[0] != op.FAULT_NONE or m.movers[0] == 0 or m.touched[0] == 1:
+        return
+    if (m.rows[0] - 1) % max(m.trail_every[0], 1) != 0:
         return
     before = m.trail_at[0] - 1 if m.trail_at[0] > 0 else TRAIL_ROWS - 1
     for i in range(p.entity_count[0]):

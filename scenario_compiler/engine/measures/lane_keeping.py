@@ -41,6 +41,8 @@ def deviation_of(m: Totals, k: int) -> float:
 @compiled
 def rows_of_window(step: float) -> int:
     """Return the number of rows of a window in which lane keeping may be stable."""
+    if not step > 0.0:
+        return 2
     return int(clip(WINDOW / max(step, 1.0e-6) + 0.5, 2.0, 1.0e6))
 
 

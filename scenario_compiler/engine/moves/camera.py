@@ -25,6 +25,11 @@ FAILURE_CODES = {
     "blackout": op.FAILURE_BLACKOUT,
     "blur": op.FAILURE_BLUR,
     "dirt": op.FAILURE_DIRT,
+    "impulse_noise": op.FAILURE_IMPULSE_NOISE,
+    "overexposure": op.FAILURE_OVEREXPOSURE,
+    "dead_rows": op.FAILURE_DEAD_ROWS,
+    "quantisation": op.FAILURE_QUANTISATION,
+    "latency": op.FAILURE_LATENCY,
 }
 """Codes of the kinds of failures."""
 

@@ -15,6 +15,11 @@ FAILURE_CODES: dict[FailureKind, int] = {
     "blackout": op.FAILURE_BLACKOUT,
     "blur": op.FAILURE_BLUR,
     "dirt": op.FAILURE_DIRT,
+    "impulse_noise": op.FAILURE_IMPULSE_NOISE,
+    "overexposure": op.FAILURE_OVEREXPOSURE,
+    "dead_rows": op.FAILURE_DEAD_ROWS,
+    "quantisation": op.FAILURE_QUANTISATION,
+    "latency": op.FAILURE_LATENCY,
 }
 
 SENSOR_CODES: dict[SensorKind, int] = {
@@ -74,7 +79,7 @@ def add_failure(draft: ProgramBuilder, failure: Failure, *, waits: bool) -> int:
     duration = -1.0 if failure.duration is None else failure.duration
     p.failure_kind.append(FAILURE_CODES[failure.kind])
     p.failure_waits.append(1 if waits else 0)
-    p.failure_const.append(draft.block(failure.onset, duration, failure.ramp, failure.amount))
+    p.failure_const.append(draft.block(failure.onset, duration, failure.ramp, failure.strength))
     p.failure_count[0] = len(p.failure_kind)
     return p.failure_count[0] - 1
 

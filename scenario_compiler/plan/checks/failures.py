@@ -10,7 +10,7 @@ from scenario_compiler.plan.checks.triggers import AFTER_THE_END
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.roads import Network
 from scenario_compiler.vocabulary.scenario import parameter_values
-from scenario_compiler.vocabulary.sensors import Failure
+from scenario_compiler.vocabulary.sensors import SEVERITIES, Failure
 from scenario_compiler.vocabulary.word import number_value
 
 CUT_SHORT = Code(
@@ -23,17 +23,46 @@ CUT_SHORT = Code(
     Severity.WARNING,
 )
 
+NO_SEVERITY = Code(
+    "SC406",
+    "no-severity",
+    "The severities 1 to 5 are those of ImageNet-C, which has them for noise, blur, impulse_noise and overexposure; "
+    "for other kinds `amount` says how severe a failure is. One failure has one of the two."
+    '\n\n    <failure kind="dirt" severity="3"/>     <failure kind="dirt" amount="0.5"/>',
+)
+UNNOTICED = Code(
+    "SC407",
+    "failure-without-effect",
+    "With ideal perception no picture is drawn, and a failure shows in the sensor's health alone, for which there is "
+    "no curve over impulse_noise, overexposure, dead_rows, quantisation and latency. The failure is ignored; "
+    "`--perception camera` shows it."
+    '\n\n    <failure kind="dead_rows" amount="0.2"/>     with --perception ideal',
+    Severity.WARNING,
+)
+UNNOTICED_KINDS = ("impulse_noise", "overexposure", "dead_rows", "quantisation", "latency")
+"""Kinds that ideal perception has no curve for."""
+
 
 def check_failures(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Warn of failures, in the camera or begun by an action, that begin too late or end too soon."""
+    """Report failures, the camera's or an action's, that begin too late, end too soon, or say two things."""
     del network
     values = parameter_values(plan.parameters)
     begun = [action for _, action in plan.storyboard.actions() if isinstance(action, Failure)]
     for failure in (*plan.camera.failures, *begun):
         _check(failure, plan.duration, values, sink)
+        if plan.perception == "ideal" and failure.kind in UNNOTICED_KINDS:
+            message = f"with ideal perception a failure of the kind '{failure.kind}' is ignored"
+            sink.add(UNNOTICED, message, failure.place_of("kind"), hint="--perception camera shows it")
 
 
 def _check(failure: Failure, end: float, values: Mapping[str, Value], sink: Diagnostics) -> None:
+    if failure.severity is not None:
+        if failure.kind not in SEVERITIES:
+            message = f"ImageNet-C has no severities of '{failure.kind}'"
+            sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="say `amount`, from 0 to 1")
+        elif failure.amount != 1.0:
+            message = "the failure has an amount and a severity"
+            sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="leave one of them out")
     onset, ramp = number_value(failure.onset, values), number_value(failure.ramp, values)
     if onset >= end:
         message = f"the failure begins at {onset:g} s, but the run ends at {end:g} s"

@@ -1,0 +1,184 @@
+"""A person's session without a browser: its steps, what a program that ends leaves, and sessions in a row."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from scenario_compiler.compiler import Overrides, StudyCompilation, compile_study, read_source
+from scenario_compiler.diagnostics import Diagnostics
+from scenario_compiler.live.session import Picture, Session
+from scenario_compiler.source.study import StudyFile
+from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
+from scenario_compiler.study.tables import read_table
+from tests.live.serving import waited_for
+from tests.study import made
+
+ANSWERS = {"hard": "3", "calm": "5", "first": "sound", "more": ""}
+
+
+def compiled(folder: Path, **changes: str) -> StudyCompilation:
+    study = made.study(folder)
+    text = study.read_text()
+    for old, new in changes.items():
+        text = text.replace(f'{old}="2"', f'{old}="{new}"')
+    study.write_text(text)
+    conflicts = folder / "conflicts.xml"
+    conflicts.write_text(conflicts.read_text().replace('duration="8"', 'duration="2"'))
+    read = read_source(study, Diagnostics())
+    assert read is not None
+    assert isinstance(read[1], StudyFile)
+    done = compile_study(read[1], Diagnostics(), overrides=Overrides(perception="ideal", driven_by="person"))
+    assert done is not None
+    return done
+
+
+@pytest.fixture
+def rules(tmp_path: Path) -> Rules:
+    return Rules(compiled(tmp_path, repetitions="1"), tmp_path / "data", None, (64, 36))
+
+
+def watching(attendance: Attendance) -> Callable[[Picture], bool]:
+    """Return a page that answers its probe at once."""
+
+    def show(picture: Picture) -> bool:
+        if picture.about.get("held") == "probe":
+            attendance.heard("answers", {"answers": {"speed": "36", "driver": "automation"}, "seconds": 1.5})
+        return True
+
+    return show
+
+
+def run_of(attendance: Attendance) -> Session:
+    """Begin the run that an attendance has reached, as its page does, and wait for its end."""
+    assert attendance.cockpit is not None
+    session = attendance._begin(watching(attendance))
+    assert session is not None
+    attendance.cockpit.session = session
+    session.start()
+    session.join()
+    return session
+
+
+def kinds(attendance: Attendance) -> list[str]:
+    return [one["kind"] for one in attendance.journal.records]
+
+
+def test_a_session_goes_step_by_step(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    with pytest.raises(OutOfPlaceError):
+        one.go_on(0, {"agree": "yes"})
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(0, {"agree": "no"})
+    with pytest.raises(OutOfPlaceError):
+        one.go_on(2, {})
+    one.go_on(1, {})
+    assert run_of(one).finished is not None
+    for wrong in ({}, ANSWERS | {"hard": "8"}, ANSWERS | {"first": "smell"}, ANSWERS | {"more": "x" * 5000}):
+        with pytest.raises(OutOfPlaceError):
+            one.go_on(3, wrong)
+    one.go_on(3, ANSWERS | {"name": "not asked for"})
+    run_of(one)
+    one.go_on(5, ANSWERS)
+    assert one.presence == "finished"
+    one.close()
+    assert "name" not in json.dumps([record for record in one.journal.records if record["kind"] == "done"])
+    rows = read_table(one.seat.table("short", "beh"))
+    assert [(row["run"], row["probe_right"], row["marks"]) for row in rows] == [("1", "2", "n/a"), ("2", "2", "n/a")]
+    assert read_table(rules.root / "participants.tsv")[0]["sessions_done"] == "1"
+
+
+def test_a_run_that_the_program_ends_is_begun_again(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+
+    session = one._begin(lambda picture: True)
+    assert session is not None
+    session.start()
+    waited_for(lambda: session.held == "probe")
+    one.close()
+    assert not session.is_alive()
+    assert kinds(one)[-1] == "begun"
+    again = Attendance(rules, 1)
+    assert (again.step.number, again.presence) == (2, "waiting")
+    again.start()
+    assert run_of(again).number == 2
+    again.close()
+    assert [row["attempt"] for row in read_table(again.seat.table("short", "beh"))] == ["2"]
+
+
+def test_tables_that_are_missing_are_made_when_the_program_starts_again(rules: Rules) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+    run_of(one)
+    one.close()
+    table = one.seat.table("short", "beh")
+    before = table.read_bytes()
+    table.unlink()
+    Attendance(rules, 1).close()
+    assert table.read_bytes() == before
+
+
+def test_who_has_finished_a_session_begins_the_next(tmp_path: Path) -> None:
+    done = compiled(tmp_path, repetitions="1")
+    study = done.study.model_copy(update={"sessions": 2, "before": None, "after_each": None, "task": None})
+    done = StudyCompilation(done.file, study, done.conditions, done.others)
+    rules = Rules(done, tmp_path / "data", None, (64, 36))
+    one = Attendance(rules, 1)
+    for session in (1, 2):
+        one.start()
+        assert (one.seat.session, one.presence) == (session, "started")
+        run_of(one)
+        run_of(one)
+        assert one.presence == "finished"
+    one.start()
+    assert (one.seat.session, one.presence) == (2, "finished")
+    one.close()
+    assert read_table(rules.root / "participants.tsv")[0]["sessions_done"] == "2"
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"answers": {"speed": "36"}, "seconds": 1.0},
+        {"answers": {"speed": "36", "driver": "my cat"}, "seconds": 1.0},
+        {"answers": {"speed": "36", "driver": "me"}, "seconds": float("nan")},
+        {"answers": [], "seconds": 1.0},
+        {},
+    ],
+)
+def test_answers_that_are_none_leave_the_run_standing(rules: Rules, message: dict[str, object]) -> None:
+    one = Attendance(rules, 1)
+    one.start()
+    one.go_on(0, {"agree": "yes"})
+    one.go_on(1, {})
+    refused: list[Exception] = []
+
+    def show(picture: Picture) -> bool:
+        if picture.about.get("held") == "probe" and not refused:
+            try:
+                one.heard("answers", dict(message))
+            except (ValueError, KeyError, TypeError) as error:
+                refused.append(error)
+        elif picture.about.get("held") == "probe":
+            one.abort()
+        return True
+
+    session = one._begin(show)
+    assert session is not None
+    assert one.cockpit is not None
+    one.cockpit.session = session
+    session.start()
+    session.join()
+    one.close()
+    assert len(refused) == 1
+    assert "probe" not in kinds(one)
+    assert next(record for record in one.journal.records if record["kind"] == "driven")["marks"] == ["aborted"]
