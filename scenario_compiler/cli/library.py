@@ -105,7 +105,7 @@ def _print(found: Survey, file: TextIO) -> None:
 
 
 def _separate(found: Survey, options: argparse.Namespace) -> None:
-    """Run the scenarios with the four drivers, write the page, and print how many of them differ."""
+    """Run the scenarios with the four drivers, write the page, and print how many separate the drivers."""
     from scenario_compiler.outputs import write_whole
     from scenario_compiler.survey.separating import separate_all
     from scenario_compiler.survey.separation_page import separation_page

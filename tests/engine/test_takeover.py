@@ -41,11 +41,11 @@ def test_the_budget_to_what_comes_towards_the_car_counts_the_speed_of_both(budge
     draft = Draft(network_of(road(1, 2000.0, lane(-1, "solid"), left=lane(1, "solid"))), far)
     draft.causes(op.CAUSE_PATH_BLOCKED)
     draft.ego(speed=SPEED)
-    ghost = draft.moving(1, 650.0, towards)
-    draft.event(draft.maneuver(), draft.at_time(0.0), draft.lane_change(ghost, -1, 0.1))
+    draft.entity(op.MOTION_SCRIPTED, draft.position(0, -1, 650.0, 0.0, math.pi), towards)
     run = draft.start()
-    while run.st.takeover_state[0] < op.TAKEOVER_REQUEST:
+    while run.st.takeover_state[0] < op.TAKEOVER_REQUEST and run.st.stop[0] == op.STOP_NONE:
         run.go(run.st.clock[0] + 0.05)
+    assert run.time_of(op.EVENT_REQUEST) > 0.0
     assert run.st.blocked_speed[0] == pytest.approx(towards, rel=1e-3)
     assert run.st.blocked_distance[0] / (run.st.v[0] + towards) == pytest.approx(budget, abs=0.11)
 
@@ -61,15 +61,11 @@ def test_a_stop_obstructs_a_lane_that_goes_on_and_not_one_that_is_blocked() -> N
 
 
 def test_a_leader_that_drives_on_does_not_hold_who_has_stopped() -> None:
-    for leads in (12.0, 0.0):
-        draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_NOISE: 60.0})
-        draft.ego(speed=12.0)
-        leader = draft.moving(-1, 85.0, 12.0)
-        if leads == 0.0:
-            draft.event(draft.maneuver(), draft.at_time(0.5), draft.speed(leader, 0.0, 1.0))
-        run = draft.start().go()
-        assert run.time_of(op.EVENT_STANDSTILL) > 0.0
-        assert (run.time_of(op.EVENT_OBSTRUCTION) > 0.0) == (leads > 0.0)
+    draft = Draft(highway(), {slots.K_DRIVER_TIME: 1.0e6, slots.K_NOISE: 60.0})
+    draft.ego(speed=12.0)
+    draft.moving(-1, 85.0, 12.0)
+    run = draft.start().go()
+    assert run.time_of(op.EVENT_OBSTRUCTION) == run.time_of(op.EVENT_STANDSTILL) > 0.0
 
 
 def test_a_cause_that_is_switched_off_asks_for_nothing() -> None:
