@@ -100,7 +100,7 @@ class RoadCamera:
             state: What is wrong with the camera; a number is the standard deviation of its noise, grey levels.
             frame_index: Number of the frame.
             signals: States of traffic lights (see `draw`).
-            t: Time of the frame, s, by which late images are told from those that are due.
+            t: Time of the frame, s, which says whether a late image is due.
         """
         image = self.draw(pose, objects, weather, signals).image(self.seed, frame_index)
         wrong = state if isinstance(state, Degradation) else Degradation(sigma=state)
