@@ -64,9 +64,7 @@ classical one as far as the more doubtful of the two does:
 ```python
 from dataclasses import replace
 
-from scenario_compiler.perception.camera import Camera
-from scenario_compiler.perception.detectors import create_detector
-from scenario_compiler.perception.lane_detector import Image, LaneResult, LaneState
+from scenario_compiler.perception import Camera, Image, LaneResult, LaneState, create_detector
 
 
 class Cautious:
