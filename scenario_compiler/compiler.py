@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from lxml import etree
 
@@ -35,25 +35,16 @@ from scenario_compiler.resources import templates_from
 from scenario_compiler.roads import Network
 from scenario_compiler.source.building import completed
 from scenario_compiler.source.declared import Declaration
-from scenario_compiler.source.study import (
-    NOBODY_TAKES_OVER,
-    UNREADABLE_PART,
-    Condition,
-    Foil,
-    Practice,
-    SetParameter,
-    StudyElement,
-    StudyFile,
-    StudyScenario,
-    conditions_of,
-    located,
-)
+from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.driver import DriverModel, Person
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
 from scenario_compiler.vocabulary.takeover import Message, Takeover
 from scenario_compiler.vocabulary.variation import Vary
+
+if TYPE_CHECKING:
+    from scenario_compiler.source.study import Condition, Foil, Practice, SetParameter, StudyElement, StudyScenario
 from scenario_compiler.vocabulary.weather import is_clear
 
 
@@ -224,6 +215,15 @@ def compile_study(
     Raises:
         ConfigurationError: The user's configuration file cannot be read.
     """
+    from scenario_compiler.source.study import (
+        NOBODY_TAKES_OVER,
+        UNREADABLE_PART,
+        Foil,
+        Practice,
+        conditions_of,
+        located,
+    )
+
     study = source.study
     if study is None:
         return None

@@ -23,13 +23,7 @@ from scenario_compiler.source.conflict import Library, LibraryElement, read_libr
 from scenario_compiler.source.declared import Declaration, declared_in
 from scenario_compiler.source.expansion import around, catalog_driver, check_template, expand_scenario
 from scenario_compiler.source.form import judge_form
-from scenario_compiler.source.study import (
-    QuestionnaireElement,
-    StudyElement,
-    StudyFile,
-    read_questionnaire,
-    read_study,
-)
+from scenario_compiler.source.study_file import QUESTIONNAIRE, STUDY, StudyFile
 from scenario_compiler.source.unused import report_unused_templates
 from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.scenario import Scenario
@@ -68,10 +62,10 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
         return read_library(document, sink)
     if root == CatalogElement.tag():
         return Library(document, catalogs=read_catalog(ReadingContext(document, sink, Environment())))
-    if root == StudyElement.tag():
-        return read_study(document, sink)
-    if root == QuestionnaireElement.tag():
-        return read_questionnaire(document, sink)
+    if root in (STUDY, QUESTIONNAIRE):
+        from scenario_compiler.source.study_reading import read_questionnaire, read_study
+
+        return read_study(document, sink) if root == STUDY else read_questionnaire(document, sink)
     if root == "config":
         return read_aisa(document, sink)
     place = document.origin(document.root)
@@ -79,8 +73,7 @@ def parse(document: Document, sink: Diagnostics) -> Source | None:
         from scenario_compiler.openscenario.expansion import read_openscenario
 
         return read_openscenario(document, sink)
-    known = [*(word.tag() for word in (LibraryElement, CatalogElement, StudyElement, QuestionnaireElement))]
-    known += ["config", "OpenSCENARIO"]
+    known = [LibraryElement.tag(), CatalogElement.tag(), STUDY, QUESTIONNAIRE, "config", "OpenSCENARIO"]
     namespace, _, name = root.removeprefix("{").rpartition("}")
     if name in known and namespace:
         message = f"the elements are in the namespace '{namespace}', which this language does not have"

@@ -18,7 +18,7 @@ from scenario_compiler.interruption import left_to_this_process
 from scenario_compiler.languages import check_source, drop_allowed
 from scenario_compiler.plan.store import read_plan
 from scenario_compiler.resources import templates_from, templates_given
-from scenario_compiler.source.study import StudyFile
+from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.structure.schemas import Schemas
 from scenario_compiler.trust import ConfigurationError, Trust
 

@@ -41,7 +41,8 @@ from scenario_compiler.report.reference import run_folder_page
 from scenario_compiler.resources import library_folder, maps_folder
 from scenario_compiler.source.catalogs import CatalogElement, catalogs_in
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.source.form import STUDIES, conflict_xsd, study_xsd
+from scenario_compiler.source.form import conflict_xsd, study_xsd
+from scenario_compiler.source.study import STUDIES
 from scenario_compiler.vocabulary.reference import language_page as reference_page
 from scenario_compiler.vocabulary.takeover import CauseKind
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather

@@ -99,7 +99,7 @@ def _compiled(options: argparse.Namespace, sink: Diagnostics) -> StudyCompilatio
     from scenario_compiler.compiler import Overrides, compile_study, read_source
     from scenario_compiler.controllers import refuse_untrusted
     from scenario_compiler.languages import check_source
-    from scenario_compiler.source.study import StudyFile
+    from scenario_compiler.source.study_file import StudyFile
 
     keep_loaded()
     by_model = options.pilot or options.action == "plan"

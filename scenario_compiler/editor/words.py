@@ -10,13 +10,11 @@ from scenario_compiler.editor.draft import Draft, Tag
 from scenario_compiler.languages import OPENSCENARIO
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.source.study import QuestionnaireElement, StudyElement
+from scenario_compiler.source.study import STUDIES
 from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, grammar_of
 from scenario_compiler.vocabulary.word import Word
 
-ROOTS: Mapping[str, type[Word]] = {
-    word.tag(): word for word in (LibraryElement, CatalogElement, StudyElement, QuestionnaireElement)
-}
+ROOTS: Mapping[str, type[Word]] = {word.tag(): word for word in (LibraryElement, CatalogElement, *STUDIES)}
 """The first elements of the files that are edited word by word; of others the findings alone are shown."""
 
 

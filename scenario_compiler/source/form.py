@@ -13,22 +13,19 @@ from scenario_compiler.markup import codes
 from scenario_compiler.resources import schema_file
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement
-from scenario_compiler.source.study import QuestionnaireElement, StudyElement
-
-CONFLICTS = (LibraryElement, CatalogElement)
-STUDIES = (StudyElement, QuestionnaireElement)
-"""First elements of the files that each schema judges."""
+from scenario_compiler.source.study_file import QUESTIONNAIRE, STUDY
 
 
 def conflict_xsd() -> str:
     """Return the schema of the conflict language's files."""
     from scenario_compiler.vocabulary.schema import xsd_of
 
-    return xsd_of(CONFLICTS)
+    return xsd_of((LibraryElement, CatalogElement))
 
 
 def study_xsd() -> str:
     """Return the schema of the files of studies and questionnaires."""
+    from scenario_compiler.source.study import STUDIES
     from scenario_compiler.vocabulary.schema import xsd_of
 
     return xsd_of(STUDIES)
@@ -36,7 +33,7 @@ def study_xsd() -> str:
 
 def judge_form(document: Document, sink: Diagnostics) -> None:
     """Report what the schema finds in a file; nothing when the schema is not there."""
-    is_study = document.root.tag in {word.tag() for word in STUDIES}
+    is_study = document.root.tag in (STUDY, QUESTIONNAIRE)
     schema = _schema("study.xsd" if is_study else "conflict.xsd")
     if schema is None or schema.validate(document.root):
         return

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.document import read_document
-from scenario_compiler.source.study import QuestionnaireElement, read_questionnaire
+from scenario_compiler.source.study import QuestionnaireElement
+from scenario_compiler.source.study_reading import read_questionnaire
 
 STUDY = """\
 <study version="1" name="short" participants="2" repetitions="2" seed="3" summary="Do texts shorten takeovers?">

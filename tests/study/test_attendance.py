@@ -11,7 +11,7 @@ import pytest
 from scenario_compiler.compiler import Overrides, StudyCompilation, compile_study, read_source
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import Picture, Session
-from scenario_compiler.source.study import StudyFile
+from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
 from scenario_compiler.study.tables import read_table
 from tests.live.serving import waited_for

@@ -10,7 +10,7 @@ import pytest
 
 from scenario_compiler.compiler import Overrides, compile_study, read_source
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.source.study import StudyFile
+from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.attendance import Attendance, Rules
 from tests.study import made
 

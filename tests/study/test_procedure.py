@@ -10,7 +10,8 @@ import pytest
 
 from scenario_compiler.compiler import read_source
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.source.study import StudyElement, StudyFile, square_rows
+from scenario_compiler.source.study import StudyElement, square_rows
+from scenario_compiler.source.study_file import StudyFile
 from scenario_compiler.study.procedure import order_of, procedure, square_row
 
 FILE = Path(__file__).parents[1] / "source" / "study" / "every_word.xml"

@@ -10,7 +10,7 @@ from lxml import etree
 from scenario_compiler.source import aisa
 from scenario_compiler.source.catalogs import CatalogElement
 from scenario_compiler.source.conflict import LibraryElement, Use
-from scenario_compiler.source.form import STUDIES
+from scenario_compiler.source.study import STUDIES
 from scenario_compiler.vocabulary.entities import Ego
 from scenario_compiler.vocabulary.grammar import grammar_of
 from scenario_compiler.vocabulary.markings import Markings

@@ -1,0 +1,39 @@
+"""A file of a study, or of a questionnaire, as it is known without the words of their language.
+
+They are imported (`study`) where such a file is read, since other files need none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from scenario_compiler.document import Document
+
+if TYPE_CHECKING:
+    from scenario_compiler.source.study import QuestionnaireElement, StudyElement
+
+STUDY, QUESTIONNAIRE = "study", "questionnaire"
+"""First elements of the files."""
+
+
+@dataclass(frozen=True)
+class StudyFile:
+    """A file of a study or of a questionnaire, with what it names.
+
+    Attributes:
+        document: The file.
+        study: The study; None for a questionnaire, or where it could not be read.
+        questionnaire: The questionnaire that the file itself is; None for a study.
+        questionnaires: The questionnaires that a study names, by the names of their files.
+        pages: The texts of the Markdown files that a study names, by their names.
+        scenarios: Empty: conflicts stand in files of their own.
+    """
+
+    document: Document
+    study: StudyElement | None = None
+    questionnaire: QuestionnaireElement | None = None
+    questionnaires: Mapping[str, QuestionnaireElement] = field(default_factory=dict)
+    pages: Mapping[str, str] = field(default_factory=dict)
+    scenarios: Mapping[str, object] = field(default_factory=dict)

@@ -1,0 +1,162 @@
+"""Reading the study's own files, with the pages and questionnaires that a study names."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from scenario_compiler.diagnostics import Diagnostics, Place, did_you_mean
+from scenario_compiler.document import Document, read_document
+from scenario_compiler.files import read_file
+from scenario_compiler.markup import names
+from scenario_compiler.markup.environment import Environment, ReadingContext
+from scenario_compiler.markup.reading import read_word
+from scenario_compiler.source.study import (
+    EMPTY_RANGE,
+    UNEVEN_SQUARE,
+    UNKNOWN_ITEM,
+    UNKNOWN_SCALE,
+    UNREADABLE_PART,
+    Ask,
+    Break,
+    Consent,
+    Hmi,
+    InstructionPage,
+    Item,
+    NumberItem,
+    Query,
+    QuestionnaireElement,
+    Scale,
+    ScaleItem,
+    Score,
+    Setting,
+    StudyElement,
+    StudyScenario,
+    conditions_of,
+    square_rows,
+)
+from scenario_compiler.source.study_file import StudyFile
+
+
+def read_study(document: Document, sink: Diagnostics) -> StudyFile:
+    """Return what a `<study>` file holds, with the pages and questionnaires that it names; report what is wrong."""
+    reading = ReadingContext(document, sink, Environment())
+    study = read_word(document.root, StudyElement, reading)
+    if study is None:
+        return StudyFile(document)
+    for named in (study.scenarios, study.hmis, study.settings, () if study.probe is None else study.probe.queries):
+        _report_doubles(named, sink)
+    probe = study.probe
+    if probe is not None and probe.latest < probe.earliest:
+        _report_empty("the probe", probe.earliest, probe.latest, probe.place_of("to"), sink)
+    rows = square_rows(len(conditions_of(study)))
+    if study.order == "latin_square" and study.participants % rows:
+        sink.add(
+            UNEVEN_SQUARE,
+            f"{study.participants} participants do not fill the {rows} rows of the balanced Latin square evenly",
+            study.place_of("participants"),
+            hint=f"{study.participants // rows * rows or rows} or {(study.participants // rows + 1) * rows} do",
+        )
+    pages = {}
+    for step in _pages_of(study):
+        text = _page(step.file, document.folder, step.place_of("file"), sink)
+        if text is not None:
+            pages[step.file] = text
+    questionnaires: dict[str, QuestionnaireElement] = {}
+    for ask in _asks_of(study):
+        if ask.file not in questionnaires:
+            found = _questionnaire_in(ask, document.folder, sink)
+            if found is not None:
+                questionnaires[ask.file] = found
+    _report_shared_names(study, questionnaires, sink)
+    return StudyFile(document, study, questionnaires=questionnaires, pages=pages)
+
+
+def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
+    """Return what a `<questionnaire>` file holds; report what is wrong."""
+    found = read_word(document.root, QuestionnaireElement, ReadingContext(document, sink, Environment()))
+    if found is None:
+        return StudyFile(document)
+    _report_doubles(found.scales, sink)
+    _report_doubles((*found.items, *found.scores), sink)
+    scales = {one.name for one in found.scales}
+    ranges: list[Scale | NumberItem] = [*found.scales, *(one for one in found.items if isinstance(one, NumberItem))]
+    for ranged in ranges:
+        if ranged.most <= ranged.least:
+            _report_empty(f"'{ranged.name}'", ranged.least, ranged.most, ranged.place_of("to"), sink)
+    numbers = {one.name for one in found.items if isinstance(one, ScaleItem | NumberItem)}
+    for item in found.items:
+        if isinstance(item, ScaleItem) and item.scale not in scales:
+            message = f"there is no scale '{item.scale}'"
+            sink.add(UNKNOWN_SCALE, message, item.place_of("scale"), hint=did_you_mean(item.scale, scales))
+    for score in found.scores:
+        for name in score.of:
+            if name not in numbers:
+                message = f"there is no item '{name}' whose answer is a number"
+                sink.add(UNKNOWN_ITEM, message, score.place_of("of"), hint=did_you_mean(name, numbers))
+    return StudyFile(document, questionnaire=found)
+
+
+def _report_doubles(
+    words: Iterable[StudyScenario | Hmi | Setting | Query | Scale | Item | Score], sink: Diagnostics
+) -> None:
+    first: dict[str, Place] = {}
+    for one in words:
+        place = one.place_of("name")
+        if one.name in first:
+            message = f"there is a <{one.tag()}> named '{one.name}' already"
+            sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(first[one.name]))
+        first.setdefault(one.name, place)
+
+
+def _report_empty(what: str, least: float, most: float, place: Place, sink: Diagnostics) -> None:
+    sink.add(EMPTY_RANGE, f"{what} goes from {least:g} to {most:g}", place)
+
+
+def _report_shared_names(study: StudyElement, found: Mapping[str, QuestionnaireElement], sink: Diagnostics) -> None:
+    """Report two files whose questionnaires have one name: their data would stand in one table."""
+    first: dict[str, str] = {}
+    for ask in _asks_of(study):
+        name = found[ask.file].name if ask.file in found else ""
+        if name and first.setdefault(name, ask.file) != ask.file:
+            message = f"the questionnaire of {ask.file} is named '{name}' like that of {first[name]}"
+            sink.add(names.DUPLICATE_NAME, message, ask.place_of("file"))
+
+
+def _pages_of(study: StudyElement) -> Iterator[Consent | InstructionPage | Break]:
+    for part in (study.before, study.after):
+        for step in () if part is None else part.steps:
+            if isinstance(step, Consent | InstructionPage):
+                yield step
+    if study.pause is not None and study.pause.file:
+        yield study.pause
+
+
+def _asks_of(study: StudyElement) -> Iterator[Ask]:
+    for part in (study.before, study.after_each, study.after):
+        for step in () if part is None else part.steps:
+            if isinstance(step, Ask):
+                yield step
+
+
+def _page(name: str, folder: Path, place: Place, sink: Diagnostics) -> str | None:
+    try:
+        return read_file(folder / name).decode("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        sink.add(UNREADABLE_PART, f"'{name}' is not UTF-8: byte {fault.start}", place)
+    except (OSError, ValueError) as fault:
+        reason = fault.strerror if isinstance(fault, OSError) and fault.strerror else str(fault)
+        sink.add(UNREADABLE_PART, f"'{name}' cannot be read: {reason}", place)
+    return None
+
+
+def _questionnaire_in(ask: Ask, folder: Path, sink: Diagnostics) -> QuestionnaireElement | None:
+    """Return the questionnaire of a file; its own faults are reported where they stand."""
+    inner = Diagnostics()
+    document = read_document(Path(os.path.normpath(folder / ask.file)), inner)
+    if document is None or document.root.tag != QuestionnaireElement.tag():
+        reason = next((one.message for one in inner), "its first element is not <questionnaire>")
+        sink.add(UNREADABLE_PART, f"'{ask.file}': {reason}", ask.place_of("file"))
+        return None
+    return read_questionnaire(document, sink).questionnaire
