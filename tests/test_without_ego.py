@@ -81,6 +81,7 @@ def test_init_actions_start_in_order_and_the_first_entity_is_reported() -> None:
         "final_speed",
         "maximum_drac",
         "minimum_distance",
+        "minimum_post_encroachment_time",
         "minimum_time_headway",
         "minimum_time_to_collision",
         "time_off_lanes",

@@ -119,7 +119,7 @@ def random_draft(number: int) -> Draft:
         draft.block(dice.between(0.0, 150.0), dice.between(100.0, 300.0), dice.unit(), dice.unit(), covered)
     ]
     if number % 10 == 5:
-        fade_and_hand_back(draft)
+        fade(draft, answer=number % 20 == 5)
     elif dice.unit() < 0.5:
         p.destination_road[0], p.destination_lane[0] = 0, -1
         p.const[slots.K_DESTINATION_S] = dice.between(60.0, 400.0)
@@ -156,12 +156,14 @@ def random_draft(number: int) -> Draft:
     return draft
 
 
-def fade_and_hand_back(draft: Draft) -> None:
-    """Let the marks fail over a short stretch, the driver answer soon and the automation take back."""
+def fade(draft: Draft, *, answer: bool) -> None:
+    """Let the marks fail over a short stretch; the driver answers soon and hands back, or the automation stops."""
     p = draft.program
     p.const[p.stretch_const[0] : p.stretch_const[0] + slots.M_SIZE] = [60.0, 110.0, 0.0, 0.0, 0.0]
     p.stretch_lane[0] = op.ALL_MARKS
-    p.const[slots.K_NOISE], p.const[slots.K_DRIVER_TIME], p.const[slots.K_HAND_BACK_AFTER] = 0.0, 0.5, 1.0
+    p.const[slots.K_NOISE], p.const[slots.K_HAND_BACK_AFTER] = 0.0, 1.0
+    p.const[slots.K_DRIVER_TIME] = 0.5 if answer else 60.0
+    p.const[slots.K_RISK_AFTER + op.CAUSE_LANE_CONFIDENCE] = 10.0 if answer else 0.2
     p.const[p.entity_const[0] + slots.E_SPEED] = p.const[p.entity_const[0] + slots.E_DESIRED_SPEED] = 15.0
     p.driver_kind, p.perception, p.entity_motion[0] = [op.DRIVER_FIXED], [op.PERCEPTION_IDEAL], op.MOTION_BICYCLE
     p.ego[0] = 0

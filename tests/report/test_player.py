@@ -75,7 +75,7 @@ def test_an_address_leads_to_a_moment_and_back(browser: Browser, report: str, pl
         expect(page.locator(".clock")).to_have_text("4.00 s")
         expect(page.locator(".values")).to_contain_text("blocked by parked")
     player.keyboard.press("ArrowRight")
-    assert player.url.endswith("#t=0.05")
+    player.wait_for_function("location.hash === '#t=0.05'")
 
 
 def test_of_several_runs_an_address_names_one(browser: Browser, network: Network, tmp_path: Path) -> None:

@@ -119,6 +119,7 @@ def answered(page: Page) -> None:
     page.get_by_role("button", name="Continue").click()
 
 
+@pytest.mark.slow
 def test_two_participants_finish_a_study_whose_server_dies_in_the_middle(short: Path, browser: Browser) -> None:
     data = short.parent / "data"
     with served(*serving(short)) as server:
@@ -256,7 +257,7 @@ def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> No
     assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
 
 
-@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
 def test_pages_are_accessible_and_stay_in_the_window(short: Path, browser: Browser, width: int) -> None:
     def checked(page: Page) -> None:
         assert page.evaluate("document.documentElement.scrollWidth") <= width
