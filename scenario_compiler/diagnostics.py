@@ -105,6 +105,7 @@ CODE_HOMES = (
     "roads.xsd",
     "runtime.failures",
     "source.aisa",
+    "source.study",
     "openscenario.export.files",
     "openscenario.validation",
     "openscenario.xsd",

@@ -127,6 +127,7 @@ def test_tables_that_are_missing_are_made_when_the_program_starts_again(rules: R
     assert table.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_who_has_finished_a_session_begins_the_next(tmp_path: Path) -> None:
     done = compiled(tmp_path, repetitions="1")
     study = done.study.model_copy(update={"sessions": 2, "before": None, "after_each": None, "task": None})
