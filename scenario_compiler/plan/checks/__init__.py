@@ -6,6 +6,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.plan.checks.camera import check_camera
 from scenario_compiler.plan.checks.causes import check_causes
 from scenario_compiler.plan.checks.controllers import check_controllers
+from scenario_compiler.plan.checks.curves import check_curves
 from scenario_compiler.plan.checks.driver import check_driver
 from scenario_compiler.plan.checks.endless import check_endless
 from scenario_compiler.plan.checks.failures import check_failures
@@ -32,6 +33,7 @@ CHECKS: tuple[Callable[[Plan, Network, Diagnostics], None], ...] = (
     check_causes,
     check_driver,
     check_paths,
+    check_curves,
     check_plausible,
     check_budget,
     check_range,

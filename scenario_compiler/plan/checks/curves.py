@@ -1,0 +1,45 @@
+"""The knots of a NURBS belong to its control points."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.roads import Network
+from scenario_compiler.vocabulary.positions import Nurbs
+from scenario_compiler.vocabulary.traversal import walk
+
+MALFORMED_NURBS = Code(
+    "SC529",
+    "malformed-nurbs",
+    "A NURBS of a trajectory is no curve: it has as many knots as control points and order together, at least as many "
+    "control points as its order says, and knots that never fall and do not all lie in one place.\n\n"
+    '    <nurbs order="3" knots="0 0 1 1">              3 control points and the order 3 need 6 knots\n'
+    '    <nurbs order="3" knots="0 0 0 1 1 1">\n\n'
+    "Correct the knots or the order.",
+)
+
+
+def check_curves(plan: Plan, network: Network, sink: Diagnostics) -> None:
+    """Report each NURBS that is no curve."""
+    del network
+    for word in walk(plan.storyboard):
+        if isinstance(word, Nurbs):
+            fault = _fault_of(word)
+            if fault:
+                sink.add(MALFORMED_NURBS, fault, word.origin)
+
+
+def _fault_of(curve: Nurbs) -> str:
+    """Return what keeps a NURBS from being a curve; empty where nothing does."""
+    points, order, knots = len(curve.points), curve.order, curve.knots
+    if points < order:
+        return f"a NURBS of the order {order} has {order} control points or more, not {points}"
+    if len(knots) != points + order:
+        return f"a NURBS of the order {order} with {points} control points has {points + order} knots, not {len(knots)}"
+    if any(later < one for one, later in pairwise(knots)):
+        return "the knots of a NURBS never fall"
+    if knots[order - 1] >= knots[points]:
+        return "the knots of a NURBS do not all lie in one place"
+    return ""
