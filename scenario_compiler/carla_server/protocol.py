@@ -265,7 +265,6 @@ CALLS = (
     refused("enable_gbuffers", NO_BUFFER, (U32, BOOL), since="0.9.16"),
     refused("are_gbuffers_enabled", NO_BUFFER, (U32,), BOOL, "0.9.16"),
     refused("set_ignored_vehicles", "a lidar sees every vehicle", (U32, array(U32)), since="0.9.16"),
-    refused("get_ignored_vehicles", "a lidar sees every vehicle", (U32,), array(U32), "0.9.16"),
     ignored("send", "messages between vehicles are not simulated", U32, ANYTHING, since="0.9.16"),
     # Batches, drawing, what stands where.
     Call("apply_batch", (array(ANYTHING, MOST_COMMANDS), BOOL), RESPONSES, batch.apply),
