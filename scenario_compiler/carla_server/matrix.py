@@ -15,8 +15,8 @@ no effect; *refused* ones get an error that says why. [The guide](carla-server.m
 
 COUNTED = """These are the calls that the clients can make. In the wheels, one class makes them all
 (`carla::client::detail::Client`); as the symbols tell, its functions have 110 names in 0.9.15 and 134 in 0.9.16. Seven
-make no call, two make another one's, and three make a second one for other types: 104 and 128 calls. A test compares the
-functions in the wheel with this table. 0.9.16's `get_ignored_vehicles` asks nobody: the client answers it itself.
+make no call, two make another one's, and three make a second one for other types: 104 and 128 calls. A test compares
+the functions in the wheel with this table. 0.9.16's `get_ignored_vehicles` asks nobody: the client answers it itself.
 """
 
 
