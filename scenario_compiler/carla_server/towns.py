@@ -23,8 +23,8 @@ from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.spawn_points import read_spawn_points
 
 if TYPE_CHECKING:
-    from scenario_compiler.carla_server.terrain import Terrain
     from scenario_compiler.perception.scene import Scene
+    from scenario_compiler.perception.terrain import Terrain
 
 DRIVING = re.compile(rb"<lane\b[^>]*\btype\s*=\s*[\"']driving")
 """A lane for vehicles in an OpenDRIVE file."""
@@ -77,7 +77,7 @@ class Town:
 
     @cached_property
     def _terrain(self) -> Terrain:
-        from scenario_compiler.carla_server.terrain import Terrain
+        from scenario_compiler.perception.terrain import Terrain
 
         return Terrain(self._scene)
 

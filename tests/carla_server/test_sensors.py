@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.labels import Tag
 from tests.carla_server.conftest import STEP, Served
-from tests.carla_server.test_terrain import tilted
+from tests.perception.test_terrain import tilted
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
 """Run by `make test-carla`."""

@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from scenario_compiler import load_network
-from scenario_compiler.carla_server.terrain import Terrain, Window
 from scenario_compiler.perception.labels import Tag
 from scenario_compiler.perception.road_camera import scene_of
+from scenario_compiler.perception.terrain import Terrain, Window
 from scenario_compiler.roads import Network
 
 Floats = NDArray[np.float64]
@@ -61,11 +61,20 @@ def rays(count: int, lowest: float, highest: float) -> Floats:
     return np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], axis=1)
 
 
+def normal_of(network: Network) -> Floats:
+    """Return the normal (a, b, 1) of the plane through three points of the road."""
+    one, other, third = (np.array(network.lane_pose("1", -1, s, t)[:3]) for s, t in ((50, 0), (150, 0), (50, 15)))
+    normal = np.cross(other - one, third - one)
+    return np.asarray(normal / normal[2])
+
+
 @pytest.mark.parametrize(("grade", "bank"), SLOPES)
 def test_the_distance_to_a_tilted_plane(tmp_path: Path, grade: float, bank: float) -> None:
     network, terrain = read(tmp_path, tilted(grade, bank))
     middle = network.lane_pose("1", -1, 100.0, 15.0)
-    normal = np.array([-grade, -math.tan(bank), 1.0])
+    normal = normal_of(network)
+    if 0.0 in (grade, bank):
+        assert normal == pytest.approx([-grade, -math.tan(bank), 1.0], abs=1e-9)
     origin = np.array([middle.x, middle.y, middle.z + 1.8])
     directions = rays(4000, -40.0, 15.0)
     falls = -(directions @ normal)
