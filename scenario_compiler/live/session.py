@@ -6,8 +6,8 @@ import json
 import math
 import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median, quantiles
 from typing import Any, get_args
@@ -31,7 +31,7 @@ from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Told
 from scenario_compiler.vocabulary.word import number_value
-from scenario_compiler.worlds import WorldError
+from scenario_compiler.worlds import WorldError, WorldFinding
 
 FRAME_TIME = 0.04
 """Time from one picture to the next at least, s: 25 a second."""
@@ -78,6 +78,7 @@ class Drive:
         plan: The plan.
         network: Its map.
         world: Name of the world.
+        options: Options of the world.
         seed: Seed of all that is drawn.
         trust: Code of the user's own that the plan may name.
         folder: Folder of the run; None writes nothing. A server of several runs makes one for each below it.
@@ -93,6 +94,7 @@ class Drive:
     folder: Path | None = None
     size: tuple[int, int] = (1280, 720)
     plain: bool = False
+    options: Mapping[str, object] = field(default_factory=dict)
 
 
 class Session(threading.Thread):
@@ -107,6 +109,7 @@ class Session(threading.Thread):
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
         marks: What was not as planned: `person_left`, `requested`, `aborted`.
+        findings: What the world has done otherwise than the plan says.
     """
 
     def __init__(
@@ -145,6 +148,7 @@ class Session(threading.Thread):
             self.wheel = Wheel(drive.plan, inputs)
         self.ended = ""
         self.finished: Run | None = None
+        self.findings: list[WorldFinding] = []
         self.latencies: list[float] = []
         self.clock_offset = math.nan
         self._lost, self._shown = 0, 0
@@ -198,10 +202,11 @@ class Session(threading.Thread):
         """Go through the run, write its folder, and say how it ended."""
         drive = self.drive
         try:
-            with open_world(drive.world, drive.plan, drive.network) as world:
+            with open_world(drive.world, drive.plan, drive.network, **drive.options) as world:
                 execution = Execution(drive.plan, world, drive.seed, trust=drive.trust, person=self.wheel)
                 self._go(execution)
                 recording = execution.finish("user" if self._stopping.is_set() else "")
+                self.findings = list(world.findings)
             finished = Run(drive.plan, drive.network, recording, judge(drive.plan, recording))
             if self.wheel is not None:
                 self.wheel.close()
