@@ -4,23 +4,10 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.moves.camera import FAILURE_CODES
 from scenario_compiler.engine.program.builder import ProgramBuilder
-from scenario_compiler.vocabulary.sensors import Failure, FailureKind, SensorKind
+from scenario_compiler.vocabulary.sensors import Failure, SensorKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
-
-FAILURE_CODES: dict[FailureKind, int] = {
-    "noise": op.FAILURE_NOISE,
-    "dropout": op.FAILURE_DROPOUT,
-    "freeze": op.FAILURE_FREEZE,
-    "blackout": op.FAILURE_BLACKOUT,
-    "blur": op.FAILURE_BLUR,
-    "dirt": op.FAILURE_DIRT,
-    "impulse_noise": op.FAILURE_IMPULSE_NOISE,
-    "overexposure": op.FAILURE_OVEREXPOSURE,
-    "dead_rows": op.FAILURE_DEAD_ROWS,
-    "quantisation": op.FAILURE_QUANTISATION,
-    "latency": op.FAILURE_LATENCY,
-}
 
 SENSOR_CODES: dict[SensorKind, int] = {
     "camera": op.SENSOR_CAMERA,
