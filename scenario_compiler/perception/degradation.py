@@ -2,8 +2,8 @@
 
 In the order of the light's way: dirt on the lens, blur, darkness or too much light, noise, impulses, rows that are
 dead, coarse grey levels; then, at the readout, images that are missing, repeated or late: until the first late one is
-there, the last one stays. Overexposure adds to the value of
-hue, saturation and value, as ImageNet-C's brightness does; impulses strike all channels of a pixel.
+there, the last one stays. Overexposure adds to the value of hue, saturation and value, as ImageNet-C's brightness
+does; impulses strike all channels of a pixel.
 
 Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel, clipped to
 0-255. It is drawn with Philox, a counter-based generator keyed by (seed, frame index), so a frame's noise depends on
