@@ -251,10 +251,11 @@ def _finished_run(
 
 def _watched_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
     """Execute a plan in step with the clock, shown in a page; WrongUse where the run could not be made."""
-    sessions = serve_plan(plan, network, options, watched=True)
-    if not sessions or sessions[0].finished is None:
-        raise WrongUse(sessions[0].ended if sessions else "nobody opened the page")
-    return sessions[0].finished
+    runs: list[Run] = []
+    ended = serve_plan(plan, network, options, runs.append)
+    if not runs:
+        raise WrongUse(ended or "nobody opened the page")
+    return runs[0]
 
 
 def _write_run(run: Run, options: argparse.Namespace, folder: Path | None) -> None:

@@ -346,9 +346,9 @@ class Execution:
         states = zip(self.lowered.signals, self.state.signal_state, strict=True)
         return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
-    def note(self, kind: EventKind, message: str = "") -> None:
+    def note(self, kind: EventKind, *, cause: str = "", message: str = "") -> None:
         """Take down an event that the engine does not know of."""
-        self.builder.event(self.state.clock[0], kind, message=message)
+        self.builder.event(self.state.clock[0], kind, cause=cause, message=message)
 
     def finish(self, ended: StopReason = "") -> Recording:
         """Return the recording; `ended` is why a run was ended that could have gone on."""

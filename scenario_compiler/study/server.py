@@ -90,6 +90,7 @@ class StudyServer:
                 Route("/experimenter/do", self._ordered, methods=["POST"]),
                 Route("/shared/{name}", door.shared),
                 Route("/live/{name}", door.own),
+                Route("/sounds/{name:path}", door.sound),
                 Route("/study/{name}", self._own),
                 Route("/favicon.ico", lambda request: door.answer(request, lambda: Response(status_code=204))),
             ]
@@ -145,7 +146,7 @@ class StudyServer:
         if attendance.presence in ("waiting", "paused") and attendance.session is None:
             return self._rendered("waiting.html.jinja", **values)
         if step.kind == "drive":
-            return HTMLResponse(drive_page(base))
+            return HTMLResponse(drive_page(attendance.drive().language, base))
         text = self._markdown.render(source.pages[step.file]) if step.file in source.pages else ""
         if step.kind == "ask":
             asked = source.questionnaires[step.file]
