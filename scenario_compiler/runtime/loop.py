@@ -287,7 +287,8 @@ class Execution:
         command = EgoCommand(0.0, 0.0, 0.0)
         ego = self.program.ego[0]
         if ego >= 0:
-            command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego])
+            path = () if self.control is None else self.control.trajectory
+            command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego], path)
         moved = self.world.step(self.snapshot(self.plan.step), command)
         if moved is not None:
             self._pose_ego(ego, moved)

@@ -186,11 +186,13 @@ class EgoCommand:
         throttle: 0 to 1.
         steer: -1 to 1 of its greatest steering angle, positive to the left.
         brake: 0 to 1.
+        path: Path that the controller predicts, points (x ahead, y left) of the rear axle, m; empty without one.
     """
 
     throttle: float
     steer: float
     brake: float
+    path: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
