@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import jinja2
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
@@ -15,6 +14,7 @@ from starlette.websockets import WebSocket
 from scenario_compiler.live.cockpit import Cockpit, described
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.live.web import LIVE, Door, Server, address_of, listening_at, new_token, server_of
+from scenario_compiler.report.templates import page_environment
 
 
 class LiveServer:
@@ -85,8 +85,7 @@ class LiveServer:
 
 def drive_page(base: str = "") -> str:
     """Return the page at the wheel; `base` is what the paths of its data and its socket begin with."""
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(LIVE), autoescape=True)
-    return environment.get_template("drive.html.jinja").render(base=base)
+    return page_environment(LIVE).get_template("drive.html.jinja").render(base=base)
 
 
 def serve(

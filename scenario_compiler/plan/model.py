@@ -136,6 +136,11 @@ class Plan(PlanPart):
     digest: str = Field(default="", description="SHA-256 of the canonical form.")
 
     @property
+    def step_limit(self) -> int:
+        """A number of time steps that no run of the plan exceeds."""
+        return int(self.duration / self.step) + 2
+
+    @property
     def ego(self) -> Entity:
         """The vehicle that reports are about: the first entity; IndexError where there is none."""
         return self.entities[0]

@@ -76,14 +76,13 @@ def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
     known = np.array([row >= 0 for row in rows])
     at = {
         name: np.where(known, getattr(recording, name)[rows], np.nan)
-        for name in ("blocked_distance", "blocked_speed", "lane_end_distance")
+        for name in ("blocked_distance", "blocked_speed", "lane_end_distance", "limit_time")
     }
     speed = np.where(known, recording.v[rows, 0], np.nan)
-    left = np.where(known, recording.limit_time[rows], np.nan)
     codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
     distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
     ends = {kind: np.array(found) for kind, found in times.items()}
-    budget = time_to_limit(codes, distance, speed, at["blocked_speed"], left)
+    budget = time_to_limit(codes, distance, speed, at["blocked_speed"], at["limit_time"])
     crashes = np.full(len(asked), crash)
     return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, recording.header.step))
 

@@ -450,7 +450,7 @@ class Execution:
         names = references_in(self.plan.criteria)
         if not names:
             return {}
-        network, limit = self.world.network, int(self.plan.duration / self.plan.step) + 2
+        network, limit = self.world.network, self.plan.step_limit
         program = build_program(self.plan, network)
         rows, draws = [list(program.const)], [make_draws(seed, variant)]
         return {name: avoided_by(name, network.tables, program, rows, draws, limit)[0] for name in names}
