@@ -12,7 +12,7 @@ from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import Classification
-from scenario_compiler.vocabulary.takeover import Cause
+from scenario_compiler.vocabulary.takeover import Cause, Takeover
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 from scenario_compiler.vocabulary.word import QUANTITIES, Number, number_value
 
@@ -179,8 +179,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
             ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
             ("Time budget", number(policy.budget, "s")),
             ("Escalation after", number(policy.escalate_after, "s")),
-            ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
-            ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+            *_minimum_risk(policy),
             ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
             ("Driver", _driver(run)),
         ]
@@ -190,6 +189,16 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         for name, value in sorted(header.parameters.items())
     ]
     return rows
+
+
+def _minimum_risk(policy: Takeover) -> list[tuple[str, str]]:
+    """Return the rows of the minimum-risk manoeuvre; one alone where the policy has none."""
+    if not policy.minimum_risk or policy.automation.after == "let_go":
+        return [("Minimum-risk manoeuvre", "none")]
+    return [
+        ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
+        ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+    ]
 
 
 def _first_speed(run: Run) -> list[float]:
