@@ -12,7 +12,7 @@ from scenario_compiler.report.run import Run
 from scenario_compiler.vocabulary.driver import Driver
 from scenario_compiler.vocabulary.markings import LineBeside, SecondaryMarkings
 from scenario_compiler.vocabulary.scenario import Classification
-from scenario_compiler.vocabulary.takeover import Cause, Takeover
+from scenario_compiler.vocabulary.takeover import Cause
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 from scenario_compiler.vocabulary.word import QUANTITIES, Number, number_value
 
@@ -158,6 +158,12 @@ def conditions(run: Run) -> list[tuple[str, str]]:
     def number(value: Number, unit: str) -> str:
         return f"{decimal(number_value(value, header.parameters))} {unit}".rstrip()
 
+    stop = [
+        ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
+        ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+    ]
+    if not policy.minimum_risk or policy.automation.after == "let_go":
+        stop = [("Minimum-risk manoeuvre", "none")]
     rows = [
         ("Map", plan.map.name),
         ("Weather", plan.weather.preset),
@@ -179,7 +185,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
             ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
             ("Time budget", number(policy.budget, "s")),
             ("Escalation after", number(policy.escalate_after, "s")),
-            *_minimum_risk(policy),
+            *stop,
             ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
             ("Driver", _driver(run)),
         ]
@@ -189,16 +195,6 @@ def conditions(run: Run) -> list[tuple[str, str]]:
         for name, value in sorted(header.parameters.items())
     ]
     return rows
-
-
-def _minimum_risk(policy: Takeover) -> list[tuple[str, str]]:
-    """Return the rows of the minimum-risk manoeuvre; one alone where the policy has none."""
-    if not policy.minimum_risk or policy.automation.after == "let_go":
-        return [("Minimum-risk manoeuvre", "none")]
-    return [
-        ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
-        ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
-    ]
 
 
 def _first_speed(run: Run) -> list[float]:
