@@ -103,6 +103,13 @@ class Driving(Word):
         quantity="acceleration",
         minimum=0.5,
     )
+    sight: Number = attribute(
+        "How far the driver sees what stands on the road, by day in clear air, m. Weather and night shorten it as they "
+        "do what a camera sees. The default is chosen.",
+        default=300.0,
+        quantity="length",
+        minimum=1,
+    )
     perception: Number = attribute(
         "Time in which the risk of something new is seen, s, after UN R157.",
         default=0.4,

@@ -84,7 +84,8 @@ K_LANE_END_WARNING = 80
 K_SLOW_DOWN = 81
 K_HEADLIGHTS = 82
 K_SENSOR_NOISE = 83
-K_ENTITIES = 84
+K_SIGHT = 84
+K_ENTITIES = 85
 """First slot after those of the run."""
 
 # An entity's block.

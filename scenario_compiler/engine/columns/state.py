@@ -315,6 +315,9 @@ class State(Columns):
     reach_health: list[float] = column(RUN)
     """The camera's health for which it was, and the reach, m."""
     sensor_reach: list[float] = column(RUN)
+    sight_known: list[int] = column(RUN)
+    """1 while the weather is that for which `driver_sight`, m, was worked out."""
+    driver_sight: list[float] = column(RUN)
     weather_from: list[float] = column(WEATHER_NUMBER)
     """The numbers when the present change began."""
     weather_to: list[int] = column(RUN, op.NONE)

@@ -17,6 +17,7 @@ BEHAVIOURS = {
     "follow": op.BEHAVIOUR_FOLLOW,
     "hold_speed": op.BEHAVIOUR_HOLD_SPEED,
     "slow_down": op.BEHAVIOUR_SLOW_DOWN,
+    "let_go": op.BEHAVIOUR_LET_GO,
 }
 BUDGETS: tuple[tuple[CauseKind, str, int], ...] = (
     ("path_blocked", "budget", slot.K_BLOCKED_BUDGET),
@@ -77,6 +78,7 @@ def add_takeover(draft: ProgramBuilder) -> None:
     k[slot.K_BUDGET] = takeover.budget
     k[slot.K_ESCALATE_AFTER] = takeover.escalate_after
     k[slot.K_MINIMUM_RISK_DECELERATION] = takeover.minimum_risk_deceleration
+    p.minimum_risk[0] = 1 if takeover.minimum_risk else 0
     p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
     k[slot.K_HAND_BACK_AFTER] = takeover.hand_back_after
     given: dict[str, Cause] = {cause.kind: cause for cause in takeover.causes}
@@ -135,6 +137,7 @@ def _add_driver(draft: ProgramBuilder) -> None:
     k[slot.K_STEERS] = how.steers
     k[slot.K_DRIVER_DECELERATION] = how.deceleration
     k[slot.K_DRIVER_LATERAL] = how.lateral_acceleration
+    k[slot.K_SIGHT] = how.sight
     k[slot.K_PERCEPTION_TIME] = how.perception
     k[slot.K_REACTION_TIME] = how.reaction
     k[slot.K_SDLP] = how.sdlp
