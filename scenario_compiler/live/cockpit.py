@@ -29,6 +29,12 @@ REACH = 1500.0
 """How far around the start the map of the page reaches, m."""
 
 
+GONE_AFTER = 5.0
+"""Time without a message after which a page counts as gone, s: one that lives tells something each second.
+
+A page that is frozen, or whose network is gone, keeps its connection open, and takes none of the pictures that wait.
+"""
+
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
 """What reading a message raises that is none of ours; its socket is closed."""
 
@@ -119,9 +125,9 @@ class Cockpit:
             self._begin()
         sending = asyncio.create_task(self._send(viewer))
         try:
-            with contextlib.suppress(WebSocketDisconnect, *NO_MESSAGE):
+            with contextlib.suppress(WebSocketDisconnect, asyncio.TimeoutError, *NO_MESSAGE):
                 while True:
-                    await self._hear(viewer, await connection.receive_text())
+                    await self._hear(viewer, await asyncio.wait_for(connection.receive_text(), GONE_AFTER))
         finally:
             sending.cancel()
             self._viewers.remove(viewer)
