@@ -13,6 +13,9 @@ from scenario_compiler.carla_server.failures import CallError
 from tests.carla_server.conftest import STEP
 from tests.carla_server.test_sensors import Listening, Spawn, pixels
 
+pytestmark = [pytest.mark.slow, pytest.mark.apart]
+"""Run by `make test-carla`."""
+
 MAGENTA = (255, 0, 255)
 UP = 40.0
 """Height of a camera that looks down, m."""
