@@ -147,7 +147,6 @@ class Host:
     episode: int = 1
     frame: int = 1
     managers: dict[int, list[Any]] = field(default_factory=dict)
-    shapes: list[Any] = field(default_factory=list)
     generated: str = ""
     recorder: Recorder | None = None
     replay: Replay | None = None
@@ -218,7 +217,6 @@ class Host:
             self.dismiss(number)
         self.stage = Stage(town, self.version)
         self.episode += 1
-        self.shapes.clear()
         self.recorder = self.replay = None
         if reset:
             self.settings = Settings()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,8 +30,8 @@ from scenario_compiler.cli.options import (
 from scenario_compiler.cli.terminal import flush_streams, put
 
 if TYPE_CHECKING:
-    from scenario_compiler.live.session import Session
     from scenario_compiler.plan.model import Plan
+    from scenario_compiler.report.run import Run
     from scenario_compiler.roads import Network
 
 STEP = 0.02
@@ -107,8 +107,14 @@ def serving() -> Iterator[None]:
         raise WrongUse("the page needs starlette and uvicorn: pip install 'scenario-compiler[study]'") from None
 
 
-def serve_plan(plan: Plan, network: Network, options: argparse.Namespace, *, watched: bool = False) -> list[Session]:
-    """Serve a plan's page; WrongUse where the server's packages are missing."""
+def serve_plan(
+    plan: Plan, network: Network, options: argparse.Namespace, watches: Callable[[Run], None] | None = None
+) -> str:
+    """Serve a plan's page and return how the last run ended; WrongUse where the server's packages are missing.
+
+    Where `watches` takes the run, nobody drives, and it is the only one.
+    """
+    watched = watches is not None
     with serving():
         from scenario_compiler.live.server import serve
     from scenario_compiler.live.session import Drive
@@ -120,6 +126,7 @@ def serve_plan(plan: Plan, network: Network, options: argparse.Namespace, *, wat
         host=options.host,
         port=options.port,
         watched=watched,
+        kept=watches,
         told=lambda address: _print_address(address, options),
     )
 

@@ -18,8 +18,10 @@ from typing import Any, Protocol
 from pydantic import ValidationError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from scenario_compiler.live.session import Drive, Picture, Session
+from scenario_compiler.live.session import Drive, Given, Picture, Session
+from scenario_compiler.live.sounds import sounds_of
 from scenario_compiler.live.wheel import Told
+from scenario_compiler.live.wording import WORDS
 from scenario_compiler.report.replay import MARGIN, roadmap
 from scenario_compiler.report.surroundings import Window
 
@@ -147,6 +149,8 @@ class Cockpit:
             self._begin()
         elif kind == "stop" and session is not None and self._may_stop:
             session.stop()
+        elif kind == "given" and session is not None:
+            session.give(Given.model_validate(message))
         elif kind == "latency" and session is not None:
             session.latencies += [float(one) for one in message["samples"][:200]]
             session.clock_offset = float(message["offset"])
@@ -200,6 +204,8 @@ def described(drive: Drive, *, watched: bool = False) -> dict[str, Any]:
         "name": plan.name,
         "summary": plan.summary,
         "watched": watched,
+        "words": WORDS[drive.language],
+        "sounds": sounds_of(plan),
         "origin": origin,
         "writes": drive.folder is not None,
         "entities": [

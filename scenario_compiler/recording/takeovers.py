@@ -105,17 +105,16 @@ def takeovers_of(recording: Recording, traces: Traces) -> tuple[Takeover, ...]:
     known = np.array([row >= 0 for row in rows])
     at = {
         name: np.where(known, getattr(recording, name)[rows], np.nan)
-        for name in ("blocked_distance", "blocked_speed", "lane_end_distance")
+        for name in ("blocked_distance", "blocked_speed", "lane_end_distance", "limit_time")
     }
     at_request = np.searchsorted(recording.t, request - SAME_TIME)
     speed = recording.v[np.minimum(at_request, len(recording.t) - 1), 0]
     quality = dict(zip(QUALITY, np.array(driven).T, strict=True))
     quality["traffic_density"] = np.where(known, recording.traffic_density[rows], np.nan)
-    left = np.where(known, recording.limit_time[rows], np.nan)
     codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
     distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
     ends = {kind: np.array(found) for kind, found in times.items()}
-    budget = time_to_limit(codes, distance, speed, at["blocked_speed"], left)
+    budget = time_to_limit(codes, distance, speed, at["blocked_speed"], at["limit_time"])
     crashes = np.full(len(asked), crash)
     return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, quality, recording.header.step))
 

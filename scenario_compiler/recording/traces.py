@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -191,6 +192,16 @@ class Traces:
             after = self.t > self.times["response"][..., None] + SAME_TIME
         manual = np.isin(self.takeover_state, (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK))
         return np.asarray(after & np.logical_and.accumulate(manual | ~after, axis=-1) & self.present[..., 0])
+
+    @cached_property
+    def turned_in_lane(self) -> tuple[Floats, Floats]:
+        """Sine and cosine of the ego vehicle's heading against its lane's direction, 0 where that is not known.
+
+        They are the C library's, as the engine's are: numpy's own differ in the last place. Each is (..., n).
+        """
+        headings = np.nan_to_num(self.lane_heading, nan=0.0).ravel().tolist()
+        sines, cosines = (np.array([turn(one) for one in headings]) for turn in (math.sin, math.cos))
+        return sines.reshape(self.t.shape), cosines.reshape(self.t.shape)
 
     @cached_property
     def seen(self) -> Seen:

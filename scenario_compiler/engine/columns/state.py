@@ -48,7 +48,7 @@ class State(Columns):
     clock: list[float] = column(RUN)
     """Time, s: the number of steps times the step, so that equal times are equal numbers."""
     steps: list[int] = column(RUN)
-    """Time, s: the number of steps times their length."""
+    """Number of steps that were taken."""
     frame: list[int] = column(RUN)
     """Number of the frame; 0 is the one of length 0."""
     stop: list[int] = column(RUN, op.STOP_NONE)

@@ -10,7 +10,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.limits import behaviour
+from scenario_compiler.engine.ego.limits import behaviour, control_period
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0
@@ -24,7 +24,7 @@ def stopping_distance(p: Program, v: float, towards: float) -> float:
     It includes the way of what comes towards the vehicle with the speed `towards` until the vehicle stands.
     """
     deceleration = max(p.const[slot.K_MINIMUM_RISK_DECELERATION], 0.1)
-    wait = p.const[slot.K_STEP] * p.control_every[0]
+    wait = control_period(p)
     return (0.5 * v + towards) * v / deceleration + (v + towards) * wait
 
 

@@ -81,9 +81,9 @@ def add_takeover(draft: ProgramBuilder) -> None:
     p.minimum_risk[0] = 1 if takeover.minimum_risk else 0
     p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
     k[slot.K_HAND_BACK_AFTER] = takeover.hand_back_after
-    given = {cause.kind: cause for cause in takeover.causes}
+    given: dict[str, Cause] = {cause.kind: cause for cause in takeover.causes}
     for kind, code in REQUEST_CAUSES.items():
-        own = next((one.minimum_risk_after for one in takeover.causes if one.kind == kind), None)
+        own = given[kind].minimum_risk_after if kind in given else None
         k[slot.K_RISK_AFTER + code] = takeover.minimum_risk_after if own is None else own
     k[slot.K_WARNING_LEAD] = takeover.warning_lead
     k[slot.K_WARNING_AFTER] = takeover.warning_after
@@ -169,7 +169,7 @@ def _add_effects(draft: ProgramBuilder, driver: DriverModel) -> None:
         k[slot.K_EFFECT_REQUEST] = by.get("visual_request", 0.0)
 
 
-def _add_limits(draft: ProgramBuilder, given: Mapping[CauseKind, Cause]) -> None:
+def _add_limits(draft: ProgramBuilder, given: Mapping[str, Cause]) -> None:
     for kind, field, place in CAUSE_LIMITS:
         value = getattr(given[kind], field) if kind in given else None
         draft.numbers[place] = CAUSE_DEFAULTS[kind][field] if value is None else value
