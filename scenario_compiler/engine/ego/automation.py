@@ -138,7 +138,10 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     notice(p, st, i, blocker)
     if p.person[0] == 1:
         heed_person(p, st)
+    automated = 1 - driven_by_hand(st)
     step_takeover(n, p, st, i)
+    if automated == 1 and driven_by_hand(st) == 1:
+        blocker = sense(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:
         st.command_steer[i] = 0.0
