@@ -73,6 +73,8 @@ RUN_COLUMNS = {
     "blocked_speed": "blocked_speed",
     "lane_end_distance": "lane_end_distance",
     "limit_time": "limit_time",
+    "traffic_density": "traffic_density",
+    "lane_time_to_collision": "lane_time",
     "lane_width": "lane_width",
     "lane_heading": "path_heading",
     "on_road": "on_road",

@@ -344,6 +344,10 @@ class State(Columns):
     """Heading of the ego relative to the path's direction."""
     limit_time: list[float] = column(RUN, op.FAR)
     """Time that the last request left, where it was not about an obstacle, s."""
+    traffic_density: list[float] = column(RUN)
+    """Vehicles per kilometre that went the ego's way at the last request."""
+    lane_time: list[float] = column(RUN, op.FAR)
+    """Least time to collision along the lane at the ego's place in it, s."""
     lane_width: list[float] = column(RUN)
     """Width of the lane that the ego's point is in, 0 off every lane."""
     on_road: list[int] = column(RUN)

@@ -6,6 +6,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.around import note_lane_time
 from scenario_compiler.engine.ego.driver import drive_by_hand, look_out
 from scenario_compiler.engine.ego.foresight import LIFT_OFF, notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
@@ -50,6 +51,7 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
         reach = sensor_reach(p, st)
         look_ahead(n, p, st, i, reach, p.const[slot.K_FIELD_OF_VIEW])
     st.red_line[0] = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
+    note_lane_time(p, st, i)
     judge_objects(p, st, i)
     return find_block(p, st, i)
 
@@ -120,6 +122,7 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
     if p.replaced_by[0] != op.REFERENCE_NONE:
         look_out(n, p, st, i)
+        note_lane_time(p, st, i)
         drive_by_reference(n, p, st, i, p.replaced_by[0])
         return
     ideal = p.perception[0] == op.PERCEPTION_IDEAL
@@ -135,7 +138,10 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     notice(p, st, i, blocker)
     if p.person[0] == 1:
         heed_person(p, st)
+    automated = 1 - driven_by_hand(st)
     step_takeover(n, p, st, i)
+    if automated == 1 and driven_by_hand(st) == 1:
+        blocker = sense(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:
         st.command_steer[i] = 0.0

@@ -247,7 +247,8 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     First within the own lane, then with the lane beside on the left and on the right, of the same direction before one
     of oncoming traffic. It must be wide enough, near enough for a planned evasion before the block, and safe.
     """
-    look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
+    reach = max(PASSING_SIGHT, driver_sight(p, st))
+    look_ahead(n, p, st, i, reach, VIEW)
     front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
     road, lane, _, s, _ = path_ahead(n, p, st, st.blocked_distance[0] + front)
     found = 0

@@ -152,7 +152,7 @@ def _add_effects(draft: ProgramBuilder, driver: DriverModel) -> None:
     by = {one.of: one.by for one in driver.effects}
     k[slot.K_EFFECT_REPETITION] = by.get("repetition", 0.0)
     k[slot.K_EFFECT_DENSITY] = by.get("traffic_density", 0.0)
-    k[slot.K_DENSITY] = driver.traffic_density
+    k[slot.K_DENSITY] = -1.0 if driver.traffic_density is None else driver.traffic_density
     if driver.reference_budget is not None:
         k[slot.K_EFFECT_BUDGET] = by.get("time_budget", 0.0)
         k[slot.K_REFERENCE_BUDGET] = driver.reference_budget
