@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,9 +31,10 @@ from scenario_compiler.cli.worlds import add_world, note_findings, world_options
 
 if TYPE_CHECKING:
     from scenario_compiler.diagnostics import Diagnostics
-    from scenario_compiler.live.session import Session
     from scenario_compiler.plan.model import Plan
+    from scenario_compiler.report.run import Run
     from scenario_compiler.roads import Network
+    from scenario_compiler.worlds import WorldFinding
 
 STEP = 0.02
 """Length of a time step of what is driven or watched, s, unless --dt gives another."""
@@ -114,25 +115,31 @@ def serve_plan(
     options: argparse.Namespace,
     of_world: dict[str, object],
     sink: Diagnostics,
-    *,
-    watched: bool = False,
-) -> list[Session]:
-    """Serve a plan's page, report what the world does otherwise; WrongUse where the server's packages are missing."""
+    watches: Callable[[Run], None] | None = None,
+) -> str:
+    """Serve a plan's page and return how the last run ended; WrongUse where the server's packages are missing.
+
+    Where `watches` takes the run, nobody drives, and it is the only one. What the world does otherwise is reported.
+    """
+    watched = watches is not None
     with serving():
         from scenario_compiler.live.server import serve
     from scenario_compiler.live.session import Drive
 
     folder = None if watched else options.output
-    drive = Drive(plan, network, options.world, options.seed, trust_of(options), folder, options=of_world)
-    sessions = serve(
+    findings: list[WorldFinding] = []
+    found = findings.extend
+    drive = Drive(plan, network, options.world, options.seed, trust_of(options), folder, options=of_world, found=found)
+    ended = serve(
         drive,
         host=options.host,
         port=options.port,
         watched=watched,
+        kept=watches,
         told=lambda address: _print_address(address, options),
     )
-    note_findings([finding for one in sessions for finding in one.findings], plan, sink)
-    return sessions
+    note_findings(findings, plan, sink)
+    return ended
 
 
 def _print_address(address: str, options: argparse.Namespace) -> None:

@@ -13,6 +13,7 @@ from scenario_compiler.live.cockpit import Cockpit
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.outputs import make_folder
 from scenario_compiler.recording.events import EventRow
+from scenario_compiler.report.run import Run
 from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
 from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
 from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
@@ -265,6 +266,7 @@ class Attendance:
             size=self.rules.size,
             plain=True,
             options=self.rules.options,
+            otherwise=self.rules.compilation.study.language,
         )
 
     def _begin(self, show: Callable[[Picture], bool]) -> Session | None:
@@ -290,13 +292,13 @@ class Attendance:
     def _tell(self, event: EventRow) -> None:
         self._mark({"step": self.step.number, **event.model_dump(exclude_defaults=True)})
 
-    def _keep(self, session: Session) -> None:
+    def _keep(self, session: Session, run: Run) -> None:
         """Write that a run has ended; called in its thread, before the page hears of it."""
         if self._closing:
             return
         with self._lock:
             step = self.step
-            broken = session.finished is not None and session.finished.outcome.result == "error"
+            broken = run.outcome.result == "error"
             marks = sorted({*session.marks, *(("broken_off",) if broken else ())})
             self.journal.add("driven", step.number, attempt=session.number, marks=marks, driven_by="person")
             self.journal.add("done", step.number)

@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Any
 from urllib.parse import parse_qs
 
-import jinja2
 from markdown_it import MarkdownIt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.applications import Starlette
@@ -25,6 +24,7 @@ from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.live.cockpit import described
 from scenario_compiler.live.server import drive_page
 from scenario_compiler.live.web import Door, Server, address_of, listening_at, new_token, server_of
+from scenario_compiler.report.templates import page_environment
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
 from scenario_compiler.study.dataset import write_dataset
 from scenario_compiler.study.situation import CHOICES
@@ -77,13 +77,7 @@ class StudyServer:
         self.words = WORDS[study.language]
         self.attendances = {str(one): Attendance(rules, one) for one in range(1, study.participants + 1)}
         self._markdown = MarkdownIt("commonmark", {"html": False})
-        self._environment = jinja2.Environment(
-            loader=jinja2.FileSystemLoader(PAGES),
-            autoescape=True,
-            undefined=jinja2.StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
+        self._environment = page_environment(PAGES)
         self.app = Starlette(
             routes=[
                 Route("/", self._first),
@@ -97,6 +91,7 @@ class StudyServer:
                 Route("/experimenter/do", self._ordered, methods=["POST"]),
                 Route("/shared/{name}", door.shared),
                 Route("/live/{name}", door.own),
+                Route("/sounds/{name:path}", door.sound),
                 Route("/study/{name}", self._own),
                 Route("/favicon.ico", lambda request: door.answer(request, lambda: Response(status_code=204))),
             ]
@@ -152,7 +147,7 @@ class StudyServer:
         if attendance.presence in ("waiting", "paused") and attendance.session is None:
             return self._rendered("waiting.html.jinja", **values)
         if step.kind == "drive":
-            return HTMLResponse(drive_page(base))
+            return HTMLResponse(drive_page(attendance.drive().language, base))
         text = self._markdown.render(source.pages[step.file]) if step.file in source.pages else ""
         if step.kind == "ask":
             asked = source.questionnaires[step.file]

@@ -68,10 +68,10 @@ OTHER_BLUEPRINT = Code(
 
 BUILT_IN_CAMERA = Code(
     "SC526",
-    "built-in-camera-for-paint",
-    "The scenario changes the paint of the road, which CARLA's own pictures cannot show: a run that depends on it "
-    "would see fresh marks. So the built-in renderer draws on CARLA's poses. `--camera carla` takes CARLA's pictures "
-    "all the same."
+    "built-in-camera",
+    "The scenario changes the paint of the road, or turns the camera on its mount, which CARLA's own pictures cannot "
+    "show: a run that depends on it would see fresh marks, or the road where it always was. So the built-in renderer "
+    "draws on CARLA's poses. `--camera carla` takes CARLA's pictures all the same."
     "\n\n    scenario-compiler run markings_missing --world carla --camera built-in",
     Severity.WARNING,
 )
@@ -190,16 +190,14 @@ class CarlaWorld:
             return False
         if self.options.camera is not None:
             return self.options.camera == "carla"
-        if self.plan.markings or self.plan.secondary_markings:
-            self.findings.append(
-                WorldFinding(
-                    BUILT_IN_CAMERA,
-                    "the scenario changes the paint of the road, so the built-in renderer draws what the camera sees",
-                    "scenario",
-                )
-            )
-            return False
-        return True
+        reasons = {
+            "changes the paint of the road": self.plan.markings or self.plan.secondary_markings,
+            "turns the camera on its mount": any(one.kind == "misalignment" for one in self.plan.failures),
+        }
+        for reason in [reason for reason, holds in reasons.items() if holds]:
+            message = f"the scenario {reason}, so the built-in renderer draws what the camera sees"
+            self.findings.append(WorldFinding(BUILT_IN_CAMERA, message, "scenario"))
+        return not any(reasons.values())
 
     # Opening and closing.
 
@@ -327,7 +325,7 @@ class CarlaWorld:
         from scenario_compiler.perception.degradation import Sensor
 
         self._built_in.reset(snapshot, seed)
-        self._degradation = Sensor(seed)
+        self._degradation = Sensor(seed, self._built_in.mounting.camera(), self.plan.ego.vehicle.center)
         self._drain()
         with self._answering():
             self._clear()
@@ -573,7 +571,8 @@ class CarlaWorld:
         """Return what the camera sees: CARLA's last picture through our degradation, or one that is drawn here."""
         if self._image is None or self._degradation is None or not self._carla_sees:
             return self._built_in.observe(snapshot)
-        image = self._degradation.deliver(self._image.copy(), degradation_of(snapshot), snapshot.frame, snapshot.t)
+        wrong = degradation_of(snapshot, self.plan.ego.vehicle.wheelbase)
+        image = self._degradation.deliver(self._image.copy(), wrong, snapshot.frame, snapshot.t)
         return SensorData(snapshot.t, image, self._built_in.mounting)
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:

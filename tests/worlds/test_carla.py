@@ -16,6 +16,7 @@ import pytest
 
 from scenario_compiler import Plan, Recording, compile_scenario, judge, load_network, open_world, run
 from scenario_compiler.compiler import Overrides
+from scenario_compiler.vocabulary.sensors import Failure
 from scenario_compiler.worlds import WorldError
 from scenario_compiler.worlds.carla import PURPLE, YELLOW
 from tests.carla_server.conftest import Served, client_version, served
@@ -156,6 +157,15 @@ def test_changed_paint_takes_the_built_in_camera_unless_told_otherwise(server: S
         assert [(one.code.id, one.part) for one in world.findings] == [("SC526", "scenario")]
     with open_world("carla", plan, network, port=server.port, camera="built-in") as world:
         assert list(world.findings) == []
+
+
+def test_a_camera_that_is_turned_on_its_mount_is_the_built_in_one(server: Served) -> None:
+    plan = compile_scenario(CONFLICTS / "obstacle_ahead.xml", distance=60)
+    camera = plan.camera.model_copy(update={"failures": (Failure(kind="misalignment", yaw=0.02),)})
+    plan = plan.model_copy(update={"camera": camera, "perception": "camera"})
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port) as world:
+        assert [(one.code.id, one.part) for one in world.findings] == [("SC526", "scenario")]
+        assert "turns the camera on its mount" in world.findings[0].message
 
 
 def test_who_has_no_blueprint_gets_another_and_it_is_told(server: Served) -> None:
