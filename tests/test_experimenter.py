@@ -81,6 +81,31 @@ def test_what_the_automation_does_before_and_after_a_request(
     assert {"same": abs(v[-1] - v[asked]) < 0.2, "slower": v[-1] < v[asked] - 0.5}[after]
 
 
+def test_without_a_minimum_risk_manoeuvre_the_car_goes_on_until_somebody_answers(tmp_path: Path) -> None:
+    policy = '<takeover budget="4"{}><driver {}/><automation after="hold_speed"/></takeover>'
+    for switch, kinds in (("", {"request", "minimum_risk"}), (' minimum_risk="false"', {"request", "collision"})):
+        body = BLOCKED.format(200) + policy.format(switch, 'preset="absent"')
+        recording, outcome = played(tmp_path, body, 30.0)
+        assert kinds == {one.kind for one in recording.events} & {"request", "minimum_risk", "collision"}
+    assert outcome.resolution == "unanswered"
+    _, outcome = played(tmp_path, BLOCKED.format(200) + policy.format(switch, 'takeover_time="1"'), 30.0)
+    assert (outcome.resolution, outcome.collision_with) == ("driver", None)
+
+
+def test_an_automation_that_lets_go_neither_steers_nor_brakes_until_somebody_answers(tmp_path: Path) -> None:
+    """On the right-hand curve of the motorway, 800 m radius, the car goes on straight at once."""
+    curve = CONFLICT.replace('<spawn_point name="middle_lane"/>', '<lane road="2" lane="-2" s="900"/>')
+    body = """<when><time after="2"/><do><request/></do></when>
+    <takeover minimum_risk_after="1"><driver takeover_time="{}"/><automation after="let_go"/></takeover>"""
+    found = compiled(tmp_path, curve.format(body=body.format(4), duration=12.0))
+    recording, _ = next(runs(found, range(1, 2)))
+    asked, answered = (row_at(recording, time_of(recording, kind)) for kind in ("request", "response"))
+    assert time_of(recording, "minimum_risk") == float("inf")
+    assert np.abs(recording.steer[asked + 20 : answered, 0]).max() < 1e-9
+    assert recording.v[asked, 0] - recording.v[answered, 0] == pytest.approx(0.4 * 4.0, rel=0.1)
+    assert np.abs(recording.off[asked:answered, 0]).max() > 0.5 or np.unique(recording.lane[asked:answered, 0]).size > 1
+
+
 def test_slowing_down_has_the_deceleration_that_is_given(tmp_path: Path) -> None:
     recording, _ = played(tmp_path, POLICY.format('<automation after="slow_down" deceleration="1.5"/>'), 8.0)
     at = [row_at(recording, time) for time in (5.0, 7.0)]

@@ -18,6 +18,7 @@ from scenario_compiler.carla_server.actors import (
     Walker,
 )
 from scenario_compiler.carla_server.blueprints import Blueprint
+from scenario_compiler.carla_server.debug_shapes import DebugShapes
 from scenario_compiler.carla_server.failures import CallError
 from scenario_compiler.carla_server.snapshot import ACTIVE, LIGHT, SIGN, VEHICLE, WALKER, Rows
 from scenario_compiler.carla_server.towns import Town
@@ -84,12 +85,14 @@ class Stage:
         time: Time, s.
         version: Version of CARLA that is answered for.
         gravity: What inertial units feel, m/s2.
+        shapes: What clients have drawn for debugging.
     """
 
     def __init__(self, town: Town, version: str) -> None:
         """Begin with the map's own actors: lights, signs and the spectator."""
         self.town, self.version = town, version
         self.gravity = GRAVITY
+        self.shapes = DebugShapes()
         self.simulation = Simulation(town.network.tables, build_stage(PLACES, len(town.network.road_ids), 0.05))
         self.simulation.reset(make_draws(1))
         self.actors: dict[int, Actor] = {}

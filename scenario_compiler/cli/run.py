@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
@@ -33,11 +32,10 @@ from scenario_compiler.cli.options import (
     trust_of,
 )
 from scenario_compiler.cli.report import add_shows, film_path, needing, write_film
-from scenario_compiler.cli.terminal import complain, put
+from scenario_compiler.cli.terminal import complain, put, shown_progress
 from scenario_compiler.diagnostics import Diagnostics, FilePlace, code_named
 from scenario_compiler.files import split_target
 from scenario_compiler.forms.machine_code import why_interpreted
-from scenario_compiler.legible import legible
 from scenario_compiler.outputs import whole_folder
 
 if TYPE_CHECKING:
@@ -301,15 +299,8 @@ def run_with_progress(plan: Plan, world: World, options: argparse.Namespace) -> 
         trust=trust_of(options),
         person=_recorded_person(options),
     )
-    if not sys.stderr.isatty():
-        return start()
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(escape(legible(plan.name)), total=plan.duration)
-        return start(progress=lambda t: bar.update(task, completed=t))
+    with shown_progress(plan.name) as shown:
+        return start(progress=None if shown is None else lambda t: shown(t, plan.duration))
 
 
 def _recorded_person(options: argparse.Namespace) -> Person | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +24,7 @@ from scenario_compiler.cli.options import (
     told,
 )
 from scenario_compiler.cli.report import needing
-from scenario_compiler.cli.terminal import flush_streams, put
+from scenario_compiler.cli.terminal import flush_streams, put, shown_progress
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
@@ -139,20 +138,8 @@ def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
     from scenario_compiler.study.pilot import run_pilot
 
     with study_folder(options.output, compilation, pilot=True):
-        if sys.stderr.isatty():
-            from rich.console import Console
-            from rich.progress import Progress
-
-            with Progress(console=Console(stderr=True), transient=True) as bar:
-                task = bar.add_task("sessions")
-                run_pilot(
-                    compilation,
-                    options.output,
-                    trust=_trust(options),
-                    progress=lambda done, all_: bar.update(task, completed=done, total=all_),
-                )
-        else:
-            run_pilot(compilation, options.output, trust=_trust(options))
+        with shown_progress("sessions") as progress:
+            run_pilot(compilation, options.output, trust=_trust(options), progress=progress)
         page = write_effects(compilation, options.output)
     put(f"data: {options.output}", told(options))
     put(f"expected effects: {page}", told(options))

@@ -29,7 +29,7 @@ REACH = 1500.0
 """How far around the start the map of the page reaches, m."""
 
 
-GONE_AFTER = 5.0
+GONE_AFTER = 10.0
 """Time without a message after which a page counts as gone, s: one that lives tells something each second.
 
 A page that is frozen, or whose network is gone, keeps its connection open, and takes none of the pictures that wait.

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import jinja2
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, PlainTextResponse, Response
@@ -18,6 +17,7 @@ from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.live.web import LIVE, Door, Server, address_of, listening_at, new_token, server_of
 from scenario_compiler.live.wording import WORDS
 from scenario_compiler.report.run import Run
+from scenario_compiler.report.templates import page_environment
 from scenario_compiler.vocabulary.takeover import Language
 
 
@@ -111,8 +111,8 @@ class LiveServer:
 
 def drive_page(language: Language, base: str = "") -> str:
     """Return the page at the wheel in a language; `base` is what the paths of its data and its socket begin with."""
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(LIVE), autoescape=True)
-    return environment.get_template("drive.html.jinja").render(base=base, language=language, words=WORDS[language])
+    template = page_environment(LIVE).get_template("drive.html.jinja")
+    return template.render(base=base, language=language, words=WORDS[language])
 
 
 def serve(

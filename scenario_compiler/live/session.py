@@ -364,9 +364,13 @@ class Session(threading.Thread):
         return [("text", text, language, [])] if text else []
 
     def _time_left(self, execution: Execution, state: str) -> float | None:
-        """Return the time until the minimum-risk manoeuvre begins at the latest, s; None where nobody was asked."""
-        if state not in ("request", "escalation"):
-            return None
+        """Return the time until the minimum-risk manoeuvre begins at the latest, s; None where nobody was asked.
+
+        None too where the policy has no such manoeuvre.
+        """
         st, plan = execution.state, self.drive.plan
+        none = not plan.takeover.minimum_risk or plan.takeover.automation.after == "let_go"
+        if none or state not in ("request", "escalation"):
+            return None
         after = number_value(plan.takeover.minimum_risk_after, parameter_values(plan.parameters))
         return round(max(0.0, st.request_at[0] + after - st.clock[0]), 1)

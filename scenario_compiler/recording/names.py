@@ -97,6 +97,8 @@ FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_DEAD_ROWS: "dead_rows",
     opcodes.FAILURE_QUANTISATION: "quantisation",
     opcodes.FAILURE_LATENCY: "latency",
+    opcodes.FAILURE_MOTION_BLUR: "motion_blur",
+    opcodes.FAILURE_MISALIGNMENT: "misalignment",
 }
 
 STOP_REASONS: dict[int, StopReason] = {

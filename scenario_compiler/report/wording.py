@@ -171,6 +171,12 @@ def conditions(run: Run) -> list[tuple[str, str]]:
     def number(value: Number, unit: str) -> str:
         return f"{decimal(number_value(value, header.parameters))} {unit}".rstrip()
 
+    stop = [
+        ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
+        ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+    ]
+    if not policy.minimum_risk or policy.automation.after == "let_go":
+        stop = [("Minimum-risk manoeuvre", "none")]
     rows = [
         ("Map", plan.map.name),
         ("Weather", plan.weather.preset),
@@ -192,8 +198,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
             ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
             ("Time budget", number(policy.budget, "s")),
             ("Escalation after", number(policy.escalate_after, "s")),
-            ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
-            ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+            *stop,
             ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
             ("Driver", _driver(run)),
         ]

@@ -370,6 +370,10 @@ class QuestionnaireElement(Word):
     items: tuple[Item, ...] = child("Items, in the order of the page.")
     scores: tuple[Score, ...] = child("Scores.", default=())
 
+    def scale_of(self, item: ScaleItem) -> Scale:
+        """Return the scale on which an item is answered."""
+        return next(one for one in self.scales if one.name == item.scale)
+
 
 STUDIES = (StudyElement, QuestionnaireElement)
 """First elements of the files of studies."""

@@ -7,8 +7,7 @@ each column holds.
 
 from __future__ import annotations
 
-import csv
-import io
+import itertools
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,17 +18,22 @@ from typing import Any
 from scenario_compiler.batch.codebook import Column
 from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.outputs import make_folder, write_whole
-from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
-from scenario_compiler.source.study import ChoiceItem, NumberItem, QuestionnaireElement, ScaleItem, TextItem
+from scenario_compiler.source.study import (
+    ChoiceItem,
+    NumberItem,
+    QuestionnaireElement,
+    ScaleItem,
+    StudyElement,
+    TextItem,
+)
 from scenario_compiler.study.journal import Record, read_journal, step_reached
 from scenario_compiler.study.procedure import Step, procedure
 from scenario_compiler.study.situation import is_right, true_answer
-
-MISSING = "n/a"
+from scenario_compiler.study.tables import write_table
 
 BIDS_VERSION = "1.9.0"
 
@@ -119,6 +123,12 @@ class Seat:
         return self.root / self.sub / self.ses / "beh" / f"{self.sub}_{self.ses}_task-{task}{part}_{kind}.tsv"
 
 
+def seats_of(study: StudyElement, root: Path) -> list[Seat]:
+    """Return all seats of a study: each participant's sessions in their order, one participant after the other."""
+    numbers = itertools.product(range(1, study.participants + 1), range(1, study.sessions + 1))
+    return [Seat(root, participant, session) for participant, session in numbers]
+
+
 def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
     """Return the columns of a questionnaire's table."""
     found = [*TRIAL_COLUMNS[:2]]
@@ -127,7 +137,7 @@ def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
     )
     for item in asked.items:
         if isinstance(item, ScaleItem):
-            scale = next(one for one in asked.scales if one.name == item.scale)
+            scale = asked.scale_of(item)
             ends = "; ".join(f"{one.at}: {one.text}" for one in scale.labels)
             note = f" ({scale.least} to {scale.most}{'; ' + ends if ends else ''})"
             found.append(Column(item.name, "integer", "", item.text + note))
@@ -152,7 +162,7 @@ def scores_of(asked: QuestionnaireElement, answers: Mapping[str, Any]) -> dict[s
     counted: dict[str, float] = {}
     for item in asked.items:
         if isinstance(item, ScaleItem):
-            scale = next(one for one in asked.scales if one.name == item.scale)
+            scale = asked.scale_of(item)
             given = float(answers[item.name])
             counted[item.name] = scale.least + scale.most - given if item.reverse else given
         elif isinstance(item, NumberItem):
@@ -175,7 +185,7 @@ def answer_fault(asked: QuestionnaireElement, answers: Mapping[str, str]) -> str
             if given not in {one.value for one in item.options}:
                 return f"'{item.name}' has no answer of its options"
         else:
-            ranged = item if isinstance(item, NumberItem) else next(o for o in asked.scales if o.name == item.scale)
+            ranged = item if isinstance(item, NumberItem) else asked.scale_of(item)
             try:
                 number = float(given) if isinstance(item, NumberItem) else int(given)
             except ValueError:
@@ -376,25 +386,6 @@ def sidecar(columns: Iterable[Column]) -> dict[str, dict[str, str]]:
         described |= {"Units": one.unit} if one.unit else {}
         found[one.column] = described | ({"MissingWhen": one.empty} if one.empty else {})
     return found
-
-
-def write_table(path: Path, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write a tab-separated table; `n/a` stands for what a row does not have."""
-    make_folder(path.parent)
-    text = io.StringIO()
-    writer = csv.writer(text, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
-    writer.writerow(one.column for one in columns)
-    for row in rows:
-        writer.writerow(_cell(row.get(one.column)) for one in columns)
-    write_whole(path, text.getvalue())
-
-
-def _cell(value: Any) -> str:
-    if value is None or value == "":
-        return MISSING
-    if isinstance(value, float):
-        return repr(round(value, 9))
-    return text_cell(" ".join(str(value).split()))
 
 
 def _write_json(path: Path, content: Mapping[str, Any]) -> None:

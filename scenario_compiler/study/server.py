@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs
 
-import jinja2
 from markdown_it import MarkdownIt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.applications import Starlette
@@ -24,6 +23,7 @@ from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.live.cockpit import described
 from scenario_compiler.live.server import drive_page
 from scenario_compiler.live.web import Door, Server, address_of, listening_at, new_token, server_of
+from scenario_compiler.report.templates import page_environment
 from scenario_compiler.study.attendance import Attendance, OutOfPlaceError, Rules
 from scenario_compiler.study.dataset import write_dataset
 from scenario_compiler.study.situation import CHOICES
@@ -76,13 +76,7 @@ class StudyServer:
         self.words = WORDS[study.language]
         self.attendances = {str(one): Attendance(rules, one) for one in range(1, study.participants + 1)}
         self._markdown = MarkdownIt("commonmark", {"html": False})
-        self._environment = jinja2.Environment(
-            loader=jinja2.FileSystemLoader(PAGES),
-            autoescape=True,
-            undefined=jinja2.StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
+        self._environment = page_environment(PAGES)
         self.app = Starlette(
             routes=[
                 Route("/", self._first),

@@ -1,14 +1,40 @@
-"""Reading the tables of a study, and the one tidy table of all its runs."""
+"""The tables of a study, tab-separated as BIDS has them, and the one tidy table of all its runs."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from scenario_compiler.outputs import write_whole
+from scenario_compiler.batch.codebook import Column
+from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.study.keeping import MANIFEST, StudyError
+
+MISSING = "n/a"
+"""What stands in a table for a value that is missing, after BIDS."""
+
+
+def write_table(path: Path, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write a tab-separated table; `MISSING` stands for what a row does not have."""
+    make_folder(path.parent)
+    text = io.StringIO()
+    writer = csv.writer(text, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
+    writer.writerow(one.column for one in columns)
+    for row in rows:
+        writer.writerow(_cell(row.get(one.column)) for one in columns)
+    write_whole(path, text.getvalue())
+
+
+def _cell(value: Any) -> str:
+    if value is None or value == "":
+        return MISSING
+    if isinstance(value, float):
+        return repr(round(value, 9))
+    return text_cell(" ".join(str(value).split()))
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
@@ -36,9 +62,9 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
         told = [name for name in answers[0] if name not in ("participant_id", "session_id", "run")] if answers else []
         for row in rows:
             here = [one for one in answers if all(one[key] == row[key] for key in ("participant_id", "session_id"))]
-            own = [one for one in here if one["run"] in (row["run"], "n/a")]
+            own = [one for one in here if one["run"] in (row["run"], MISSING)]
             for name in told:
-                row[f"{file.stem}.{name}"] = own[0][name] if own else "n/a"
+                row[f"{file.stem}.{name}"] = own[0][name] if own else MISSING
     return rows
 
 
@@ -54,7 +80,7 @@ def write_tidy(root: Path, output: Path) -> int:
     rows = tidy_rows(root)
     if not rows:
         raise StudyError(f"{root} holds no run yet")
-    lines = [list(rows[0]), *([value if value != "n/a" else "" for value in row.values()] for row in rows)]
+    lines = [list(rows[0]), *([value if value != MISSING else "" for value in row.values()] for row in rows)]
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(lines)
     write_whole(output, text.getvalue())
@@ -63,6 +89,6 @@ def write_tidy(root: Path, output: Path) -> int:
         part = one["table"].removeprefix("phenotype/")
         name = one["column"] if one["table"] == "beh" else f"{part}.{one['column']}"
         if name in rows[0]:
-            book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != "n/a"}
+            book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != MISSING}
     write_whole(output.with_suffix(".json"), json.dumps(book, indent=1, ensure_ascii=False) + "\n")
     return len(rows)

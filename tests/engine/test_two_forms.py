@@ -132,6 +132,7 @@ def random_draft(number: int) -> Draft:
         (slots.K_STEERS, 0.0, 1.0),
         (slots.K_DRIVER_DECELERATION, 3.0, 8.0),
         (slots.K_DRIVER_LATERAL, 2.0, 6.0),
+        (slots.K_SIGHT, 20.0, 400.0),
         (slots.K_REACTION_TIME, 0.0, 1.0),
         (slots.K_SDLP, 0.0, 0.3),
         (slots.K_SDLP_AT_FIRST, 0.0, 0.5),

@@ -67,6 +67,18 @@ def destroy(host: Host, number: int) -> bool:
     return True
 
 
+def ignore_vehicles(host: Host, number: int, unseen: list[int]) -> None:
+    """Let a lidar not see some actors.
+
+    Raises:
+        CallError: It is not a sensor.
+    """
+    sensor = host.stage.get(number)
+    if not isinstance(sensor, Sensor):
+        raise CallError(f"unable to ignore vehicles: actor {number} is not a sensor")
+    sensor.unseen = frozenset(unseen)
+
+
 def actors_by_id(host: Host, numbers: list[int]) -> list[Any]:
     """Answer with those of some actors that there are."""
     return [host.wire(host.stage.actors[number]) for number in numbers if number in host.stage.actors]
