@@ -42,13 +42,8 @@ def measured() -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
 
 def without_extensions() -> dict[str, str]:
     """Return the environment of a process that uses no instructions beyond the baseline."""
-    from numpy._core._multiarray_umath import (  # type: ignore[attr-defined]
-        __cpu_dispatch__,
-        __cpu_features__,
-    )
-
     opencv = [one.strip("*") for one in cv2.getCPUFeaturesLine().split() if one.startswith("*") and "?" not in one]
-    numpy = [name for name in __cpu_dispatch__ if __cpu_features__.get(name)]
+    numpy = np.show_config(mode="dicts")["SIMD Extensions"]["found"]
     return {"OPENCV_CPU_DISABLE": ",".join(opencv), "NPY_DISABLE_CPU_FEATURES": " ".join(numpy)}
 
 
