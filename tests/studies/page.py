@@ -51,7 +51,7 @@ takeover studies report it. They can disagree in direction: where the lanes besi
 can only brake keeps the path's 1.55 s before it stands, and one that goes around the obstacle has the path's 1.36 s
 beside it, but along the lane 1.56 s and 2.15 s.
 
-![Takeover times, least times to collision, collisions and lateral deviation of six of the studies](validity.svg)
+![Takeover times, least times to collision, collisions and lateral deviation of six studies](validity.svg)
 """
 
 TAIL = """## What is not modelled

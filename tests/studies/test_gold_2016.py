@@ -5,13 +5,14 @@ Human Factors 58, 642-652. 120 km/h, a request 7 s before an obstacle.
 
 | | the paper | here | asserted |
 |---|---|---|---|
-| least time to collision | shorter in traffic (abstract) | gaps are waited for | the direction |
+| least time to collision | shorter in traffic (abstract) | gaps are looked and waited for | the direction |
 | collisions | more in traffic (abstract) | rare | no fewer with traffic |
 | takeover time by traffic | longer (abstract) | not modelled without a coefficient | longer with one |
 | a verbal task | no influence on takeover time (abstract) | a task that is not looked at has no effect | nothing |
 | from 10 to 20 vehicles per km | a small step (from memory, not verified) | see the table below | nothing |
 
-72 participants, three lanes. The abstract is quoted by libraries (doi 10.1177/0018720816634226); its figures were not found.
+72 participants, three lanes. The abstract is that of doi 10.1177/0018720816634226, as libraries quote it; the figures
+were not found.
 """
 
 from __future__ import annotations
@@ -67,5 +68,6 @@ def test_with_a_coefficient_the_traffic_that_is_counted_makes_answers_later(tmp_
 
 def test_traffic_leaves_less_time_to_collision(tmp_path: Path) -> None:
     none, some = (with_density(tmp_path, density) for density in (0, 20))
-    assert np.median(some.least) < np.median(none.least)
+    assert np.median(some.least) < 0.9 * np.median(none.least)
+    assert np.median(some.along) < 0.9 * np.median(none.along)
     assert some.crashed >= none.crashed

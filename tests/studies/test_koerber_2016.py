@@ -1,16 +1,16 @@
 """Koerber, Gold, Lechner and Bengler 2016: older and younger drivers, and three takeovers one after the other.
 
 "The influence of age on the take-over of vehicle control in highly automated driving", Transportation Research Part F
-39, 19-32. Six-lane motorway, an obstacle to evade, no, medium or high traffic; 36 drivers up to 28 and 36 from 60 years.
+39, 19-32. Six-lane motorway, an obstacle to evade, no, medium or high traffic; 36 younger and 36 older drivers.
 
 | | the paper (abstract, TRID 1403477) | here | asserted |
 |---|---|---|---|
-| from the first to the last situation | the takeover time decreased | shorter (Zhang et al. 2019) | medians, the direction |
-| | minimum time to collision increased | larger, along the lane | medians, the direction |
-| | maximum lateral acceleration decreased | see the table below | nothing |
+| takeover time, last situation against first | shorter | shorter (Zhang et al. 2019) | the direction |
+| minimum time to collision, the same | larger | larger, along the lane | the direction |
+| maximum lateral acceleration, the same | smaller | see the table below | nothing |
 | older drivers | react as fast | the same law | nothing |
-| | brake more often and more strongly | written as `brakes` of `<driving>` | nothing |
-| | maintain a higher time to collision | larger for who brakes | medians, the direction |
+| older drivers | brake more often, more strongly | `brakes` of `<driving>` says so | nothing |
+| older drivers | maintain a higher time to collision | larger for who brakes | the direction |
 
 The takeover times and times to collision of the paper were not found.
 """
