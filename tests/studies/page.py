@@ -44,12 +44,12 @@ was not at hand and no quotation of the number was found; "from memory, not veri
 looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so that their
 medians are no finding; what happens after the answer is.
 
-Two times to collision are in the tables. The one of the path is to what lies across the path that the car steers at the
-moment: an obstacle is out of it as soon as the wheel is turned, and in it again when the car straightens beside it. The
-one along the lane is to what lies ahead of the car's place in its lane, whatever it steers, until it has moved aside, as
-takeover studies report it. They can disagree in direction: where the lanes beside are full and 5 s are left, a car that
-can only brake keeps the path's 1.55 s before it stands, and one that goes around the obstacle has the path's 1.36 s
-beside it, but along the lane 1.56 s and 2.15 s.
+Two times to collision are in the tables. The one of the path is to what lies across the path that the car steers at
+the moment: an obstacle is out of it as soon as the wheel is turned, and in it again when the car straightens beside
+it. The one along the lane is to what lies ahead of the car's place in its lane, whatever it steers, until it has
+moved aside: it is what takeover studies report. They can disagree in direction. Where both lanes beside are full and
+5 s are left, a car can only brake, and keeps 1.55 s of either; around the obstacle of free lanes it has 1.36 s of the
+path, as it straightens beside it, but 2.15 s along the lane (medians of 15 runs).
 
 ![Takeover times, least times to collision, collisions and lateral deviation of six studies](validity.svg)
 """
