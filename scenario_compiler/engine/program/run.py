@@ -5,7 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.program.builder import ProgramBuilder
-from scenario_compiler.vocabulary.sensors import Failure, FailureKind, SensorKind
+from scenario_compiler.vocabulary.sensors import Failure, FailureKind, Perception, SensorKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
 
 FAILURE_CODES: dict[FailureKind, int] = {
@@ -20,6 +20,12 @@ FAILURE_CODES: dict[FailureKind, int] = {
     "dead_rows": op.FAILURE_DEAD_ROWS,
     "quantisation": op.FAILURE_QUANTISATION,
     "latency": op.FAILURE_LATENCY,
+}
+
+PERCEPTION_CODES: dict[Perception, int] = {
+    "ideal": op.PERCEPTION_IDEAL,
+    "camera": op.PERCEPTION_CAMERA,
+    "surrogate": op.PERCEPTION_SURROGATE,
 }
 
 SENSOR_CODES: dict[SensorKind, int] = {
@@ -50,7 +56,7 @@ def add_run(draft: ProgramBuilder) -> None:
     p.control_every[0] = plan.control_every
     images = plan.camera.control_steps(plan.step * plan.control_every)
     p.image_every[0] = plan.control_every * max(round(images), 1)
-    p.perception[0] = op.PERCEPTION_CAMERA if plan.perception == "camera" else op.PERCEPTION_IDEAL
+    p.perception[0] = PERCEPTION_CODES[plan.perception]
     if plan.destination is not None:
         p.destination_road[0] = draft.network.road_index(plan.destination.road)
         p.destination_lane[0] = plan.destination.lane
