@@ -291,7 +291,7 @@ table of results included; the 5, 25, 50, 75 and 95 % quantiles of its request t
 ## What it is for
 
 * The controller `lane_detection` with the classical detector and a camera mounted as by default. Another controller,
-  detector or mounting is refused (SC514).
+  detector or mounting is refused (SC514), and so are motion blur and misalignment, which took no part in the fit.
 * The ranges below. Where one is left while the automation drives, the event `outside_domain` is logged, the table of a
   sweep has the time in `outside_domain_time`, and the sweep's summary counts such variants. The value is then held at
   the end of its range.

@@ -166,7 +166,6 @@ class _Family:
         self.plan, self.network, self.form, self.trust = plan, network, form, trust
         self.usual = parameter_values(plan.parameters)
         self.checks = VariantChecks(plan, network)
-        self.limit = int(plan.duration / plan.step) + 2
         self.engine: Simulation | None = None
         if form != "camera":
             self.numbers = Numbers(plan, network)
@@ -191,7 +190,7 @@ class _Family:
         except ExpressionError as fault:
             raise SweepError(str(fault)) from None
         draws = [make_draws(one.seed, one.index) for one in batch]
-        summaries, _ = self.engine.sweep(numbers, draws, self.limit)
+        summaries, _ = self.engine.sweep(numbers, draws, self.plan.step_limit)
         parameters = [{**self.usual, **one.values} for one in batch]
         return rows_of_totals(
             self.plan, RunTotals(summaries, self.plan.step), parameters, self._avoided(numbers, draws)
@@ -204,7 +203,7 @@ class _Family:
         interpreted = self.form == "interpreted"
         verdicts = {
             name: avoided_by(
-                name, self.network.tables, self.program, numbers, draws, self.limit, interpreted=interpreted
+                name, self.network.tables, self.program, numbers, draws, self.plan.step_limit, interpreted=interpreted
             )
             for name in references_in(self.plan.criteria)
         }

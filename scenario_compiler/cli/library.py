@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -22,7 +19,7 @@ from scenario_compiler.cli.options import (
     show,
     told,
 )
-from scenario_compiler.cli.terminal import put, put_table
+from scenario_compiler.cli.terminal import put, put_table, shown_progress
 from scenario_compiler.cli.validate import available_cores
 
 if TYPE_CHECKING:
@@ -68,7 +65,7 @@ def library_command(options: argparse.Namespace) -> int:
     if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     sink = new_sink(options)
-    with _shown_progress() as progress:
+    with shown_progress("scenarios") as progress:
         found = survey(
             options.folder, sink, runs=options.runs, processes=options.jobs, maps=options.maps, progress=progress
         )
@@ -111,7 +108,7 @@ def _separate(found: Survey, options: argparse.Namespace) -> None:
     from scenario_compiler.survey.separation_page import separation_page
 
     targets = [one.target for one in found.scenarios if not one.fault]
-    with _shown_progress() as progress:
+    with shown_progress("scenarios") as progress:
         separated = list(separate_all(targets, processes=options.jobs, maps=options.maps, progress=progress))
     write_whole(options.separation, separation_page(separated))
     apart = sum(one.separates for one in separated)
@@ -124,18 +121,3 @@ def _count(text: str) -> int:
     if not 0 <= number <= 10_000:
         raise argparse.ArgumentTypeError(f"{text} is not a number of runs from 0 to 10000")
     return number
-
-
-@contextmanager
-def _shown_progress() -> Iterator[Callable[[int, int], None] | None]:
-    """Yield what shows how many scenarios are done, with the time left; None where stderr is no terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("scenarios", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -9,7 +9,8 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, TextIO
 
 from scenario_compiler.legible import legible_line
@@ -89,6 +90,21 @@ def put_rendered(shown: RenderableType, file: TextIO | None = None) -> None:
     with console.capture() as drawn:
         console.print(shown)
     put_raw(drawn.get().removesuffix("\n"), file)
+
+
+@contextmanager
+def shown_progress(what: str) -> Iterator[Callable[[float, float], None] | None]:
+    """Yield what shows how much is done, and of how much, with the time left; None where stderr is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(escape(legible_line(what)), total=None)
+        yield lambda done, of_all: bar.update(task, completed=done, total=of_all)
 
 
 def flush_streams() -> None:

@@ -57,11 +57,10 @@ UNTRUSTED_CONTROLLER = Code(
     "SC507",
     "untrusted-controller",
     "The scenario names code of its author's own as its controller or lane detector. Reading a file never runs code "
-    "that it names, so "
-    "`validate`, `compile`, `export`, `preview` and `list` check the spelling of the name alone, and not the "
-    "controller's properties; `run` and `sweep` refuse to run it. Read the code, then say that you trust it: by "
-    "naming a class, a module, a Python file or the scenario's file with --trust, or for good with the class, module "
-    "or absolute path of the Python file in the list `trust` of your configuration file, "
+    "that it names, so `validate`, `compile`, `export`, `preview` and `list` check the spelling of the name alone, and "
+    "not the controller's properties; `run` and `sweep` refuse to run it. Read the code, then say that you trust it: "
+    "by naming a class, a module, a Python file or the scenario's file with --trust, or for good with the class, "
+    "module or absolute path of the Python file in the list `trust` of your configuration file, "
     "`~/.config/scenario-compiler/config.toml` (see docs/commands.md).\n\n"
     "    scenario-compiler run conflict.xml --trust our_lab.steering:Mine\n"
     '    trust = ["our_lab.steering:Mine"]     in config.toml',

@@ -64,7 +64,7 @@ class LaneDetectionParams(ControllerParams):
     """Parameters of the lane-keeping automation."""
 
     look_ahead_time: float = Field(
-        LANE_KEEPING["look_ahead_time"], gt=0, le=5, description="Look-ahead of the pure pursuit, s."
+        default=LANE_KEEPING["look_ahead_time"], gt=0, le=5, description="Look-ahead of the pure pursuit, s."
     )
     look_ahead_min: float = Field(
         default=LANE_KEEPING["look_ahead_min"], gt=0, le=50, description="Least look-ahead, m."
@@ -80,13 +80,16 @@ class LaneDetectionParams(ControllerParams):
     )
     minimum_gap: float = Field(default=LANE_KEEPING["minimum_gap"], gt=0, le=20, description="Gap at standstill, m.")
     lateral_acceleration: float = Field(
-        LANE_KEEPING["lateral_acceleration"], gt=0, le=10, description="Lateral acceleration in bends, m/s2."
+        default=LANE_KEEPING["lateral_acceleration"], gt=0, le=10, description="Lateral acceleration in bends, m/s2."
     )
     following_acceleration: float = Field(
-        LANE_KEEPING["following_acceleration"], gt=0, le=10, description="Greatest acceleration in following, m/s2."
+        default=LANE_KEEPING["following_acceleration"],
+        gt=0,
+        le=10,
+        description="Greatest acceleration in following, m/s2.",
     )
     following_deceleration: float = Field(
-        LANE_KEEPING["following_deceleration"], gt=0, le=10, description="Comfortable deceleration, m/s2."
+        default=LANE_KEEPING["following_deceleration"], gt=0, le=10, description="Comfortable deceleration, m/s2."
     )
 
 

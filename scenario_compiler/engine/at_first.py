@@ -19,6 +19,7 @@ from scenario_compiler.engine.ego.reach import sensor_reach
 from scenario_compiler.engine.ego.weather import reset_weather
 from scenario_compiler.engine.program.build import build_program
 from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.plan.checks.reach import obstacle_budget
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.roads.network import Network
@@ -67,8 +68,7 @@ def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
     state = new_state(program)
     reset_camera(program, state)
     reset_weather(program, state)
-    if program.cause_on[op.CAUSE_PATH_BLOCKED] == 1:
-        _check_sight(plan, sensor_reach(program, state), sink)
+    _check_sight(plan, sensor_reach(program, state), sink)
     values = program.const
     seen = state.image_health[0] * state.paint_seen[0]
     causes = (
@@ -81,12 +81,11 @@ def check_at_first(plan: Plan, network: Network, sink: Diagnostics) -> None:
 
 def _check_sight(plan: Plan, reach: float, sink: Diagnostics) -> None:
     """Warn where the sensor sees as far as the budget in clear air alone."""
-    values = parameter_values(plan.parameters)
-    cause = next((one for one in plan.takeover.causes if one.kind == "path_blocked"), None)
-    own = None if cause is None else cause.budget
-    speed = number_value(plan.ego.desired_speed, values)
-    budget = number_value(plan.takeover.budget if own is None else own, values)
-    if reach < budget * speed <= number_value(plan.forward_sensor.range, values):
+    asked = obstacle_budget(plan)
+    if asked is None:
+        return
+    budget, speed = asked
+    if reach < budget * speed <= number_value(plan.forward_sensor.range, parameter_values(plan.parameters)):
         message = (
             f"a budget of {budget:g} s at {speed:g} m/s is {budget * speed:.0f} m, but in this weather and with its "
             f"noise the {plan.forward_sensor.kind} sees {reach:.0f} m: the car asks {reach / speed:.1f} s before what "

@@ -73,7 +73,8 @@ class Tilt:
             return self
         away, gain = seen.pitch - self.pitch, self.deviation**2 / variance
         density = math.exp(-0.5 * away * away / variance) / math.sqrt(2.0 * math.pi * variance)
-        chance = real * density / (real * density + (1.0 - real) / (2.0 * STEEPEST))
+        true, false = real * density, (1.0 - real) / (2.0 * STEEPEST)
+        chance = true / (true + false) if false > 0.0 else 1.0
         pitch = self.pitch + chance * gain * away
         spread = chance * (1.0 - chance) * (gain * away) ** 2
         left = (1.0 - chance * gain) * self.deviation**2 + spread

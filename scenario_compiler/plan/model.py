@@ -17,7 +17,7 @@ from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePositionWord
 from scenario_compiler.vocabulary.scenario import Classification, NumberLimit, Parameter
-from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry, Perception
+from scenario_compiler.vocabulary.sensors import Camera, Failure, ForwardSensor, Odometry, Perception
 from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
@@ -136,6 +136,17 @@ class Plan(PlanPart):
     digest: str = Field(default="", description="SHA-256 of the canonical form.")
 
     @property
+    def step_limit(self) -> int:
+        """A number of time steps that no run of the plan exceeds."""
+        return int(self.duration / self.step) + 2
+
+    @property
     def ego(self) -> Entity:
         """The vehicle that reports are about: the first entity; IndexError where there is none."""
         return self.entities[0]
+
+    @property
+    def failures(self) -> tuple[Failure, ...]:
+        """All failures of the camera: its own, and those that actions begin."""
+        begun = (action for _, action in self.storyboard.actions() if isinstance(action, Failure))
+        return (*self.camera.failures, *begun)

@@ -7,15 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from scenario_compiler.engine.measures.reversals import cut_off, least_gap
 from scenario_compiler.recording.recording import Floats
 from scenario_compiler.recording.totals import RunTotals
 from scenario_compiler.recording.traces import Traces
 
-COARSE = (0.6, math.radians(3.0))
-"""Cut-off, Hz, and gap, rad, of the usual variant."""
-
-FINE = (2.0, math.radians(0.1))
-"""Cut-off, Hz, and gap, rad, of the variant for small corrections."""
+COARSE, FINE = 0, 1
+"""Numbers of the usual variant, and of the one for small corrections, as the engine counts them."""
 
 LEAST = 5.0
 """Least time that a rate is stated for, s: our own choice."""
@@ -23,12 +21,12 @@ LEAST = 5.0
 
 def coarse_rate(traces: Traces) -> Floats:
     """Return the steering reversals a minute of the usual variant, (...)."""
-    return _rate(traces, *COARSE)
+    return _rate(traces, COARSE)
 
 
 def fine_rate(traces: Traces) -> Floats:
     """Return the steering reversals a minute of the variant for small corrections, (...)."""
-    return _rate(traces, *FINE)
+    return _rate(traces, FINE)
 
 
 def coarse_total(totals: RunTotals) -> Floats:
@@ -41,11 +39,11 @@ def fine_total(totals: RunTotals) -> Floats:
     return _a_minute(totals.raw("fine_reversals"), totals.raw("driven_rows"), totals.step)
 
 
-def _rate(traces: Traces, cut_off: float, gap: float) -> Floats:
+def _rate(traces: Traces, variant: int) -> Floats:
     wheel = traces.steer[..., 0] * traces.inputs.steering_ratio
     shape = traces.t.shape[:-1]
     angles = [wheel[index][traces.driven[index]].tolist() for index in np.ndindex(*shape)]
-    found = [reversals(smoothed(one, cut_off, traces.step), gap) for one in angles]
+    found = [reversals(smoothed(one, cut_off(variant), traces.step), least_gap(variant)) for one in angles]
     counts, rows = (np.array(each, dtype=np.float64).reshape(shape) for each in (found, [len(one) for one in angles]))
     return _a_minute(counts, rows, traces.step)
 
@@ -55,15 +53,15 @@ def _a_minute(counts: Floats, rows: Floats, step: float) -> Floats:
     return np.where(lasts >= LEAST - 1e-6, counts / np.where(rows > 0, lasts, 1.0) * 60.0, np.nan)
 
 
-def smoothed(angles: Sequence[float], cut_off: float, step: float) -> list[float]:
+def smoothed(angles: Sequence[float], limit: float, step: float) -> list[float]:
     """Return angles after a Butterworth low-pass of second order that runs forwards from rest at the first of them.
 
     Args:
         angles: The angles, one a step.
-        cut_off: The filter's cut-off, Hz; below half the rate of the steps.
+        limit: The filter's cut-off, Hz; below half the rate of the steps.
         step: Length of a step, s.
     """
-    turn = math.pi * cut_off * step
+    turn = math.pi * limit * step
     warped = math.sin(turn) / math.cos(turn) if math.cos(turn) > 0.0 else 0.0
     square, root = warped * warped, math.sqrt(2.0)
     norm = 1.0 / max(1.0 + root * warped + square, 1.0)

@@ -167,10 +167,10 @@ that the confidence keeps. The ego's body pitches as it brakes, by `pitch_gradie
 **Bends** are driven at the speed that keeps the lateral acceleration at 2.5 m/s2 (the controller's
 `lateral_acceleration`), as far as the planned way shows them, 40 m ahead.
 
-**The confidence that comes with the program** is the fit to all of the clips below, with 32 hidden units. The tables
-are of fits that took no part in what they judge. The fit before it, to as many clips of an older detector and with 16
-hidden units, has on these four towns, on which it was fitted too, an area of 0.958, an expected error of 0.018 and a
-largest one of 0.101 while driving; this one, which was fitted to them too, has 0.966, 0.007 and 0.037.
+**The confidence that comes with the program** is fitted to all of the clips below, with 32 hidden units. The tables
+are of fits that took no part in what they judge. On these four towns, which it was fitted to as well, it has an area of
+0.966, an expected error of 0.007 and a largest one of 0.037 while driving; the fit before it, with 16 hidden units, had
+0.958, 0.018 and 0.101.
 
 [How far it drives on clear roads](lane-keeping.md) was measured too, and there is
 [a learned detector](perception-learned.md).

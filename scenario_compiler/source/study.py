@@ -362,13 +362,17 @@ class QuestionnaireElement(Word):
     word: Literal["questionnaire"] = "questionnaire"
 
     version: Literal["1"] = attribute("Version of the language.")
-    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    name: str = attribute("Name in the data: a task of BIDS, as the study is.", pattern=LABEL)
     title: str = attribute("Heading of the page.", default="")
     instruction: str = attribute("What the participant reads above the items.", default="")
     source: str = attribute("Where the questionnaire comes from, and by what right it is used.", default="")
     scales: tuple[Scale, ...] = child("Scales.", default=())
     items: tuple[Item, ...] = child("Items, in the order of the page.")
     scores: tuple[Score, ...] = child("Scores.", default=())
+
+    def scale_of(self, item: ScaleItem) -> Scale:
+        """Return the scale on which an item is answered."""
+        return next(one for one in self.scales if one.name == item.scale)
 
 
 STUDIES = (StudyElement, QuestionnaireElement)

@@ -388,7 +388,9 @@ class Expander:
             return
         name = scope.name_part(fields.get("id", ""), word.tag(), reading.origin(element, "id"), reading.sink)
         variable = fields.get("variable", "index")
-        for number, value in enumerate(values, start=1):
+        for number, value in enumerate(values if elements else (), start=1):
+            if self.has_too_many:
+                break
             inside = replace(reading, environment=reading.environment.with_value(variable, value))
             inner = self._inside(f"{name}.{number}", scope, reading.origin(element))
             self.add_items(rule, elements, inside, inner, chain)

@@ -7,8 +7,7 @@ each column holds.
 
 from __future__ import annotations
 
-import csv
-import io
+import itertools
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,17 +18,22 @@ from typing import Any
 from scenario_compiler.batch.codebook import Column
 from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.outputs import make_folder, write_whole
-from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.recording.store import read_recording
-from scenario_compiler.source.study import ChoiceItem, NumberItem, QuestionnaireElement, ScaleItem, TextItem
+from scenario_compiler.source.study import (
+    ChoiceItem,
+    NumberItem,
+    QuestionnaireElement,
+    ScaleItem,
+    StudyElement,
+    TextItem,
+)
 from scenario_compiler.study.journal import Record, read_journal, step_reached
 from scenario_compiler.study.procedure import Step, procedure
 from scenario_compiler.study.situation import is_right, true_answer
-
-MISSING = "n/a"
+from scenario_compiler.study.tables import write_table
 
 BIDS_VERSION = "1.9.0"
 
@@ -119,15 +123,22 @@ class Seat:
         return self.root / self.sub / self.ses / "beh" / f"{self.sub}_{self.ses}_task-{task}{part}_{kind}.tsv"
 
 
+def seats_of(study: StudyElement, root: Path) -> list[Seat]:
+    """Return all seats of a study: each participant's sessions in their order, one participant after the other."""
+    numbers = itertools.product(range(1, study.participants + 1), range(1, study.sessions + 1))
+    return [Seat(root, participant, session) for participant, session in numbers]
+
+
 def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
     """Return the columns of a questionnaire's table."""
     found = [*TRIAL_COLUMNS[:2]]
     found.append(
         Column("run", "integer", "", "Number of the run that it was asked after.", "asked before or after all")
     )
+    found.append(Column("when", "text", "", "When it was asked: before the trials, after a trial, or after them all."))
     for item in asked.items:
         if isinstance(item, ScaleItem):
-            scale = next(one for one in asked.scales if one.name == item.scale)
+            scale = asked.scale_of(item)
             ends = "; ".join(f"{one.at}: {one.text}" for one in scale.labels)
             note = f" ({scale.least} to {scale.most}{'; ' + ends if ends else ''})"
             found.append(Column(item.name, "integer", "", item.text + note))
@@ -152,7 +163,7 @@ def scores_of(asked: QuestionnaireElement, answers: Mapping[str, Any]) -> dict[s
     counted: dict[str, float] = {}
     for item in asked.items:
         if isinstance(item, ScaleItem):
-            scale = next(one for one in asked.scales if one.name == item.scale)
+            scale = asked.scale_of(item)
             given = float(answers[item.name])
             counted[item.name] = scale.least + scale.most - given if item.reverse else given
         elif isinstance(item, NumberItem):
@@ -175,7 +186,7 @@ def answer_fault(asked: QuestionnaireElement, answers: Mapping[str, str]) -> str
             if given not in {one.value for one in item.options}:
                 return f"'{item.name}' has no answer of its options"
         else:
-            ranged = item if isinstance(item, NumberItem) else next(o for o in asked.scales if o.name == item.scale)
+            ranged = item if isinstance(item, NumberItem) else asked.scale_of(item)
             try:
                 number = float(given) if isinstance(item, NumberItem) else int(given)
             except ValueError:
@@ -295,7 +306,7 @@ def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> 
     write_whole(root / ".bidsignore", "codebook.tsv\nexpected.html\n*.lock\n")
     write_whole(root / "README", README.format(summary=study.summary or study.name, kind=kind))
     people: list[Row] = []
-    answers: dict[str, list[Row]] = {}
+    answers: dict[tuple[str, Seat], list[Row]] = {}
     for participant in range(1, study.participants + 1):
         done = 0
         for session in range(1, study.sessions + 1):
@@ -304,30 +315,39 @@ def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> 
             records = read_journal(seat.journal)
             done += bool(records) and step_reached(records) >= len(steps) - 1
             for file, row in _answered(seat, steps, records):
-                answers.setdefault(file, []).append(row)
+                answers.setdefault((file, seat), []).append(row)
         people.append({"participant_id": f"sub-{participant:02d}", "sessions_done": done})
     columns = (TRIAL_COLUMNS[0], Column("sessions_done", "integer", "", "Number of sessions that are finished."))
     write_table(root / "participants.tsv", columns, people)
     _write_json(root / "participants.json", sidecar(columns))
-    _write_json(root / f"task-{study.name}_events.json", sidecar(EVENT_COLUMNS))
-    _write_json(root / f"task-{study.name}_beh.json", sidecar(TRIAL_COLUMNS))
-    book: list[Row] = [*_book("beh", TRIAL_COLUMNS), *_book("events", EVENT_COLUMNS)]
+    task = {"TaskName": study.name, "TaskDescription": study.summary or study.name}
+    shown = {"SoftwareName": "scenario-compiler", "SoftwareVersion": version("scenario-compiler")}
+    events = task | {"StimulusPresentation": shown}
+    _write_json(root / f"task-{study.name}_events.json", events | sidecar(EVENT_COLUMNS))
+    _write_json(root / f"task-{study.name}_beh.json", task | sidecar(TRIAL_COLUMNS))
+    book = [*_book(f"task-{study.name}_beh", TRIAL_COLUMNS), *_book(f"task-{study.name}_events", EVENT_COLUMNS)]
     for file, asked in compilation.file.questionnaires.items():
         own = questionnaire_columns(asked)
-        rows = [row | scores_of(asked, row) for row in answers.get(file, [])]
-        write_table(root / "phenotype" / f"{asked.name}.tsv", own, rows)
-        term = {"MeasurementToolMetadata": {"Description": asked.title or asked.name, "TermURL": asked.source}}
-        _write_json(root / "phenotype" / f"{asked.name}.json", term | sidecar(own))
-        book += _book(f"phenotype/{asked.name}", own)
+        for seat in seats_of(study, root):
+            if rows := [row | scores_of(asked, row) for row in answers.get((file, seat), [])]:
+                write_table(seat.table(asked.name, "beh"), own, rows)
+        term = {"Description": asked.title or asked.name} | ({"TermURL": asked.source} if asked.source else {})
+        about = {"TaskName": asked.name, "TaskDescription": asked.instruction or asked.title or asked.name}
+        _write_json(root / f"task-{asked.name}_beh.json", about | {"MeasurementToolMetadata": term} | sidecar(own))
+        book += _book(f"task-{asked.name}_beh", own)
     write_table(root / "codebook.tsv", BOOK_COLUMNS, book)
 
 
 def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> Iterable[tuple[str, Row]]:
+    """Yield the file of each questionnaire that was answered in a session, and the row of its answers."""
+    first = next((one.number for one in steps if one.trial is not None and one.trial.role != "practice"), len(steps))
     for one in records:
         step = steps[one["step"]]
         if one["kind"] == "done" and step.kind == "ask":
             run = None if step.about is None else step.about.number
-            yield step.file, {"participant_id": seat.sub, "session_id": seat.ses, "run": run, **one["answers"]}
+            when = ("before" if step.number < first else "after") if run is None else "trial"
+            seated = {"participant_id": seat.sub, "session_id": seat.ses}
+            yield step.file, {**seated, "run": run, "when": when, **one["answers"]}
 
 
 BOOK_COLUMNS = (
@@ -360,9 +380,9 @@ README = """{summary}
 
 Data of {kind}, in the form of BIDS (behavioural experiments).
 
-sub-*/ses-*/beh/*_beh.tsv     one row a run: condition, how the takeover went, measures
+sub-*/ses-*/beh/*_beh.tsv     of the study's task, one row a run: condition, how the takeover went, measures;
+                              of a questionnaire's, one row each time it was answered, with its scores
 sub-*/ses-*/beh/*_events.tsv  what happened in a run
-phenotype/*.tsv               answers to questionnaires, with their scores
 codebook.tsv                  what each column of each table holds
 sourcedata/                   journals and run folders (plan, recording in Parquet, inputs), which all tables come from
 """
@@ -376,25 +396,6 @@ def sidecar(columns: Iterable[Column]) -> dict[str, dict[str, str]]:
         described |= {"Units": one.unit} if one.unit else {}
         found[one.column] = described | ({"MissingWhen": one.empty} if one.empty else {})
     return found
-
-
-def write_table(path: Path, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write a tab-separated table; `n/a` stands for what a row does not have."""
-    make_folder(path.parent)
-    text = io.StringIO()
-    writer = csv.writer(text, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
-    writer.writerow(one.column for one in columns)
-    for row in rows:
-        writer.writerow(_cell(row.get(one.column)) for one in columns)
-    write_whole(path, text.getvalue())
-
-
-def _cell(value: Any) -> str:
-    if value is None or value == "":
-        return MISSING
-    if isinstance(value, float):
-        return repr(round(value, 9))
-    return text_cell(" ".join(str(value).split()))
 
 
 def _write_json(path: Path, content: Mapping[str, Any]) -> None:

@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import jinja2
 import numpy as np
 from scipy.stats import nct
 from scipy.stats import t as student
@@ -21,8 +20,9 @@ from scipy.stats import t as student
 from scenario_compiler.compiler import StudyCompilation
 from scenario_compiler.outputs import write_whole
 from scenario_compiler.recording.measures import MEASURES
-from scenario_compiler.study.dataset import MISSING, Seat
-from scenario_compiler.study.tables import read_table
+from scenario_compiler.report.templates import page_environment
+from scenario_compiler.study.dataset import seats_of
+from scenario_compiler.study.tables import MISSING, read_table
 
 SHOWN = (
     *("takeover_time", "minimum_time_to_collision", "minimum_distance", "maximum_lateral_acceleration"),
@@ -135,8 +135,8 @@ def trials_of(compilation: StudyCompilation, root: Path) -> list[dict[str, str]]
     """Return the rows of all trials of a study that are neither practice nor foil."""
     study = compilation.study
     rows: list[dict[str, str]] = []
-    for participant, session in itertools.product(range(1, study.participants + 1), range(1, study.sessions + 1)):
-        rows += read_table(Seat(root, participant, session).table(study.name, "beh"))
+    for seat in seats_of(study, root):
+        rows += read_table(seat.table(study.name, "beh"))
     return [row for row in rows if row["role"] == "trial"]
 
 
@@ -151,14 +151,7 @@ def write_effects(compilation: StudyCompilation, root: Path) -> Path:
         if any(one.count for one in means):
             found = [one for factor in factors for one in differences(rows, factor, name)]
             measured.append((units[name], means, found, _axis(means)))
-    folders = [Path(__file__).parent, Path(__file__).parents[1] / "report"]
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folders),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment(Path(__file__).parent)
     environment.filters["number"] = lambda value: "–" if not math.isfinite(value) else f"{value:.2f}"
     page = environment.get_template("effects.html.jinja")
     people = len({row["participant_id"] for row in rows})

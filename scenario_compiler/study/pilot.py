@@ -17,7 +17,7 @@ from scenario_compiler.report.folder import write_run_folder
 from scenario_compiler.report.run import Run
 from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.study import ChoiceItem, NumberItem, Query, QuestionnaireElement, ScaleItem
-from scenario_compiler.study.dataset import Seat, write_dataset, write_run_tables
+from scenario_compiler.study.dataset import Seat, seats_of, write_dataset, write_run_tables
 from scenario_compiler.study.journal import Journal, step_reached
 from scenario_compiler.study.procedure import Step, Trial, procedure
 from scenario_compiler.study.situation import CHOICES
@@ -47,7 +47,7 @@ def run_pilot(
         progress: Called with the number of sessions that are done, and of all.
     """
     study = compilation.study
-    seats = [Seat(root, one, ses) for one in range(1, study.participants + 1) for ses in range(1, study.sessions + 1)]
+    seats = seats_of(study, root)
     for count, seat in enumerate(seats, 1):
         journal = Journal(seat.journal)
         try:
@@ -90,7 +90,7 @@ def _answers(asked: QuestionnaireElement, seed: int, participant: int, stream: s
     for item in asked.items:
         share = uniform(seed, participant, f"{stream}/{item.name}")
         if isinstance(item, ScaleItem):
-            scale = next(one for one in asked.scales if one.name == item.scale)
+            scale = asked.scale_of(item)
             found[item.name] = scale.least + int(share * (scale.most - scale.least + 1))
         elif isinstance(item, NumberItem):
             found[item.name] = round(item.least + share * (item.most - item.least), 1)

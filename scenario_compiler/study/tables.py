@@ -1,14 +1,43 @@
-"""Reading the tables of a study, and the one tidy table of all its runs."""
+"""The tables of a study, tab-separated as BIDS has them, and the one tidy table of all its runs."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from scenario_compiler.outputs import write_whole
+from scenario_compiler.batch.codebook import Column
+from scenario_compiler.outputs import make_folder, write_whole
+from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.study.keeping import MANIFEST, StudyError
+
+PLACES = ("", "before.", "trial.", "after.")
+"""What stands before the columns of a questionnaire in the tidy table: where it is asked, if at several places."""
+
+MISSING = "n/a"
+"""What stands in a table for a value that is missing, after BIDS."""
+
+
+def write_table(path: Path, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write a tab-separated table; `MISSING` stands for what a row does not have."""
+    make_folder(path.parent)
+    text = io.StringIO()
+    writer = csv.writer(text, delimiter="\t", lineterminator="\n", quoting=csv.QUOTE_MINIMAL)
+    writer.writerow(one.column for one in columns)
+    for row in rows:
+        writer.writerow(_cell(row.get(one.column)) for one in columns)
+    write_whole(path, text.getvalue())
+
+
+def _cell(value: Any) -> str:
+    if value is None or value == "":
+        return MISSING
+    if isinstance(value, float):
+        return repr(round(value, 9))
+    return text_cell(" ".join(str(value).split()))
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
@@ -23,23 +52,38 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
     """Return one row a run of all participants, with the answers and scores that belong to the run, to the session.
 
     The columns of a questionnaire begin with its name and a point: answers given after a run stand in the run's row,
-    those given once in a session in each of its rows.
+    those given once in a session in each of its rows. Of one that is asked at several places the place follows, as in
+    `sickness.before.nausea`.
 
     Raises:
         StudyError: The folder holds no study.
     """
     if not (root / MANIFEST).is_file():
         raise StudyError(f"{root} holds no study")
-    rows = [row for file in sorted(root.glob("sub-*/ses-*/beh/*_beh.tsv")) for row in read_table(file)]
-    for file in sorted((root / "phenotype").glob("*.tsv")):
-        answers = read_table(file)
-        told = [name for name in answers[0] if name not in ("participant_id", "session_id", "run")] if answers else []
-        for row in rows:
-            here = [one for one in answers if all(one[key] == row[key] for key in ("participant_id", "session_id"))]
-            own = [one for one in here if one["run"] in (row["run"], "n/a")]
-            for name in told:
-                row[f"{file.stem}.{name}"] = own[0][name] if own else "n/a"
+    tables: dict[str, list[dict[str, str]]] = {}
+    for file in sorted(root.glob("sub-*/ses-*/beh/*_beh.tsv")):
+        task = file.stem.split("_task-")[1].removesuffix("_beh")
+        tables.setdefault(task, []).extend(read_table(file))
+    rows = tables.pop(_task(root), [])
+    for task, answers in sorted(tables.items()):
+        places = sorted({one["when"] for one in answers})
+        for place in places:
+            prefix = task if len(places) == 1 else f"{task}.{place}"
+            given = {_key(one): one for one in answers if one["when"] == place}
+            told = [name for name in answers[0] if name not in ("participant_id", "session_id", "run", "when")]
+            for row in rows:
+                own = given.get(_key(row) if place == "trial" else (*_key(row)[:2], MISSING))
+                row |= {f"{prefix}.{name}": MISSING if own is None else own[name] for name in told}
     return rows
+
+
+def _task(root: Path) -> str:
+    """Return the task whose tables hold the runs: the name of the study."""
+    return str(json.loads((root / MANIFEST).read_text(encoding="utf-8"))["study"])
+
+
+def _key(row: Mapping[str, str]) -> tuple[str, str, str]:
+    return row["participant_id"], row["session_id"], row["run"]
 
 
 def write_tidy(root: Path, output: Path) -> int:
@@ -54,15 +98,17 @@ def write_tidy(root: Path, output: Path) -> int:
     rows = tidy_rows(root)
     if not rows:
         raise StudyError(f"{root} holds no run yet")
-    lines = [list(rows[0]), *([value if value != "n/a" else "" for value in row.values()] for row in rows)]
+    lines = [list(rows[0]), *([value if value != MISSING else "" for value in row.values()] for row in rows)]
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(lines)
     write_whole(output, text.getvalue())
     book = {}
     for one in read_table(root / "codebook.tsv"):
-        part = one["table"].removeprefix("phenotype/")
-        name = one["column"] if one["table"] == "beh" else f"{part}.{one['column']}"
-        if name in rows[0]:
-            book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != "n/a"}
+        task = one["table"].removeprefix("task-").removesuffix("_beh")
+        column = one["column"]
+        names = (column,) if task == _task(root) else (f"{task}.{place}{column}" for place in PLACES)
+        for name in names:
+            if name in rows[0]:
+                book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != MISSING}
     write_whole(output.with_suffix(".json"), json.dumps(book, indent=1, ensure_ascii=False) + "\n")
     return len(rows)

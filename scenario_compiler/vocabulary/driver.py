@@ -103,6 +103,13 @@ class Driving(Word):
         quantity="acceleration",
         minimum=0.5,
     )
+    sight: Number = attribute(
+        "How far the driver sees what stands on the road, by day in clear air, m. Weather and night shorten it as they "
+        "do what a camera sees. The default is chosen.",
+        default=300.0,
+        quantity="length",
+        minimum=1,
+    )
     perception: Number = attribute(
         "Time in which the risk of something new is seen, s, after UN R157.",
         default=0.4,
@@ -111,6 +118,13 @@ class Driving(Word):
     )
     reaction: Number = attribute(
         "Time from then until the driver acts, s, after UN R157.", default=0.75, quantity="time", minimum=0
+    )
+    look_beside: Number = attribute(
+        "Time for which the driver looks at the lane beside before he moves into it to pass what blocks his way, s, "
+        "where there are vehicles within 150 m in it. The default is chosen.",
+        default=1.0,
+        quantity="time",
+        minimum=0,
     )
     sdlp: Number = attribute(
         "Standard deviation of the lateral position once the driver has settled, m. The default is after the "
@@ -163,10 +177,11 @@ class Driver(Word):
         "What the driver does while the automation drives; as in the preset's measurements when left out.", default=None
     )
     eyes_closed: bool = attribute("Whether the driver's eyes are closed when the request comes.", default=False)
-    traffic_density: Number = attribute(
+    traffic_density: Number | None = attribute(
         "Vehicles per kilometre around, for an effect of traffic_density; no effect is known without a coefficient of "
-        "yours.",
-        default=0.0,
+        "yours. When left out it is what is counted at the request: vehicles that go the same way at 2 m/s or more, "
+        "from 500 m behind to 500 m ahead, on all lanes.",
+        default=None,
         minimum=0,
     )
     effects: tuple[Effect, ...] = child("Effects of your own, in place of the catalog's.", default=())
@@ -260,6 +275,6 @@ class DriverModel(Word):
     measured_task: Task = attribute("What the drivers did in the measurements.", default="none")
     task: Task | None = same_as(Driver, "task")
     eyes_closed: bool = same_as(Driver, "eyes_closed")
-    traffic_density: Number = same_as(Driver, "traffic_density")
+    traffic_density: Number | None = same_as(Driver, "traffic_density")
     effects: tuple[Effect, ...] = child("Effects, in place of the catalog's.", default=())
     driving: Driving = child("How he drives.", default_factory=Driving.model_construct)

@@ -21,18 +21,26 @@ FailureKind = Literal[
     "dead_rows",
     "quantisation",
     "latency",
+    "motion_blur",
+    "misalignment",
 ]
 """How a camera fails. Secci and Ceccarelli (arXiv 2008.05938) call blackout "black", overexposure "brightness" and, in
 full, "white", dead rows lines of "dead pixels", and noise "no noise reduction"; blur and dirt are theirs too."""
+
+EXPOSURE_AT_ONE = 0.1
+"""Exposure of motion blur of the amount 1, s."""
 
 SEVERITIES: dict[FailureKind, tuple[float, float, float, float, float]] = {
     "noise": (0.255, 0.3825, 0.57375, 0.82875, 1.21125),
     "blur": (0.254, 0.508, 0.762, 1.016, 1.524),
     "impulse_noise": (0.06, 0.12, 0.18, 0.34, 0.54),
     "overexposure": (0.1, 0.2, 0.3, 0.4, 0.5),
+    "motion_blur": (0.256, 0.42, 0.665, 0.932, 1.185),
 }
 """Amounts of the severities 1 to 5 of ImageNet-C, as its make_imagenet_c.py has them: Gaussian noise of 0.08 to 0.38 of
-255 grey levels, a Gaussian blur of 1 to 6 of 224 pixels, 3 to 27 % of the pixels, 0.1 to 0.5 more brightness."""
+255 grey levels, a Gaussian blur of 1 to 6 of 224 pixels, 3 to 27 % of the pixels, 0.1 to 0.5 more brightness. Motion
+blur: the exposure in which the road, in the mean over its pixels of the default camera at 100 km/h straight on, moves
+as far as an even smear with the standard deviation of its kernels, halves of Gaussians of 3 to 15 of 224 pixels."""
 
 
 class Failure(Word):
@@ -42,10 +50,12 @@ class Failure(Word):
     or repeated (freeze); no light (blackout); a blur with a radius of 9/512 of the image's width; all of the lens
     behind dirt; half of all pixels black or white (impulse_noise); an image that is white (overexposure: what is added
     to the brightness); every row black (dead_rows, the same rows in every image); 2 in place of 256 grey levels
-    (quantisation: 1 bit of 8); images that are 1 s late (latency). With `--perception ideal` the sensor's health falls
-    by the same curves that the lane detector applies to its images: noise is one half at 30 grey levels, blackout at
-    0.94, blur at 0.5, dirt at 0.5; a missing or repeated image has no health. Of the last five ideal perception knows
-    nothing: pictures alone show them.
+    (quantisation: 1 bit of 8); images that are 1 s late (latency); an exposure of 0.1 s, in which the road is smeared
+    by the vehicle's own speed and yaw rate (motion_blur: nothing at a standstill); a camera that is turned on its mount
+    by the whole `yaw`, `pitch` and `roll`, which nobody tells the lane detector (misalignment: several of them add up).
+    With `--perception ideal` the sensor's health falls by the same curves that the lane detector applies to its images:
+    noise is one half at 30 grey levels, blackout at 0.94, blur at 0.5, dirt at 0.5; a missing or repeated image has no
+    health. Of the last seven ideal perception knows nothing: pictures alone show them.
     """
 
     word: Literal["failure"] = "failure"
@@ -69,10 +79,31 @@ class Failure(Word):
     )
     severity: int | None = attribute(
         "In place of `amount`: the severity of ImageNet-C (Hendrycks and Dietterich 2019), of noise, blur, "
-        "impulse_noise and overexposure.",
+        "impulse_noise, overexposure and motion_blur.",
         default=None,
         minimum=1,
         maximum=5,
+    )
+    yaw: Number = attribute(
+        "misalignment: turn of the camera's axis to the left, beyond its mounting, degrees.",
+        default=0.0,
+        quantity="angle",
+        minimum=-30,
+        maximum=30,
+    )
+    pitch: Number = attribute(
+        "misalignment: its turn upwards, degrees; negative looks down.",
+        default=0.0,
+        quantity="angle",
+        minimum=-30,
+        maximum=30,
+    )
+    roll: Number = attribute(
+        "misalignment: its turn about the axis, degrees; positive lowers its right side.",
+        default=0.0,
+        quantity="angle",
+        minimum=-30,
+        maximum=30,
     )
 
     @property

@@ -154,7 +154,7 @@ class Message(Word):
 
 
 Before = Literal["follow", "hold_speed"]
-After = Literal["follow", "hold_speed", "slow_down"]
+After = Literal["follow", "hold_speed", "slow_down", "let_go"]
 
 
 class Automation(Word):
@@ -162,7 +162,8 @@ class Automation(Word):
 
     `follow` keeps the distance to what is followed, and slows down from the request on before what blocks the path and
     the end of the lane; `hold_speed` keeps the speed whatever is ahead; `slow_down` follows and brakes as given. All of
-    them stop at red signals.
+    them stop at red signals. With `let_go` the automation is switched off by its request: the wheel goes back to
+    straight, the car rolls without the accelerator, and there is no minimum-risk manoeuvre.
     """
 
     word: Literal["automation"] = "automation"
@@ -214,6 +215,11 @@ class Takeover(Word):
         default=10.0,
         quantity="time",
         minimum=0,
+    )
+    minimum_risk: bool = attribute(
+        "Whether there is a minimum-risk manoeuvre. Without one the automation goes on as <automation> says until "
+        "somebody answers, into what is ahead too, as in most studies in simulators.",
+        default=True,
     )
     minimum_risk_deceleration: Number = attribute(
         "Deceleration of the minimum-risk manoeuvre, m/s2.",

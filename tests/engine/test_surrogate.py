@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from tests.engine.both import Both, run_both
 CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
 
 
-def planned(name: str, **arguments: float) -> Plan:
+def planned(name: str, **arguments: Any) -> Plan:
     return compile_scenario(
         library_folder() / "conflicts" / f"{name}.xml", overrides=Overrides(perception="surrogate"), **arguments
     )

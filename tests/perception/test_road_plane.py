@@ -78,3 +78,10 @@ def test_what_may_be_of_something_else_counts_by_how_likely_it_is_and_how_well_i
     assert moved[0] > 0.0
     assert known.with_seen(far, 0.9).pitch < 0.001
     assert known.with_seen(close, 0.5).deviation > known.with_seen(close).deviation
+
+
+def test_what_is_surely_seen_counts_however_far_it_is_from_what_was_known() -> None:
+    """Its density is too small for a number; there is nothing else that it could be."""
+    known, far = Tilt(0.0, 0.0005), Tilt(0.06, 0.0005)
+    assert known.with_seen(far).pitch == pytest.approx(0.03)
+    assert known.with_seen(far, 0.9).pitch == 0.0

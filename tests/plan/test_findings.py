@@ -106,6 +106,8 @@ def test_a_controller_that_ideal_perception_never_asks_is_told(
         ('<controller><detector model="classical"/></controller>', None),
         ('<controller><detector model="learned"/></controller>', "the detector 'classical', not 'learned'"),
         ('<camera z="1.6"/>', "a camera whose z is 1.3, not 1.6"),
+        ('<camera><failure kind="blur" amount="0.2"/></camera>', None),
+        ('<camera><failure kind="motion_blur"/></camera>', "failures of the kind 'motion_blur'"),
     ],
 )
 def test_surrogate_perception_stands_for_one_detector_behind_one_camera(

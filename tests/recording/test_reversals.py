@@ -9,6 +9,7 @@ import pytest
 from scipy import signal
 
 from scenario_compiler.engine.columns import opcodes
+from scenario_compiler.engine.measures.reversals import cut_off
 from scenario_compiler.recording.measures import MEASURES
 from scenario_compiler.recording.reversals import COARSE, FINE, reversals, smoothed
 from scenario_compiler.recording.traces import traces_of
@@ -35,13 +36,13 @@ def test_a_reversal_is_a_way_back_of_at_least_the_gap(angles: list[float], count
 
 @pytest.mark.parametrize("variant", [COARSE, FINE])
 @pytest.mark.parametrize("step", [0.01, 0.05, 0.1])
-def test_the_filter_is_that_of_butterworth(variant: tuple[float, float], step: float) -> None:
-    cut_off, _ = variant
+def test_the_filter_is_that_of_butterworth(variant: int, step: float) -> None:
+    limit = cut_off(variant)
     angles = np.cumsum(np.random.default_rng(3).normal(0.0, 0.01, 300)) + 0.3
-    b, a = signal.butter(2, cut_off, fs=1 / step)
+    b, a = signal.butter(2, limit, fs=1 / step)
     rest = signal.lfilter_zi(b, a) * angles[0]
     expected, _ = signal.lfilter(b, a, angles, zi=rest)
-    assert smoothed(angles.tolist(), cut_off, step) == pytest.approx(expected, abs=1e-9)
+    assert smoothed(angles.tolist(), limit, step) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(("degrees", "coarse", "fine"), [(4.0, 24.0, 24.0), (1.0, 0.0, 24.0), (0.02, 0.0, 0.0)])

@@ -59,6 +59,7 @@ FILES = {
     "texts that double": (_doubling("text", "a" * 2048), 1),
     "a long chain of templates": (_file('<use template="t0"/>', templates=_chain(2000)), 1),
     "nested loops": (_file(f'<repeat count="1000"><repeat count="1000">{CAR.format("", "ego")}</repeat></repeat>'), 1),
+    "loops around nothing": (_file('<repeat count="1000"><repeat count="1000"/></repeat>'), 0),
     "templates of templates": (_file('<use template="t0"/>', templates=_nested_templates()), 1),
     "many uses of one template": (
         _file('<use template="t" x="1"/>' * 2000, templates=f'<template name="t">{CAR.format("", "ego")}</template>'),

@@ -20,6 +20,7 @@ from scenario_compiler.engine.columns.numbers import safe_sqrt
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.limits import control_period
 from scenario_compiler.engine.motion.path import HALF_TURN, section_holds
 from scenario_compiler.engine.motion.steering import aim, path_point, preview_distance
 from scenario_compiler.marker import compiled
@@ -60,7 +61,7 @@ def lose_lane(p: Program, st: State) -> None:
 @compiled
 def drift(p: Program, st: State, i: int) -> None:
     """Let the errors grow by a control step."""
-    dt = p.const[slot.K_STEP] * p.control_every[0]
+    dt = control_period(p)
     walk = random_normal(run_seed(st, op.NONE), op.STREAM_ODOMETRY, 4096 + st.lane_losses[0], st.frame[0])
     st.recall_heading[0] += st.recall_bias[0] * dt + p.const[slot.K_GYRO_NOISE] * safe_sqrt(dt) * walk
     st.recall_off[0] += st.v[i] * sin(st.recall_heading[0]) * dt

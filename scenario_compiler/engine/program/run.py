@@ -4,30 +4,16 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.moves.camera import FAILURE_CODES
 from scenario_compiler.engine.program.builder import ProgramBuilder
-from scenario_compiler.vocabulary.sensors import Failure, FailureKind, Perception, SensorKind
+from scenario_compiler.vocabulary.sensors import Failure, Perception, SensorKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
-
-FAILURE_CODES: dict[FailureKind, int] = {
-    "noise": op.FAILURE_NOISE,
-    "dropout": op.FAILURE_DROPOUT,
-    "freeze": op.FAILURE_FREEZE,
-    "blackout": op.FAILURE_BLACKOUT,
-    "blur": op.FAILURE_BLUR,
-    "dirt": op.FAILURE_DIRT,
-    "impulse_noise": op.FAILURE_IMPULSE_NOISE,
-    "overexposure": op.FAILURE_OVEREXPOSURE,
-    "dead_rows": op.FAILURE_DEAD_ROWS,
-    "quantisation": op.FAILURE_QUANTISATION,
-    "latency": op.FAILURE_LATENCY,
-}
 
 PERCEPTION_CODES: dict[Perception, int] = {
     "ideal": op.PERCEPTION_IDEAL,
     "camera": op.PERCEPTION_CAMERA,
     "surrogate": op.PERCEPTION_SURROGATE,
 }
-
 SENSOR_CODES: dict[SensorKind, int] = {
     "camera": op.SENSOR_CAMERA,
     "radar": op.SENSOR_RADAR,
@@ -85,7 +71,8 @@ def add_failure(draft: ProgramBuilder, failure: Failure, *, waits: bool) -> int:
     duration = -1.0 if failure.duration is None else failure.duration
     p.failure_kind.append(FAILURE_CODES[failure.kind])
     p.failure_waits.append(1 if waits else 0)
-    p.failure_const.append(draft.block(failure.onset, duration, failure.ramp, failure.strength))
+    angles = (failure.yaw, failure.pitch, failure.roll)
+    p.failure_const.append(draft.block(failure.onset, duration, failure.ramp, failure.strength, *angles))
     p.failure_count[0] = len(p.failure_kind)
     return p.failure_count[0] - 1
 

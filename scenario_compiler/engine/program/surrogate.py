@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import resources
+from pathlib import Path
 from typing import Any
 
 from scenario_compiler.diagnostics import Code, Diagnostics
@@ -15,11 +15,15 @@ from scenario_compiler.engine.program.builder import ProgramBuilder
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
+from scenario_compiler.vocabulary.sensors import FailureKind
 
 FILE = "surrogate.json"
 
 MOUNTING = ("width", "height", "fov", "x", "y", "z", "yaw", "pitch", "roll")
 """What must be the same of a camera: its image and where it looks from."""
+
+UNFITTED: tuple[FailureKind, ...] = ("motion_blur", "misalignment")
+"""Failures of the camera that took no part in the fit."""
 
 NO_SURROGATE = Code(
     "SC514",
@@ -90,7 +94,7 @@ def surrogate_text(surrogate: Surrogate) -> str:
 @lru_cache(maxsize=1)
 def load_surrogate() -> Surrogate:
     """Return the coefficients that come with the program."""
-    return read_surrogate(resources.files("scenario_compiler.engine.program").joinpath(FILE).read_text("utf-8"))
+    return read_surrogate(Path(__file__).with_name(FILE).read_text("utf-8"))
 
 
 def add_surrogate(draft: ProgramBuilder) -> None:
@@ -105,7 +109,7 @@ def add_surrogate(draft: ProgramBuilder) -> None:
 
 
 def check_surrogate(plan: Plan, sink: Diagnostics) -> None:
-    """Report a controller, a detector or a camera that the coefficients were not fitted for."""
+    """Report a controller, a detector, a camera or a failure of it that the coefficients were not fitted for."""
     controller = plan.controller
     if controller is None:
         return
@@ -118,6 +122,10 @@ def check_surrogate(plan: Plan, sink: Diagnostics) -> None:
     if detector is not None and detector.model != fitted.detector:
         message = f"surrogate perception was fitted to the detector '{fitted.detector}', not '{detector.model}'"
         sink.add(NO_SURROGATE, message, detector.place_of("model"), hint=hint)
+    for failure in plan.failures:
+        if failure.kind in UNFITTED:
+            message = f"surrogate perception was not fitted to failures of the kind '{failure.kind}'"
+            sink.add(NO_SURROGATE, message, failure.place_of("kind"), hint=hint)
     for name in MOUNTING:
         value = getattr(plan.camera, name)
         if value != fitted.camera[name]:

@@ -31,8 +31,6 @@ SHORT_BUDGET = Code(
     "Give a longer `budget`, a greater `minimum_risk_deceleration`, or a lower speed.",
     Severity.WARNING,
 )
-
-
 BLIND_BUDGET = Code(
     "SC508",
     "blind-budget",
@@ -45,25 +43,30 @@ BLIND_BUDGET = Code(
 )
 
 
+def obstacle_budget(plan: Plan) -> tuple[float, float] | None:
+    """Return the time budget before an obstacle, s, and the desired speed, m/s; None where nobody asks for it."""
+    cause = next((one for one in plan.takeover.causes if one.kind == "path_blocked"), None)
+    if plan.controller is None or cause is None:
+        return None
+    values = parameter_values(plan.parameters)
+    budget = plan.takeover.budget if cause.budget is None else cause.budget
+    return number_value(budget, values), number_value(plan.ego.desired_speed, values)
+
+
 def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn when the forward sensor's range is shorter than what is driven in the budget at the desired speed."""
     del network
-    if plan.controller is None:
+    asked = obstacle_budget(plan)
+    if asked is None:
         return
-    values = parameter_values(plan.parameters)
-    takeover = plan.takeover
-    cause = next((one for one in takeover.causes if one.kind == "path_blocked"), None)
-    if cause is None:
-        return
-    speed = number_value(plan.ego.desired_speed, values)
-    budget = number_value(takeover.budget if cause.budget is None else cause.budget, values)
-    reach = number_value(plan.forward_sensor.range, values)
+    budget, speed = asked
+    reach = number_value(plan.forward_sensor.range, parameter_values(plan.parameters))
     if reach < budget * speed:
         message = (
             f"a budget of {budget:g} s at {speed:g} m/s is {budget * speed:.0f} m, but the forward sensor sees "
             f"{reach:g} m: the car asks {reach / speed:.1f} s before what it sees"
         )
-        sink.add(BLIND_BUDGET, message, takeover.place_of("budget"))
+        sink.add(BLIND_BUDGET, message, plan.takeover.place_of("budget"))
 
 
 def check_budget(plan: Plan, network: Network, sink: Diagnostics) -> None:
