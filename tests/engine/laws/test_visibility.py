@@ -29,7 +29,8 @@ def test_nothing_moves_otherwise_and_conditions_still_see_it(tmp_path: Path) -> 
 
 
 WRECK = """<dynamic id="wreck" speed="0"><start><lane road="1" lane="-2" s="400"/></start>
-<when><time after="0.5"/><do><visibility graphics="true" sensors="{sensors}" traffic="{traffic}"/></do></when></dynamic>"""
+<when><time after="0.5"/><do><visibility graphics="true" sensors="{sensors}" traffic="{traffic}"/></do></when>
+</dynamic>"""
 
 FILE = """<scenarios version="1"><scenario name="hidden" map="motorway" duration="25">
 <ego speed="20"><start><lane road="1" lane="-2" s="100"/></start></ego>{wreck}
