@@ -60,10 +60,16 @@ def _played(
 ) -> tuple[Recording, Outcome]:
     compilation, sink = _compiled(target, maps, perception, duration, **settings)
     assert compilation is not None, [as_text(one) for one in sink]
-    world = open_world("kinematic", compilation.plan, compilation.network)
-    recording = run(compilation.plan, world, seed=1)
-    world.close()
-    return recording, judge(compilation.plan, recording)
+    return _driven(compilation)
+
+
+def _driven(compilation: Compilation) -> tuple[Recording, Outcome]:
+    """Run a scenario with a small image, and judge it."""
+    small = compilation.plan.camera.model_copy(update={"width": 512, "height": 256})
+    plan = compilation.plan.model_copy(update={"camera": small})
+    with open_world("kinematic", plan, compilation.network) as world:
+        recording = run(plan, world, seed=1)
+    return recording, judge(plan, recording)
 
 
 def _first(recording: Recording, kind: str) -> float | None:
@@ -95,8 +101,8 @@ def test_the_parked_car_cuts_the_corridor_of_a_car_in_mid_lane(file: Path, maps:
 
 @pytest.mark.parametrize("perception", ["camera", "ideal"])
 def test_rain_hides_the_lanes_only_when_it_rains(file: Path, maps: Path, perception: Perception) -> None:
-    dry, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 6.0)
-    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 6.0, WeatherId="10")
+    dry, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 4.0)
+    wet, _ = _played(f"{file}#vanishinglanes_weather", maps, perception, 4.0, WeatherId="10")
     assert _first(dry, "request") is None
     assert _first(wet, "warning") is not None
 
@@ -119,15 +125,10 @@ def test_unmarked_junction_makes_the_car_ask(file: Path, maps: Path) -> None:
 
 
 def _near_the_junction(file: Path, maps: Path, **settings: str) -> tuple[Recording, Outcome]:
-    """Play the last 25 m before Town01's unmarked junction with a small image."""
+    """Play the last 25 m before Town01's unmarked junction."""
     compilation, sink = _compiled(f"{file}#vanishinglanes_map", maps, "camera", 8.0, start="302,330.85,0", **settings)
     assert compilation is not None, [as_text(one) for one in sink]
-    small = compilation.plan.camera.model_copy(update={"width": 512, "height": 256})
-    plan = compilation.plan.model_copy(update={"camera": small})
-    world = open_world("kinematic", plan, compilation.network)
-    recording = run(plan, world, seed=1)
-    world.close()
-    return recording, judge(plan, recording)
+    return _driven(compilation)
 
 
 def test_the_camera_asks_before_the_unmarked_turn_of_the_route(file: Path, maps: Path) -> None:

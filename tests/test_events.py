@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +16,10 @@ from scenario_compiler.plan.lower import Perception
 from scenario_compiler.plan.painted import covered_pieces
 from scenario_compiler.recording.events import write_events
 from scenario_compiler.runtime.log import NAMED
+from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.runtime.messages import TEXTS
 from scenario_compiler.worlds import EgoCommand, EgoState, Snapshot
-from scenario_compiler.worlds.kinematic import KinematicWorld
+from scenario_compiler.worlds.kinematic import KinematicWorld, degradation_of
 
 FILE = """<scenarios version="1">
   <scenario name="made" map="highway_loop" duration="{duration}" step="0.05" control_every="2">
@@ -80,11 +83,17 @@ def test_a_severity_is_that_of_imagenet_c(tmp_path: Path, severity: int, sigma: 
     assert recording.sigma[-1] == pytest.approx(255.0 * sigma)
 
 
-@pytest.mark.parametrize("kind", ["impulse_noise", "overexposure", "dead_rows", "quantisation", "latency"])
+@pytest.mark.parametrize(
+    "what",
+    [
+        *("impulse_noise", "overexposure", "dead_rows", "quantisation", "latency", "motion_blur"),
+        'misalignment" yaw="2',
+    ],
+)
 def test_a_failure_that_pictures_alone_show_is_ignored_with_ideal_perception_and_that_is_reported(
-    tmp_path: Path, kind: str
+    tmp_path: Path, what: str
 ) -> None:
-    failure = f'<camera><failure kind="{kind}" amount="0.5"/></camera>'
+    failure = f'<camera><failure kind="{what}" amount="0.5"/></camera>'
     compiled(tmp_path, camera=failure)
     modes: tuple[Perception, ...] = ("ideal", "camera")
     for perception in modes:
@@ -100,6 +109,46 @@ def test_such_a_failure_takes_the_lane_from_the_camera(tmp_path: Path, kind: str
     sides = np.fmax(recording.confidence_left, recording.confidence_right)
     assert sides[9] > 0.8
     assert sides[-1] < 0.3
+
+
+def test_a_long_exposure_smears_while_the_car_moves_and_bends(tmp_path: Path) -> None:
+    """The image of a moving car is smeared as its own speed and yaw rate say, that of a standing one is not."""
+    failure = '<camera><failure kind="motion_blur" severity="5"/></camera>'
+    done = compiled(tmp_path, "camera", camera=failure, duration=0.2)
+    still = compiled(tmp_path, "camera", duration=0.2)
+    with open_world("kinematic", done.plan, done.network) as world:
+        moving = Execution(done.plan, world, 1).snapshot()
+        assert moving.faults.exposure == pytest.approx(0.1185)
+        ego = replace(moving.entities[0], steering=0.05)
+        seen = degradation_of(replace(moving, entities=[ego]), 2.7)
+        assert seen.speed == 15.0
+        assert seen.yaw_rate == pytest.approx(15.0 * math.tan(0.05) / 2.7)
+        sharp = Execution(still.plan, world, 1).snapshot()
+        standing = replace(moving, entities=[replace(moving.entities[0], speed=0.0)])
+        images = [np.asarray(world.observe(one).image, int) for one in (sharp, moving, standing)]
+    assert np.array_equal(images[0], images[2])
+    assert np.abs(images[1] - images[0])[100:].mean() > 2.0
+
+
+def test_misalignments_add_up_and_the_lane_detector_is_not_told(tmp_path: Path) -> None:
+    """Turned to the left the camera sees the lane to the right, and the car drives there, sure of itself."""
+    failures = (
+        '<camera><failure kind="misalignment" onset="0.5" ramp="1" yaw="3"/>'
+        '<failure kind="misalignment" amount="0.5" yaw="-1" pitch="2" roll="1"/></camera>'
+    )
+    done = compiled(tmp_path, "camera", camera=failures, duration=4)
+    with open_world("kinematic", done.plan, done.network) as world:
+        execution, turned = Execution(done.plan, world, 1), {}
+        while execution.going:
+            execution.advance()
+            now = execution.snapshot()
+            turned[round(now.t, 2)] = tuple(round(math.degrees(one), 6) for one in now.faults.turned)
+        recording = execution.finish()
+    assert turned[0.3] == (-0.5, 1.0, 0.5)
+    assert turned[1.0] == (1.0, 1.0, 0.5)
+    assert turned[3.0] == (2.5, 1.0, 0.5)
+    assert recording.off[-1, 0] < -0.3
+    assert min(recording.confidence_left[-1], recording.confidence_right[-1]) > 0.6
 
 
 def test_a_failure_grows_and_goes_in_its_ramp(tmp_path: Path) -> None:

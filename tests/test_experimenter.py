@@ -56,6 +56,24 @@ def test_buttons_do_nothing_where_they_have_no_meaning(tmp_path: Path) -> None:
     assert "warning" not in kinds
 
 
+@pytest.mark.parametrize("buttons", ["<hand_back/><request/>", "<hand_back/>", "<request/>"])
+def test_a_request_while_control_is_handed_back_comes_when_the_automation_drives(buttons: str, tmp_path: Path) -> None:
+    body = (
+        '<when><time after="1"/><do><request/></do></when>'
+        '<when><time after="6"/><do>{}</do></when><when><time after="6.1"/><do>{}</do></when>'
+        '<takeover {}><driver takeover_time="2"/></takeover>'
+    )
+    first, second, handing = {
+        "<hand_back/><request/>": (buttons, "<warn/>", ""),
+        "<hand_back/>": (buttons, "<request/>", ""),
+        "<request/>": ("<warn/>", buttons, 'hand_back_after="3"'),
+    }[buttons]
+    recording, outcome = played(tmp_path, body.format(first, second, handing), 12.0)
+    activation = time_of(recording, "activation")
+    assert [one.number for one in outcome.takeovers] == [1, 2]
+    assert outcome.takeovers[1].request_time == pytest.approx(activation + 0.1, abs=1e-6)
+
+
 AHEAD = '<dynamic id="slow" speed="12"><start><ahead_of entity="ego" distance="70"/></start></dynamic>'
 BLOCKED = '<static id="parked"><at><ahead_of entity="ego" distance="{}"/></at></static>'
 POLICY = """<when><time after="4"/><do><request/></do></when>
@@ -79,6 +97,31 @@ def test_what_the_automation_does_before_and_after_a_request(
     asked = row_at(recording, time_of(recording, "request"))
     assert {"same": abs(v[asked] - 20.0) < 0.2, "slower": v[asked] < 19.0}[before]
     assert {"same": abs(v[-1] - v[asked]) < 0.2, "slower": v[-1] < v[asked] - 0.5}[after]
+
+
+def test_without_a_minimum_risk_manoeuvre_the_car_goes_on_until_somebody_answers(tmp_path: Path) -> None:
+    policy = '<takeover budget="4"{}><driver {}/><automation after="hold_speed"/></takeover>'
+    for switch, kinds in (("", {"request", "minimum_risk"}), (' minimum_risk="false"', {"request", "collision"})):
+        body = BLOCKED.format(200) + policy.format(switch, 'preset="absent"')
+        recording, outcome = played(tmp_path, body, 30.0)
+        assert kinds == {one.kind for one in recording.events} & {"request", "minimum_risk", "collision"}
+    assert outcome.resolution == "unanswered"
+    _, outcome = played(tmp_path, BLOCKED.format(200) + policy.format(switch, 'takeover_time="1"'), 30.0)
+    assert (outcome.resolution, outcome.collision_with) == ("driver", None)
+
+
+def test_an_automation_that_lets_go_neither_steers_nor_brakes_until_somebody_answers(tmp_path: Path) -> None:
+    """On the right-hand curve of the motorway, 800 m radius, the car goes on straight at once."""
+    curve = CONFLICT.replace('<spawn_point name="middle_lane"/>', '<lane road="2" lane="-2" s="900"/>')
+    body = """<when><time after="2"/><do><request/></do></when>
+    <takeover minimum_risk_after="1"><driver takeover_time="{}"/><automation after="let_go"/></takeover>"""
+    found = compiled(tmp_path, curve.format(body=body.format(4), duration=12.0))
+    recording, _ = next(runs(found, range(1, 2)))
+    asked, answered = (row_at(recording, time_of(recording, kind)) for kind in ("request", "response"))
+    assert time_of(recording, "minimum_risk") == float("inf")
+    assert np.abs(recording.steer[asked + 20 : answered, 0]).max() < 1e-9
+    assert recording.v[asked, 0] - recording.v[answered, 0] == pytest.approx(0.4 * 4.0, rel=0.1)
+    assert np.abs(recording.off[asked:answered, 0]).max() > 0.5 or np.unique(recording.lane[asked:answered, 0]).size > 1
 
 
 def test_slowing_down_has_the_deceleration_that_is_given(tmp_path: Path) -> None:

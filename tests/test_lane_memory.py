@@ -230,7 +230,7 @@ control_every="2"><ego speed="22"><start><spawn_point name="{place}"/></start></
 <takeover budget="7"><cause kind="lane_confidence"/><driver takeover_time="5.5"/></takeover></scenario></scenarios>"""
 
 
-@pytest.mark.parametrize("place", ["straight", "winding"])
+@pytest.mark.parametrize("place", [pytest.param("straight", marks=pytest.mark.slow), "winding"])
 def test_in_heavy_rain_the_car_keeps_to_its_lane_until_the_driver_answers(place: str, tmp_path: Path) -> None:
     found = compiled(tmp_path / "rain.xml", RAIN.format(place=place), "camera")
     recording, outcome = driven(found)

@@ -23,8 +23,10 @@ PAGE = (ROOT / "docs" / "pipelines.md").read_text(encoding="utf-8")
 ACTION: dict[str, Any] = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
 HOOKS: list[dict[str, Any]] = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
 BLOCKS = {name: yaml.safe_load(text) for name, text in re.findall(r"```yaml\n# (\S+)\n(.*?)```", PAGE, re.DOTALL)}
-COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
-GITLAB = [(job, line) for job, steps in BLOCKS[".gitlab-ci.yml"].items() for line in steps["script"]]
+SHELL = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
+GITLAB = [line for steps in BLOCKS[".gitlab-ci.yml"].values() for line in steps["script"]]
+COMMANDS = list(dict.fromkeys([*SHELL, *GITLAB]))
+"""The page's commands, each once."""
 
 
 @pytest.fixture
@@ -56,12 +58,6 @@ def break_one(folder: Path) -> None:
 def test_a_command_of_the_page_runs(folder: Path, line: str) -> None:
     done = shell(line, folder)
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize(("job", "line"), GITLAB, ids=lambda value: value[:40])
-def test_a_line_of_the_gitlab_jobs_runs(folder: Path, job: str, line: str) -> None:
-    done = shell(line, folder)
-    assert done.returncode == 0, (job, done.stderr)
 
 
 def test_gitlab_gets_what_its_job_promises(folder: Path) -> None:

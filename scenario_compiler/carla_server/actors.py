@@ -229,10 +229,12 @@ class Sensor(Actor):
     Attributes:
         due: The time of its next measurement, s.
         measured: How often it has measured.
+        unseen: Ids of the actors that a lidar does not see.
     """
 
     due: float = -math.inf
     measured: int = 0
+    unseen: frozenset[int] = frozenset()
 
     @property
     def stream(self) -> int:

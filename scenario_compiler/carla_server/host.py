@@ -147,7 +147,6 @@ class Host:
     episode: int = 1
     frame: int = 1
     managers: dict[int, list[Any]] = field(default_factory=dict)
-    shapes: list[Any] = field(default_factory=list)
     generated: str = ""
     recorder: Recorder | None = None
     replay: Replay | None = None
@@ -218,13 +217,12 @@ class Host:
             self.dismiss(number)
         self.stage = Stage(town, self.version)
         self.episode += 1
-        self.shapes.clear()
         self.recorder = self.replay = None
         if reset:
             self.settings = Settings()
             self._free.set()
         self._begins = time.monotonic() + BEGINNING
-        asyncio.get_running_loop().run_in_executor(None, town.scene)
+        asyncio.get_running_loop().run_in_executor(None, town.terrain)
         self.tick()
         self._bits |= MAP_CHANGED
 

@@ -121,8 +121,19 @@ LIGHTS = struct("vehicle light state", U32)
 LABELLED_POINT = struct("labelled point", VECTOR, U8)
 GENERATION = struct("OpenDRIVE generation parameters", REAL, REAL, REAL, REAL, BOOL, BOOL, BOOL)
 MANAGER = struct("address of a Traffic Manager", TEXT, U16)
-COLOUR = struct("colour", U8, U8, U8, U8)
-PRIMITIVE = variant("primitive", *([ANYTHING] * 9))
-"""A point, line, arrow, box or string; from 0.9.16 on some of them for the screen too."""
+COLOUR = struct("colour", U8, U8, U8)
+POINT = struct("point", VECTOR, REAL)
+LINE = struct("line", VECTOR, VECTOR, REAL)
+ARROW = struct("arrow", LINE, REAL)
+STRING = struct("string", VECTOR, TEXT, BOOL)
 
-DEBUG_SHAPE = struct("debug shape", PRIMITIVE, COLOUR, REAL, BOOL)
+
+def _debug_shape(box: Layout, *display: Layout) -> Layout:
+    """Return the layout of a debug shape: a point, line, arrow, box or string, or one of them on the display."""
+    shape = variant("primitive", POINT, LINE, ARROW, struct("box", box, VECTOR, REAL), STRING, *display)
+    return struct("debug shape", shape, COLOUR, REAL, BOOL)
+
+
+DEBUG_SHAPE = _debug_shape(BOX, POINT, LINE, ARROW, struct("box", BOX, VECTOR, REAL))
+DEBUG_SHAPE_BEFORE = _debug_shape(struct("bounding box", VECTOR, VECTOR, VECTOR))
+"""The second is that of 0.9.15, whose boxes name no actor and which has nothing on a display but strings."""

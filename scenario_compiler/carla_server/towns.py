@@ -24,6 +24,7 @@ from scenario_compiler.roads.spawn_points import read_spawn_points
 
 if TYPE_CHECKING:
     from scenario_compiler.perception.scene import Scene
+    from scenario_compiler.perception.terrain import Terrain
 
 DRIVING = re.compile(rb"<lane\b[^>]*\btype\s*=\s*[\"']driving")
 """A lane for vehicles in an OpenDRIVE file."""
@@ -73,6 +74,17 @@ class Town:
         camera = RoadCamera(scene, Camera(64, 32, math.radians(90.0), windscreen=False), 1)
         camera.draw(Pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), [], Weather(), {}).image(1, 0)
         return scene
+
+    @cached_property
+    def _terrain(self) -> Terrain:
+        from scenario_compiler.perception.terrain import Terrain
+
+        return Terrain(self._scene)
+
+    def terrain(self) -> Terrain:
+        """Return the ground as rays meet it; made once, whoever asks first."""
+        with self._lock:
+            return self._terrain
 
     def scene(self) -> Scene:
         """Return the scene that cameras draw; made once, whoever asks first.

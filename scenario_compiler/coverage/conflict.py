@@ -182,7 +182,9 @@ OTHERS: dict[type[Word], Execution] = {
     driver.Driving: _engine("ego.driver"),
     driver.Inputs: _engine("measures.inputs"),
     driver.Effect: _engine("ego.answering"),
-    takeover.Automation: _engine("ego.limits", "BEHAVIOUR_FOLLOW", "BEHAVIOUR_HOLD_SPEED", "BEHAVIOUR_SLOW_DOWN"),
+    takeover.Automation: _engine(
+        "ego.limits", "BEHAVIOUR_FOLLOW", "BEHAVIOUR_HOLD_SPEED", "BEHAVIOUR_SLOW_DOWN", "BEHAVIOUR_LET_GO"
+    ),
     takeover.Message: Execution("run", "runtime.messages"),
     takeover.Say: Execution("run", "runtime.messages"),
     criteria.NoCollision: _JUDGED,

@@ -18,14 +18,22 @@ from typing import Any, Protocol
 from pydantic import ValidationError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from scenario_compiler.live.session import Drive, Picture, Session
+from scenario_compiler.live.session import Drive, Given, Picture, Session
+from scenario_compiler.live.sounds import sounds_of
 from scenario_compiler.live.wheel import Told
+from scenario_compiler.live.wording import WORDS
 from scenario_compiler.report.replay import MARGIN, roadmap
 from scenario_compiler.report.surroundings import Window
 
 REACH = 1500.0
 """How far around the start the map of the page reaches, m."""
 
+
+GONE_AFTER = 10.0
+"""Time without a message after which a page counts as gone, s: one that lives tells something each second.
+
+A page that is frozen, or whose network is gone, keeps its connection open, and takes none of the pictures that wait.
+"""
 
 NO_MESSAGE = (ValueError, ValidationError, KeyError, TypeError, RecursionError)
 """What reading a message raises that is none of ours; its socket is closed."""
@@ -112,22 +120,22 @@ class Cockpit:
             self._driver = viewer
             if self.session is not None and self.session.is_alive():
                 self.session.come_back()
-        await connection.send_json({"role": "driver" if viewer is self._driver else "viewer"})
-        if self._watched and self.session is None:
-            self._begin()
         sending = asyncio.create_task(self._send(viewer))
-        try:
-            with contextlib.suppress(WebSocketDisconnect, *NO_MESSAGE):
+        with contextlib.suppress(WebSocketDisconnect, asyncio.TimeoutError, *NO_MESSAGE):
+            try:
+                await connection.send_json({"role": "driver" if viewer is self._driver else "viewer"})
+                if self._watched and self.session is None:
+                    self._begin()
                 while True:
-                    await self._hear(viewer, await connection.receive_text())
-        finally:
-            sending.cancel()
-            self._viewers.remove(viewer)
-            if viewer is self._driver:
-                self._driver = None
-                if self.session is not None and self.session.is_alive():
-                    self.session.leave()
-        with contextlib.suppress(RuntimeError):
+                    await self._hear(viewer, await asyncio.wait_for(connection.receive_text(), GONE_AFTER))
+            finally:
+                sending.cancel()
+                self._viewers.remove(viewer)
+                if viewer is self._driver:
+                    self._driver = None
+                    if self.session is not None and self.session.is_alive():
+                        self.session.leave()
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
             await connection.close(code=1003)
 
     async def _hear(self, viewer: Viewer, text: str) -> None:
@@ -143,10 +151,15 @@ class Cockpit:
             raise ValueError("a page that watches tells nothing")
         elif kind == "input" and session is not None and session.wheel is not None:
             session.wheel.tell(Told.model_validate(message))
-        elif kind == "start" and not self.driving:
-            self._begin()
+        elif kind == "start":
+            if session is not None and session.ended:  # the page knows of the end before its thread is over
+                await asyncio.to_thread(session.join)
+            if not self.driving:
+                self._begin()
         elif kind == "stop" and session is not None and self._may_stop:
             session.stop()
+        elif kind == "given" and session is not None:
+            session.give(Given.model_validate(message))
         elif kind == "latency" and session is not None:
             session.latencies += [float(one) for one in message["samples"][:200]]
             session.clock_offset = float(message["offset"])
@@ -200,6 +213,8 @@ def described(drive: Drive, *, watched: bool = False) -> dict[str, Any]:
         "name": plan.name,
         "summary": plan.summary,
         "watched": watched,
+        "words": WORDS[drive.language],
+        "sounds": sounds_of(plan),
         "origin": origin,
         "writes": drive.folder is not None,
         "entities": [

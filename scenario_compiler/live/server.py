@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -14,35 +15,49 @@ from starlette.websockets import WebSocket
 from scenario_compiler.live.cockpit import Cockpit, described
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.live.web import LIVE, Door, Server, address_of, listening_at, new_token, server_of
+from scenario_compiler.live.wording import WORDS
+from scenario_compiler.report.run import Run
 from scenario_compiler.report.templates import page_environment
+from scenario_compiler.vocabulary.takeover import Language
 
 
 class LiveServer:
     """Serves one scenario: one person drives, others may watch.
 
     Attributes:
-        sessions: The runs so far, the present one last.
         app: The application.
     """
 
-    def __init__(self, drive: Drive, door: Door, *, watched: bool = False, done: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        drive: Drive,
+        door: Door,
+        *,
+        watched: bool = False,
+        kept: Callable[[Run], None] | None = None,
+        done: Callable[[], None],
+    ) -> None:
         """Prepare the pages.
 
         Args:
             drive: What is driven; `folder` is where the folders of the runs come to lie.
             door: Who is let in.
             watched: Whether nobody drives, and the run begins with the first page.
+            kept: Takes each run when it has ended; the server keeps none of them.
             done: Called when a watched run has ended and its page knows.
         """
         self.drive, self.door = drive, door
-        self.sessions: list[Session] = []
+        self._runs = 0
+        self._reported: set[int] = set()
+        self._kept = kept
         self.cockpit = Cockpit(self._next, watched=watched, ended=done if watched else None)
         self._told_once = described(drive, watched=watched)
         self.app = Starlette(
             routes=[
-                Route("/", lambda request: door.entered(request, lambda: HTMLResponse(drive_page()))),
+                Route("/", lambda request: door.entered(request, lambda: HTMLResponse(drive_page(drive.language)))),
                 Route("/shared/{name}", door.shared),
                 Route("/live/{name}", door.own),
+                Route("/sounds/{name:path}", door.sound),
                 Route("/about", lambda request: door.answer(request, lambda: JSONResponse(self._told_once))),
                 Route("/runs/{number:int}", self._report),
                 Route("/favicon.ico", lambda request: door.answer(request, lambda: Response(status_code=204))),
@@ -54,22 +69,33 @@ class LiveServer:
         """End the present run and wait for its files."""
         self.cockpit.stop()
 
+    @property
+    def ended(self) -> str:
+        """How the last run ended, in words; empty where there was none."""
+        return "" if self.cockpit.session is None else self.cockpit.session.ended
+
     def _next(self, show: Callable[[Picture], bool]) -> Session:
-        number = len(self.sessions) + 1
-        folder = None if self.drive.folder is None else self.drive.folder / f"drive-{number:03d}"
-        drive = replace(self.drive, seed=self.drive.seed + number - 1, folder=folder)
-        self.sessions.append(Session(drive, show, number))
-        return self.sessions[-1]
+        self._runs += 1
+        drive = replace(self.drive, seed=self.drive.seed + self._runs - 1, folder=self._folder(self._runs))
+        return Session(drive, show, self._runs, kept=self._ended)
+
+    def _folder(self, number: int) -> Path | None:
+        """Return the folder of a run; None where nothing is written."""
+        return None if self.drive.folder is None else self.drive.folder / f"drive-{number:03d}"
+
+    def _ended(self, session: Session, run: Run) -> None:
+        self._reported.add(session.number)
+        if self._kept is not None:
+            self._kept(run)
 
     def _report(self, request: Request) -> Response:
         number = request.path_params["number"]
 
         def report() -> Response:
-            known = [one for one in self.sessions if one.number == number and one.folder is not None and one.finished]
-            path = known[0].folder / "report.html" if known and known[0].folder is not None else None
-            if path is None or not path.is_file():
+            folder = self._folder(number) if number in self._reported else None
+            if folder is None or not (folder / "report.html").is_file():
                 return PlainTextResponse("there is no report of that run", status_code=404)
-            return FileResponse(path)
+            return FileResponse(folder / "report.html")
 
         answer = self.door.answer(request, report)
         if answer.status_code == 200:  # a report brings its modules as data URLs
@@ -83,21 +109,32 @@ class LiveServer:
             await self.cockpit.serve(connection)
 
 
-def drive_page(base: str = "") -> str:
-    """Return the page at the wheel; `base` is what the paths of its data and its socket begin with."""
-    return page_environment(LIVE).get_template("drive.html.jinja").render(base=base)
+def drive_page(language: Language, base: str = "") -> str:
+    """Return the page at the wheel in a language; `base` is what the paths of its data and its socket begin with."""
+    template = page_environment(LIVE).get_template("drive.html.jinja")
+    return template.render(base=base, language=language, words=WORDS[language])
 
 
 def serve(
-    drive: Drive, *, host: str = "127.0.0.1", port: int = 0, watched: bool = False, told: Callable[[str], None]
-) -> list[Session]:
-    """Serve a scenario until the program is interrupted, or until a watched run has ended; return the runs.
+    drive: Drive,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    watched: bool = False,
+    kept: Callable[[Run], None] | None = None,
+    told: Callable[[str], None],
+) -> str:
+    """Serve a scenario until the program is interrupted, or until a watched run has ended.
+
+    Returns:
+        How the last run ended, in words; empty where there was none.
 
     Args:
         drive: What is driven.
         host: Address to serve; on another than this machine's own, pages need a token.
         port: Its port; 0 takes a free one.
         watched: Whether nobody drives.
+        kept: Takes each run when it has ended.
         told: Is given the address of the page once it can be opened.
 
     Raises:
@@ -106,10 +143,10 @@ def serve(
     with listening_at(host, port) as listening:
         door = Door(host, listening.getsockname()[1], new_token(host))
         server: list[Server] = []
-        live = LiveServer(drive, door, watched=watched, done=lambda: server[0].end())
+        live = LiveServer(drive, door, watched=watched, kept=kept, done=lambda: server[0].end())
         server.append(server_of(live.app, lambda: told(address_of(door))))
         try:
             server[0].run(sockets=[listening])
         finally:
             live.stop()
-        return live.sessions
+        return live.ended

@@ -6,21 +6,26 @@ import json
 import math
 import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median, quantiles
-from typing import Any, get_args
+from typing import Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field
 
 from scenario_compiler.live.sight import Sight
+from scenario_compiler.live.sounds import files_of
 from scenario_compiler.live.wheel import DRIVEN_BY_HAND, Wheel
+from scenario_compiler.live.wording import WORDS, ended_text
 from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.events import EventRow
-from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES
+from scenario_compiler.recording.names import CAUSES, TAKEOVER_STATES, EventKind, StateName
 from scenario_compiler.recording.outcome import judge
 from scenario_compiler.report.folder import write_run_folder
-from scenario_compiler.report.palette import STATE_COLOURS, WORDS
+from scenario_compiler.report.palette import STATE_COLOURS
 from scenario_compiler.report.run import Run
 from scenario_compiler.report.wording import outcome_words
 from scenario_compiler.roads import Network
@@ -29,9 +34,9 @@ from scenario_compiler.runtime.loop import Execution
 from scenario_compiler.runtime.messages import message_text
 from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
-from scenario_compiler.vocabulary.takeover import Told
+from scenario_compiler.vocabulary.takeover import Language, Modality, Told
 from scenario_compiler.vocabulary.word import number_value
-from scenario_compiler.worlds import WorldError
+from scenario_compiler.worlds import WorldError, WorldFinding
 
 FRAME_TIME = 0.04
 """Time from one picture to the next at least, s: 25 a second."""
@@ -78,11 +83,14 @@ class Drive:
         plan: The plan.
         network: Its map.
         world: Name of the world.
+        options: Options of the world.
         seed: Seed of all that is drawn.
         trust: Code of the user's own that the plan may name.
         folder: Folder of the run; None writes nothing. A server of several runs makes one for each below it.
         size: Width and height of the view ahead, pixels.
         plain: Whether the view shows the road alone, and not what the automation sees and plans.
+        found: Takes what the world has done otherwise than the plan says, when a run has ended.
+        otherwise: Language of the page where no message to the driver has words.
     """
 
     plan: Plan
@@ -93,6 +101,24 @@ class Drive:
     folder: Path | None = None
     size: tuple[int, int] = (1280, 720)
     plain: bool = False
+    options: Mapping[str, object] = field(default_factory=dict)
+    found: Callable[[Sequence[WorldFinding]], None] | None = None
+    otherwise: Language = "en"
+
+    @property
+    def language(self) -> Language:
+        """The language of the page: that of the first message to the driver that is read or heard as words."""
+        messages = self.plan.takeover.messages
+        return next((one.language for one in messages if {"text", "speech"} & {*one.modality}), self.otherwise)
+
+
+class Given(BaseModel):
+    """How the page gave the driver a message."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    modality: Modality = Field(description="Its modality.")
+    by: Literal["file", "browser", "text", "gamepad", "phone", "none"] = Field(description="By what it was given.")
 
 
 class Session(threading.Thread):
@@ -102,7 +128,6 @@ class Session(threading.Thread):
         wheel: The person at the wheel; None for a run that is only watched.
         folder: Folder of this run.
         ended: How it ended, in words; empty while it goes on.
-        finished: The run, once it has ended.
         now: Time of the run, s.
         state: State of the takeover.
         held: Why the run stands still, `paused` or `probe`; empty while it goes on.
@@ -116,7 +141,7 @@ class Session(threading.Thread):
         number: int = 1,
         *,
         probe_at: float | None = None,
-        kept: Callable[[Session], None] | None = None,
+        kept: Callable[[Session, Run], None] | None = None,
         happened: Callable[[EventRow], None] | None = None,
     ) -> None:
         """Prepare a run.
@@ -126,7 +151,8 @@ class Session(threading.Thread):
             show: Takes a picture, in this thread; False where the page was too slow to take it.
             number: Number of the run, which the page tells runs apart by.
             probe_at: Time at which the run stands still, s, until `go_on` is called; None for never.
-            kept: Called in this thread when the run has ended and its files are written, before the page hears of it.
+            kept: Called in this thread with the run when it has ended and its files are written, before the page hears
+                of it; the session itself keeps no run.
             happened: Called in this thread with each event of the run, within the step in which it comes.
         """
         super().__init__(name=f"run {number}", daemon=True)
@@ -144,15 +170,13 @@ class Session(threading.Thread):
             inputs = None if self.folder is None else self.folder / "inputs.jsonl"
             self.wheel = Wheel(drive.plan, inputs)
         self.ended = ""
-        self.finished: Run | None = None
         self.latencies: list[float] = []
         self.clock_offset = math.nan
         self._lost, self._shown = 0, 0
         self._late: list[float] = []
         self._slipped = 0.0
         self._stopping = threading.Event()
-        self._happened: list[str] = []
-        self._gone = False
+        self._happened: deque[tuple[EventKind, str, str]] = deque()
 
     def stop(self) -> None:
         """End the run as soon as possible."""
@@ -186,36 +210,45 @@ class Session(threading.Thread):
         if self.wheel is not None:
             self.wheel.leave()
             self.marks.add("person_left")
-            self._happened.append("person_left")
+            self._happened.append(("person_left", "", ""))
 
     def come_back(self) -> None:
         """Note that the person has a page again."""
         if self.wheel is not None:
             self.wheel.come_back()
-            self._happened.append("person_back")
+            self._happened.append(("person_back", "", ""))
+
+    def give(self, given: Given) -> None:
+        """Note how the page gave the driver a message."""
+        self._happened.append(("message_given", given.modality, given.by))
 
     def run(self) -> None:
         """Go through the run, write its folder, and say how it ended."""
-        drive = self.drive
+        drive, text, kept = self.drive, "", False
+        automated = drive.plan.controller is not None
         try:
-            with open_world(drive.world, drive.plan, drive.network) as world:
+            with open_world(drive.world, drive.plan, drive.network, **drive.options) as world:
                 execution = Execution(drive.plan, world, drive.seed, trust=drive.trust, person=self.wheel)
                 self._go(execution)
+                self._take_down(execution)
                 recording = execution.finish("user" if self._stopping.is_set() else "")
+                if drive.found is not None:
+                    drive.found(world.findings)
             finished = Run(drive.plan, drive.network, recording, judge(drive.plan, recording))
             if self.wheel is not None:
                 self.wheel.close()
             if self.folder is not None:
                 write_run_folder(finished, self.folder)
                 write_whole(self.folder / "live.json", json.dumps(self.figures(), indent=1) + "\n")
-            self.finished = finished
-            self.ended = outcome_words(finished.outcome, automated=drive.plan.controller is not None)
+            self.ended = outcome_words(finished.outcome, automated=automated)
+            text, kept = ended_text(finished.outcome, drive.language, automated=automated), True
             if self._kept is not None:
-                self._kept(self)
+                self._kept(self, finished)
         except (WorldError, OSError) as fault:
             self.ended = f"the run broke off: {fault}"
+            text = f"{WORDS[drive.language]['broke_off']}: {fault}"
         finally:
-            self._show(Picture({"end": self.ended, "run": self.number, "kept": self.finished is not None}, b"", b""))
+            self._show(Picture({"end": text, "run": self.number, "kept": kept}, b"", b""))
 
     def figures(self) -> dict[str, Any]:
         """Return what was measured of the page and the clock; times in milliseconds."""
@@ -241,8 +274,7 @@ class Session(threading.Thread):
         begin = time.perf_counter()  # the first picture takes long, and the clock waits for it
         while execution.going and not self._stopping.is_set():
             begin += self._hold()
-            for kind in self._news():
-                execution.note(kind)
+            self._take_down(execution)
             execution.advance()
             steps += 1
             events = self._pass_on(execution, events)
@@ -260,6 +292,12 @@ class Session(threading.Thread):
                     self._publish(execution, sight, late)
                 else:
                     self._lost += 1
+
+    def _take_down(self, execution: Execution) -> None:
+        """Put what has happened at the page into the recording."""
+        while self._happened:
+            kind, cause, message = self._happened.popleft()
+            execution.note(kind, cause=cause, message=message)
 
     def _pass_on(self, execution: Execution, count: int) -> int:
         """Pass on the events of a run after the first `count`; return how many there are."""
@@ -288,10 +326,6 @@ class Session(threading.Thread):
         self.held = ""
         return time.perf_counter() - begin if stood else 0.0
 
-    def _news(self) -> list[str]:
-        news, self._happened = self._happened, []
-        return news
-
     def _publish(self, execution: Execution, sight: Sight, late: float) -> None:
         snapshot = execution.snapshot()
         mirror = sight.mirror(snapshot) if self._shown % MIRROR_EVERY == 0 else b""
@@ -316,7 +350,6 @@ class Session(threading.Thread):
             "t": round(st.clock[0], 6),
             "seq": 0 if self.wheel is None else self.wheel.applied,
             "state": state,
-            "words": WORDS[state],
             "colour": STATE_COLOURS[state],
             "speed": round(st.v[0], 3),
             "confidence": [round(st.conf_left[0], 3), round(st.conf_right[0], 3)],
@@ -327,16 +360,23 @@ class Session(threading.Thread):
             "late": round(1e3 * late, 1) if late > BEHIND else 0,
         }
 
-    def _told(self, execution: Execution, state: str, cause: str) -> list[tuple[str, str, str]]:
-        """Return (modality, text, language) of the messages now; a text where the policy has none."""
+    def _told(self, execution: Execution, state: StateName, cause: str) -> list[tuple[str, str, str, list[str]]]:
+        """Return (modality, text, language, recorded files) of the messages now; a text where the policy has none."""
         if self.drive.plan.takeover.messages:
-            return [(one.modality, one.text, one.language) for one in execution.messenger.shown]
-        return [("text", message_text(state, cause, ("what", "why")), "en")] if state in ASKING else []
+            shown = execution.messenger.shown
+            return [(one.modality, one.text, one.language, files_of(one, state)) for one in shown]
+        language = self.drive.language
+        text = message_text(state, cause, ("what", "why"), language) if state in ASKING else ""
+        return [("text", text, language, [])] if text else []
 
     def _time_left(self, execution: Execution, state: str) -> float | None:
-        """Return the time until the minimum-risk manoeuvre begins at the latest, s; None where nobody was asked."""
-        if state not in ("request", "escalation"):
-            return None
+        """Return the time until the minimum-risk manoeuvre begins at the latest, s; None where nobody was asked.
+
+        None too where the policy has no such manoeuvre.
+        """
         st, plan = execution.state, self.drive.plan
+        none = not plan.takeover.minimum_risk or plan.takeover.automation.after == "let_go"
+        if none or state not in ("request", "escalation"):
+            return None
         after = number_value(plan.takeover.minimum_risk_after, parameter_values(plan.parameters))
         return round(max(0.0, st.request_at[0] + after - st.clock[0]), 1)

@@ -14,6 +14,7 @@ from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
+from scenario_compiler.live.sounds import SOUNDS, sound_files
 from scenario_compiler.report.embedding import FOLDER as PAGES
 
 LIVE = Path(__file__).parent / "pages"
@@ -23,7 +24,7 @@ SHARED = ("data.js", "map.js")
 
 OWN = ("drive.js", "wheel.js", "sounds.js", "search.js", "drive.css")
 
-TYPES = {".js": "text/javascript", ".css": "text/css"}
+TYPES = {".js": "text/javascript", ".css": "text/css", ".opus": "audio/ogg"}
 
 LARGEST = 16_384
 """Bytes of a message of a page at most."""
@@ -114,6 +115,10 @@ class Door:
     def own(self, request: Request) -> Response:
         """Return a file of the driving page."""
         return self.file(request, LIVE, OWN)
+
+    def sound(self, request: Request) -> Response:
+        """Return a sound of a message."""
+        return self.file(request, SOUNDS, sound_files())
 
 
 def new_token(host: str) -> str:

@@ -1,9 +1,10 @@
 """What goes wrong in the camera, done to a clean image at the sensor's own resolution.
 
-In the order of the light's way: dirt on the lens, blur, darkness or too much light, noise, impulses, rows that are
-dead, coarse grey levels; then, at the readout, images that are missing, repeated or late: until the first late one is
-there, the last one stays. Overexposure adds to the value of hue, saturation and value, as ImageNet-C's brightness
-does; impulses strike all channels of a pixel.
+In the order of the light's way: what moves while the sensor is exposed (`smear`), dirt on the lens, blur, darkness or
+too much light, noise, impulses, rows that are dead, coarse grey levels; then, at the readout, images that are missing,
+repeated or late: until the first late one is there, the last one stays. A camera that is turned on its mount sees
+another view, which `RoadCamera` draws. Overexposure adds to the value of hue, saturation and value, as ImageNet-C's
+brightness does; impulses strike all channels of a pixel.
 
 Noise is Gaussian with mean 0 and sigma in grey levels (0-255), independent in every pixel and channel, clipped to
 0-255. It is drawn with Philox, a counter-based generator keyed by (seed, frame index), so a frame's noise depends on
@@ -14,12 +15,15 @@ resolution: halving an image by area averaging halves it. Dirt and dead rows are
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from scenario_compiler.perception.camera import Camera
+from scenario_compiler.perception.smear import smeared
 
 Image = NDArray[np.uint8]
 
@@ -57,6 +61,10 @@ class Degradation:
         dead_rows: Share of the rows that are black, 0-1.
         coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
         late: How late an image arrives, s.
+        exposure: How long the sensor is exposed, s.
+        speed: Of the vehicle's reference point during the exposure, m/s.
+        yaw_rate: Of the vehicle, rad/s, positive to the left.
+        turned: Yaw, pitch and roll by which the camera is turned beyond its mounting, rad, signs as `Camera` has them.
     """
 
     sigma: float = 0.0
@@ -70,14 +78,33 @@ class Degradation:
     dead_rows: float = 0.0
     coarse: float = 0.0
     late: float = 0.0
+    exposure: float = 0.0
+    speed: float = 0.0
+    yaw_rate: float = 0.0
+    turned: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def camera(self, mounted: Camera) -> Camera:
+        """Return the camera as it is turned now; the same object where it is as it was mounted."""
+        if self.turned == (0.0, 0.0, 0.0):
+            return mounted
+        yaw, pitch, roll = self.turned
+        return replace(mounted, yaw=mounted.yaw + yaw, pitch=mounted.pitch + pitch, roll=mounted.roll + roll)
 
 
 class Sensor:
     """One camera's sensor: degrades images one after the other, and remembers the last for when it freezes."""
 
-    def __init__(self, seed: int) -> None:
-        """Begin with no image; `seed` is the run's."""
+    def __init__(self, seed: int, camera: Camera | None = None, lever: float = 0.0) -> None:
+        """Begin with no image.
+
+        Args:
+            seed: Seed of the run.
+            camera: The camera, the default camera when None.
+            lever: Distance from the vehicle's reference point ahead to what the camera's `x` counts from, m.
+        """
         self.seed = seed
+        self.camera = camera if camera is not None else Camera()
+        self.lever = lever
         self._last: Image | None = None
         self._on_the_way: deque[tuple[float, Image]] = deque()
 
@@ -94,6 +121,9 @@ class Sensor:
             return np.zeros_like(image)
         if state.frozen and self._last is not None:
             return self._last
+        if state.exposure > 0.0:
+            camera = state.camera(self.camera)
+            image = smeared(image, camera, self.lever, state.speed, state.yaw_rate, state.exposure)
         self._on_the_way.append((t, degraded(image, state, self.seed, frame_index)))
         while self._on_the_way and (self._last is None or self._on_the_way[0][0] <= t - state.late + AT_ONCE):
             self._last = self._on_the_way.popleft()[1]
@@ -102,7 +132,7 @@ class Sensor:
 
 
 def degraded(image: Image, state: Degradation, seed: int, frame_index: int) -> Image:
-    """Return the image through everything but what happens at the readout."""
+    """Return the image through everything between its exposure and its readout."""
     if state.dirt > 0.0:
         image = add_dirt(image, state.dirt, seed)
     if state.blur > 0.0:

@@ -45,6 +45,7 @@ from scenario_compiler.perception.solids import (
     place,
     spots_of,
 )
+from scenario_compiler.perception.strokes import Stroke, draw_strokes
 from scenario_compiler.perception.weather_look import Look
 
 Image = NDArray[np.uint8]
@@ -115,12 +116,13 @@ class Drawing:
         self._renderer, self._weather = renderer, weather
         self._traced, self._placed, self._faces = traced, placed, faces
 
-    def image(self, seed: int, frame_index: int) -> Image:
+    def image(self, seed: int, frame_index: int, strokes: Sequence[Stroke] = ()) -> Image:
         """Return the image (height, width, 3), BGR.
 
         Args:
             seed: Seed of the run; with `frame_index` it places rain.
             frame_index: Number of the frame.
+            strokes: What is drawn into the world for debugging.
         """
         part, weather, look, traced = self._renderer, self._weather, self._weather.look, self._traced
         view, camera = traced.view, part.camera
@@ -134,7 +136,10 @@ class Drawing:
         part.glare.add(image, view.pose.heading, look)
         draw_faces(image, view, self._faces, weather.light, weather.air)
         add_rain(image, camera, look, seed, frame_index, part.buffers)
-        return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGRA2BGR), np.uint8)
+        picture = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGRA2BGR), np.uint8)
+        if strokes:
+            draw_strokes(picture, self.depth, view, strokes)
+        return picture
 
     def _draw_sky(self, image: Image) -> None:
         """Draw the sky where no ground is seen."""

@@ -57,8 +57,9 @@ class RoadCamera:
         self.camera = camera if camera is not None else Camera()
         self.seed = seed
         self.box_offset = box_offset
-        self._sensor = Sensor(seed)
+        self._sensor = Sensor(seed, self.camera, box_offset)
         self._renderer = Renderer(self.scene, self.camera)
+        self._turned: Renderer | None = None
 
     def view(self, pose: Pose) -> View:
         """Return where the camera is when the vehicle's reference point has this pose."""
@@ -102,10 +103,20 @@ class RoadCamera:
             signals: States of traffic lights (see `draw`).
             t: Time of the frame, s, which says whether a late image is due.
         """
-        image = self.draw(pose, objects, weather, signals).image(self.seed, frame_index)
         wrong = state if isinstance(state, Degradation) else Degradation(sigma=state)
+        renderer = self._renderer_of(wrong.camera(self.camera))
+        view = renderer.camera.view(pose, self.box_offset)
+        image = renderer.draw(view, objects, look_of(weather), signals).image(self.seed, frame_index)
         return self._sensor.deliver(image, wrong, frame_index, t)
 
     def forget(self) -> None:
         """Forget the images before, which a frozen camera repeats."""
-        self._sensor = Sensor(self.seed)
+        self._sensor = Sensor(self.seed, self.camera, self.box_offset)
+
+    def _renderer_of(self, camera: Camera) -> Renderer:
+        """Return what draws for the camera, which may be turned on its mount."""
+        if camera is self.camera:
+            return self._renderer
+        if self._turned is None or self._turned.camera != camera:
+            self._turned = Renderer(self.scene, camera)
+        return self._turned

@@ -17,7 +17,7 @@ from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePositionWord
 from scenario_compiler.vocabulary.scenario import Classification, NumberLimit, Parameter
-from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, Failure, ForwardSensor, Odometry
 from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
@@ -144,3 +144,9 @@ class Plan(PlanPart):
     def ego(self) -> Entity:
         """The vehicle that reports are about: the first entity; IndexError where there is none."""
         return self.entities[0]
+
+    @property
+    def failures(self) -> tuple[Failure, ...]:
+        """All failures of the camera: its own, and those that actions begin."""
+        begun = (action for _, action in self.storyboard.actions() if isinstance(action, Failure))
+        return (*self.camera.failures, *begun)

@@ -153,11 +153,9 @@ def cause_of_request(traces: Traces) -> Floats:
 
 def time_budget(traces: Traces) -> Floats:
     """Time at the request until the limit is reached at unchanged speed."""
-    speed, towards, left = (
-        _at_request(traces, values) for values in (traces.v[..., 0], traces.blocked_speed, traces.limit_time)
-    )
+    towards, left = (_at_request(traces, values) for values in (traces.blocked_speed, traces.limit_time))
     cause, distance = cause_of_request(traces), limit_distance(traces)
-    return whole_steps(traces, time_to_limit(cause, distance, speed, towards, left))
+    return whole_steps(traces, time_to_limit(cause, distance, _speed_at_request(traces), towards, left))
 
 
 def _time_budget_total(totals: RunTotals) -> Floats:
@@ -192,10 +190,21 @@ def _request_lead_total(totals: RunTotals) -> Floats:
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
-    """Return a run's column (..., n) in the first row with a cause from the request on, NaN without one."""
-    there = traces.between(traces.times["request"]) & (traces.cause != CAUSE_NONE)
-    row = np.argmax(there, axis=-1)[..., None]
-    return np.where(there.any(axis=-1), np.take_along_axis(values, row, axis=-1)[..., 0], np.nan)
+    """Return a run's column (..., n) in the first row after the request that has a cause, NaN without one.
+
+    The row at the time of the request was recorded before the request; its findings are in the rows after it.
+    """
+    return _in_first(traces.behind(traces.times["request"]) & (traces.cause != CAUSE_NONE), values)
+
+
+def _speed_at_request(traces: Traces) -> Floats:
+    return _in_first(traces.between(traces.times["request"]), traces.v[..., 0])
+
+
+def _in_first(rows: Booleans, values: Floats) -> Floats:
+    """Return the values (..., n) in the first of these rows, NaN where there are none."""
+    row = np.argmax(rows, axis=-1)[..., None]
+    return np.where(rows.any(axis=-1), np.take_along_axis(values, row, axis=-1)[..., 0], np.nan)
 
 
 def takeover_buffer(traces: Traces) -> Floats:
@@ -215,6 +224,17 @@ def minimum_time_to_collision(traces: Traces) -> Floats:
 def minimum_distance(traces: Traces) -> Floats:
     """Least distance to another entity."""
     return least_box_distance(traces)
+
+
+def minimum_lane_time_to_collision(traces: Traces) -> Floats:
+    """Least time to collision along the lane."""
+    least = _greatest(-traces.lane_time_to_collision, traces.until_collision)
+    return np.where(-least < HORIZON, -least, np.nan)
+
+
+def traffic_density(traces: Traces) -> Floats:
+    """Vehicles per kilometre at the first request."""
+    return _at_request(traces, traces.traffic_density)
 
 
 def maximum_longitudinal_acceleration(traces: Traces) -> Floats:
@@ -387,6 +407,15 @@ MEASURES: tuple[Measure, ...] = (
         _limit_distance_total,
     ),
     Measure(
+        "traffic_density",
+        "1/km",
+        "Vehicles per kilometre of road at the first request that drive in the vehicle's direction at 2 m/s or more, "
+        "on all lanes from 500 m behind to 500 m ahead.",
+        "there was no request",
+        traffic_density,
+        total("request_density"),
+    ),
+    Measure(
         "minimum_time_to_collision",
         "s",
         "Least time to collision over the run: gap divided by closing speed, to any entity whose box overlaps "
@@ -396,6 +425,19 @@ MEASURES: tuple[Measure, ...] = (
         f"nothing in the path would ever be reached within {HORIZON:g} s",
         minimum_time_to_collision,
         total("least_time_to_collision"),
+        of_takeover=False,
+    ),
+    Measure(
+        "minimum_lane_time_to_collision",
+        "s",
+        "Least time to collision along the lane: gap divided by closing speed, to any entity ahead that overlaps the "
+        "width of the vehicle at its lateral position in the lane, whatever it steers. It is the time to an "
+        "obstacle until the vehicle has moved aside. Only entities that the automation, or the driver who drives, sees count. It is "
+        f"measured at control steps, up to the first collision. Values of {HORIZON:g} s or more are ignored.",
+        f"nothing ahead would ever be reached within {HORIZON:g} s",
+        minimum_lane_time_to_collision,
+        total("least_lane_time"),
+        "J. Adv. Transp. 2020/6173150, table 2",
         of_takeover=False,
     ),
     Measure(
@@ -451,7 +493,7 @@ MEASURES: tuple[Measure, ...] = (
         "maximum_longitudinal_acceleration",
         "m/s2",
         "Greatest absolute acceleration along the heading from the request to the end or the first collision.",
-        "no request",
+        "there was no request",
         maximum_longitudinal_acceleration,
         total("greatest_longitudinal"),
         "J. Adv. Transp. 2020/6173150, table 2",
@@ -461,7 +503,7 @@ MEASURES: tuple[Measure, ...] = (
         "m/s2",
         "Greatest absolute product of squared speed and driven curvature at the rear axle from the request to the end "
         "or the first collision.",
-        "no request",
+        "there was no request",
         maximum_lateral_acceleration,
         total("greatest_lateral"),
         "J. Adv. Transp. 2020/6173150, table 2",
@@ -502,7 +544,7 @@ MEASURES: tuple[Measure, ...] = (
         "m",
         "Greatest absolute distance, from the request on, of the reference point from the centre of the lane in which "
         "it was at the request. Rows off every lane are ignored.",
-        "no request",
+        "there was no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),
     ),
@@ -640,7 +682,7 @@ MEASURES: tuple[Measure, ...] = (
         "requests",
         "1",
         "Number of takeover requests in the run.",
-        "no request",
+        "there was no request",
         requests,
         total("requests"),
     ),

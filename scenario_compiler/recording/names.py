@@ -55,6 +55,9 @@ EVENT_TEXTS: dict[EventKind, str] = {
     "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`.",
     "lane_invasion": "The world's own sensor reports that the ego vehicle crosses a mark; `message` is its type.",
     "message_over": "The message has ended, together with its reason: `message` is its text, `cause` its modality.",
+    "message_given": "How the page gave the driver a message of the modality `cause`: `message` is `file` (a recorded "
+    "sound), `browser` (its speech synthesis), `text` (shown, because it could not be spoken), `gamepad`, `phone`, or "
+    "`none`.",
     "person_left": "The page of the person at the wheel was closed. The vehicle stops if that person was driving.",
     "person_back": "The page of the person at the wheel is open again.",
     "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` gives the reason.",
@@ -94,6 +97,8 @@ FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_DEAD_ROWS: "dead_rows",
     opcodes.FAILURE_QUANTISATION: "quantisation",
     opcodes.FAILURE_LATENCY: "latency",
+    opcodes.FAILURE_MOTION_BLUR: "motion_blur",
+    opcodes.FAILURE_MISALIGNMENT: "misalignment",
 }
 
 STOP_REASONS: dict[int, StopReason] = {

@@ -119,7 +119,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
         duration=float(recording.t[-1]) if len(recording.t) else 0.0,
         criteria=criteria,
         timeline=timeline(recording) if automated else (),
-        takeovers=takeovers_of(recording) if automated else (),
+        takeovers=takeovers_of(recording, traces) if automated else (),
         measures=measure_run(traces, measures_of(plan)),
         trajectory_hash=recording.trajectory_hash,
         versions=dict(sorted(header.versions.items())),

@@ -194,6 +194,14 @@ class Recording:
         Floats,
         Column("run", "s", "Time budget of the last request, if it was not about an obstacle.", far=True),
     ]
+    traffic_density: Annotated[
+        Floats,
+        Column("run", "1/km", "Density of vehicles in the ego vehicle's direction at the last request.", nothing=0.0),
+    ]
+    lane_time_to_collision: Annotated[
+        Floats,
+        Column("run", "s", "Least time to collision along the lane at the vehicle's lateral position.", far=True),
+    ]
     lane_width: Annotated[Floats, Column("run", "m", "Width of the ego vehicle's lane; 0 off the lanes.")]
     lane_heading: Annotated[
         Floats,

@@ -18,13 +18,29 @@ from scenario_compiler.recording.names import BY_HAND, CAUSES, EventKind
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.resolution import Resolution, resolutions
 from scenario_compiler.recording.totals import RunTotals
+from scenario_compiler.recording.traces import Traces
+from scenario_compiler.vocabulary.horizon import HORIZON
 
 ENDS: tuple[EventKind, ...] = ("escalation", "response", "minimum_risk", "standstill", "hand_back")
 """What may happen to a request, each by its first time before the next request."""
 
 
+QUALITY = ("minimum_lane_time_to_collision", "maximum_longitudinal_acceleration", "maximum_lateral_acceleration")
+DRIVEN_TOTALS = ("takeover_lane_time", "takeover_longitudinal", "takeover_lateral")
+"""What is measured of how each takeover was driven, and the engine's totals of it."""
+
+
 def _seconds(description: str) -> float | None:
     found: float | None = Field(default=None, description=description, json_schema_extra={"unit": "s"})
+    return found
+
+
+def _acceleration(where: str) -> float | None:
+    found: float | None = Field(
+        default=None,
+        description=f"Greatest absolute acceleration {where} from the request to the next, or the first collision.",
+        json_schema_extra={"unit": "m/s2"},
+    )
     return found
 
 
@@ -44,33 +60,46 @@ class Takeover(BaseModel):
     hand_back_time: float | None = _seconds("Time at which control was handed back.")
     takeover_time: float | None = _seconds("Time from the request to the driver's response.")
     speed: float | None = Field(
-        default=None, description="Speed in the first row with the cause.", json_schema_extra={"unit": "m/s"}
+        default=None, description="Speed in the row of the request.", json_schema_extra={"unit": "m/s"}
     )
     limit_distance: float | None = Field(
         default=None,
-        description="Distance from the front bumper to where the path is blocked or the lane ends, in the same row.",
+        description="Distance from the front bumper to where the path is blocked or the lane ends, in the first row "
+        "behind the request.",
         json_schema_extra={"unit": "m"},
     )
     time_budget: float | None = _seconds(
         "Time until the limit is reached, as `time_budget` of the run says of the first request."
     )
     takeover_buffer: float | None = _seconds("Time budget less takeover time.")
+    traffic_density: float | None = Field(
+        default=None,
+        description="Vehicles that went the vehicle's way, as `traffic_density` of the run says of the first request.",
+        json_schema_extra={"unit": "1/km"},
+    )
+    minimum_lane_time_to_collision: float | None = _seconds(
+        "Least time to collision along the lane from the request to the next, as that of the run."
+    )
+    maximum_longitudinal_acceleration: float | None = _acceleration("along the heading")
+    maximum_lateral_acceleration: float | None = _acceleration("across it")
 
 
-def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
-    """Return all takeovers of a recorded run."""
+def takeovers_of(recording: Recording, traces: Traces) -> tuple[Takeover, ...]:
+    """Return all takeovers of a recorded run, whose traces are given too."""
     asked = [k for k, event in enumerate(recording.events) if event.kind == "request"]
     if not asked:
         return ()
     crash = next((event.t for event in recording.events if event.kind == "collision"), math.nan)
     times: dict[EventKind, list[float]] = {kind: [] for kind in ENDS}
     rows = []
+    driven = []
     for begin, end in zip(asked, [*asked[1:], len(recording.events)], strict=True):
         inside = [one for one in recording.events[begin:end] if one.cause != BY_HAND]
         for kind, found in times.items():
             found.append(next((one.t for one in inside if one.kind == kind), math.nan))
         until = recording.events[end].t if end < len(recording.events) else math.inf
         rows.append(_described(recording, recording.events[begin].t, until))
+        driven.append(_driven(traces, recording.events[begin].t, until))
     causes = [recording.events[k].cause for k in asked]
     request = np.array([recording.events[k].t for k in asked])
     known = np.array([row >= 0 for row in rows])
@@ -78,18 +107,31 @@ def takeovers_of(recording: Recording) -> tuple[Takeover, ...]:
         name: np.where(known, getattr(recording, name)[rows], np.nan)
         for name in ("blocked_distance", "blocked_speed", "lane_end_distance", "limit_time")
     }
-    speed = np.where(known, recording.v[rows, 0], np.nan)
+    at_request = np.searchsorted(recording.t, request - SAME_TIME)
+    speed = recording.v[np.minimum(at_request, len(recording.t) - 1), 0]
+    quality = dict(zip(QUALITY, np.array(driven).T, strict=True))
+    quality["traffic_density"] = np.where(known, recording.traffic_density[rows], np.nan)
     codes = np.where(known, recording.cause[rows].astype(np.float64), np.nan)
     distance = distance_to_limit(codes, at["blocked_distance"], at["lane_end_distance"])
     ends = {kind: np.array(found) for kind, found in times.items()}
     budget = time_to_limit(codes, distance, speed, at["blocked_speed"], at["limit_time"])
     crashes = np.full(len(asked), crash)
-    return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, recording.header.step))
+    return tuple(_assembled(causes, request, ends, crashes, speed, distance, budget, quality, recording.header.step))
+
+
+def _driven(traces: Traces, begin: float, end: float) -> tuple[float, ...]:
+    """Return how a takeover was driven, as `QUALITY` names it, in the rows from its request to the next."""
+    rows = (traces.t >= begin - SAME_TIME) & (traces.t < end - SAME_TIME) & traces.until_collision
+    time = float(np.fmin.reduce(traces.lane_time_to_collision[rows], initial=np.nan))
+    v = traces.v[rows, 0]
+    longitudinal = float(np.fmax.reduce(np.abs(traces.a[rows, 0]), initial=np.nan))
+    lateral = float(np.fmax.reduce(np.abs(v * v * traces.curvature[rows]), initial=np.nan))
+    return time if time < HORIZON else math.nan, longitudinal, lateral
 
 
 def _described(recording: Recording, begin: float, end: float) -> int:
-    """Return the first row from a request on, and before the next, that has a cause; -1 where there is none."""
-    there = (recording.t >= begin - SAME_TIME) & (recording.t < end - SAME_TIME) & (recording.cause != op.CAUSE_NONE)
+    """Return the first row behind a request, and before the next, that has a cause; -1 where there is none."""
+    there = (recording.t > begin + SAME_TIME) & (recording.t < end - SAME_TIME) & (recording.cause != op.CAUSE_NONE)
     return int(np.argmax(there)) if there.any() else -1
 
 
@@ -109,7 +151,11 @@ def takeovers_of_totals(totals: RunTotals) -> list[tuple[Takeover, ...]]:
     crash = totals.times["collision"][runs]
     found: list[list[Takeover]] = [[] for _ in range(len(request))]
     asked = request[runs, places]
-    made = _assembled(causes, asked, ends, crash, picked["speed"], distance, budget, totals.step, places)
+    quality = {
+        name: totals.of_takeovers(column)[runs, places]
+        for name, column in (*zip(QUALITY, DRIVEN_TOTALS, strict=True), ("traffic_density", "takeover_density"))
+    }
+    made = _assembled(causes, asked, ends, crash, picked["speed"], distance, budget, quality, totals.step, places)
     for run, one in zip(runs.tolist(), made, strict=True):
         found[run].append(one)
     return [tuple(some) for some in found]
@@ -123,6 +169,7 @@ def _assembled(
     speed: Floats,
     distance: Floats,
     until_limit: Floats,
+    quality: Mapping[str, Floats],
     step: float,
     places: np.ndarray[tuple[int], np.dtype[np.intp]] | None = None,
 ) -> list[Takeover]:
@@ -137,6 +184,7 @@ def _assembled(
         "limit_distance": distance,
         "time_budget": budget,
         "takeover_buffer": np.round((budget - answered) / step) * step,
+        **quality,
     }
     none = np.full(len(request), np.nan)
     how = resolutions({"request": request, **ends, "collision": crash, "no_progress": none})

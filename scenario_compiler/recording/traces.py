@@ -121,6 +121,8 @@ class Traces:
         blocked_distance: (..., n), m, NaN where the path is free.
         blocked_speed: (..., n), m/s, at which what blocks the path comes towards the ego.
         lane_end_distance: (..., n), m, NaN where the lane goes on.
+        traffic_density: (..., n), 1/km, at the last request; 0 before.
+        lane_time_to_collision: (..., n), s, along the lane at the vehicle's place in it; NaN without one.
         limit_time: (..., n), s, that the last request left which was not about an obstacle; NaN without one.
         lane_width: (..., n), m, of the ego vehicle's lane; 0 off the lanes.
         lane_heading: (..., n), rad, of the ego vehicle against its lane's direction, positive to the left.
@@ -157,6 +159,8 @@ class Traces:
     blocked_speed: Floats
     lane_end_distance: Floats
     limit_time: Floats
+    traffic_density: Floats
+    lane_time_to_collision: Floats
     lane_width: Floats
     lane_heading: Floats
     on_road: Booleans
@@ -173,6 +177,10 @@ class Traces:
         """Return which rows lie in [begin, end], (..., n); none where begin or a given end is NaN."""
         inside = self.t >= begin[..., None] - SAME_TIME
         return inside if end is None else inside & (self.t <= end[..., None] + SAME_TIME)
+
+    def behind(self, begin: Floats) -> Booleans:
+        """Return which rows lie behind a time, (..., n); none where it is NaN."""
+        return self.t > begin[..., None] + SAME_TIME
 
     @cached_property
     def driven(self) -> Booleans:
@@ -256,7 +264,7 @@ def traces_of(plan: Plan, recording: Recording) -> Traces:
         *("t", "present", "x", "y", "z", "h", "v", "a", "road", "lane", "s", "off", "steer", "brake"),
         *("takeover_state", "cause"),
         *("confidence_left", "confidence_right", "blocked_distance", "blocked_speed", "lane_end_distance"),
-        *("limit_time", "lane_width", "lane_heading", "on_road"),
+        *("limit_time", "traffic_density", "lane_time_to_collision", "lane_width", "lane_heading", "on_road"),
     )
     vehicles = [entity.vehicle for entity in plan.entities]
     return Traces(

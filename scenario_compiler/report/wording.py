@@ -36,6 +36,21 @@ STANDS: dict[StandingPlace, str] = {
 }
 """Where a vehicle stands that touched nothing: safely is in its own lane, or on a shoulder."""
 
+OUTCOMES: dict[str, str] = {
+    "no_request": "no takeover request",
+    "stopped": "stopped without a request",
+    "driver": "driver took over",
+    "minimum_risk": "minimum-risk manoeuvre",
+    "unanswered": "request unanswered",
+    "open": "request still open",
+    "collision": "collision",
+    "broke_off": "run broke off",
+    "destination": "destination reached",
+    "no_collision": "no collision",
+    **{str(place): text for place, text in STANDS.items()},
+}
+"""How takeovers were resolved and runs ended, in words."""
+
 
 @dataclass(frozen=True, slots=True)
 class Summary:
@@ -81,23 +96,21 @@ def summary_of(run: Run) -> Summary:
     )
 
 
+def outcome_keys(outcome: Outcome) -> tuple[str, str]:
+    """Return how the takeover was resolved, and how the run ended, as keys of tables of words."""
+    if outcome.collision_with is not None:
+        return outcome.resolution, "collision"
+    if outcome.result == "error":
+        return outcome.resolution, "broke_off"
+    ended = "destination" if outcome.stop_reason == "destination" else "no_collision"
+    return outcome.resolution, outcome.stands if outcome.stands in STANDS else ended
+
+
 def outcome_words(outcome: Outcome, *, automated: bool = True) -> str:
     """Return what came of a run in a few words; without an automated vehicle, nothing of takeovers."""
-    took_over = {
-        "no_request": "no takeover request",
-        "stopped": "stopped without a request",
-        "driver": "driver took over",
-        "minimum_risk": "minimum-risk manoeuvre",
-        "unanswered": "request unanswered",
-        "open": "request still open",
-    }[outcome.resolution]
-    if outcome.collision_with is not None:
-        ended = "collision" + (f" with {outcome.collision_with}" if outcome.collision_with else "")
-    elif outcome.result == "error":
-        ended = "run broke off"
-    else:
-        ended = "destination reached" if outcome.stop_reason == "destination" else "no collision"
-        ended = STANDS.get(outcome.stands, ended)
+    took_over, ended = (OUTCOMES[key] for key in outcome_keys(outcome))
+    if outcome.collision_with:
+        ended += f" with {outcome.collision_with}"
     return f"{took_over}, {ended}" if automated else ended
 
 
@@ -158,6 +171,12 @@ def conditions(run: Run) -> list[tuple[str, str]]:
     def number(value: Number, unit: str) -> str:
         return f"{decimal(number_value(value, header.parameters))} {unit}".rstrip()
 
+    stop = [
+        ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
+        ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+    ]
+    if not policy.minimum_risk or policy.automation.after == "let_go":
+        stop = [("Minimum-risk manoeuvre", "none")]
     rows = [
         ("Map", plan.map.name),
         ("Weather", plan.weather.preset),
@@ -179,8 +198,7 @@ def conditions(run: Run) -> list[tuple[str, str]]:
             ("Camera noise at the start", "σ = " + number(plan.camera.sensor_noise, "grey levels")),
             ("Time budget", number(policy.budget, "s")),
             ("Escalation after", number(policy.escalate_after, "s")),
-            ("Minimum-risk manoeuvre after", number(policy.minimum_risk_after, "s")),
-            ("Its deceleration", number(policy.minimum_risk_deceleration, "m/s²")),
+            *stop,
             ("Causes", "; ".join(_cause(cause) for cause in policy.causes) or "all"),
             ("Driver", _driver(run)),
         ]

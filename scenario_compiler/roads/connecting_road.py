@@ -32,7 +32,7 @@ class Stretch:
         high: s where it ends, m; both within one lane section.
         along: True when the new road runs along the road's s.
         before: Id of the road before it and the end that is touched ("start" or "end").
-        after: Likewise of the road after it.
+        after: Likewise of the road after it, or the id of a junction and "".
         lanes: (lane of the road, lane of the road before, lane of the road after; 0 where there is none), each once.
     """
 
@@ -71,8 +71,8 @@ def build_road(
         road.set("rule", "LHT")
     link = etree.SubElement(road, "link")
     for tag, (neighbour, contact) in (("predecessor", stretch.before), ("successor", stretch.after)):
-        attributes = {"elementType": "road", "elementId": neighbour, "contactPoint": contact}
-        etree.SubElement(link, tag, attributes)
+        attributes = {"elementType": "road" if contact else "junction", "elementId": neighbour}
+        etree.SubElement(link, tag, attributes | ({"contactPoint": contact} if contact else {}))
     _copy_type(road, source, stretch.low)
     _write_line(road, network.tables, stretch)
     _write_profiles(road, network.tables, stretch)

@@ -9,7 +9,10 @@ use:
   lanes on both sides: 0.9.16 follows a connection only where the connecting road names the incoming road as its
   predecessor and its lanes name theirs.
 * A lane link that only one of two joined lanes states is stated by both: traffic that leaves the other does not follow.
-* In a ring of one road or of two, 0.9.16 joins nothing. Such a ring gets one or two roads more, of `JOINT_LENGTH` each.
+* In a ring of one road or of two, 0.9.16 joins nothing: it leaves out what leads back at once. Such a ring gets one or
+  two roads more, of `JOINT_LENGTH` each.
+* Of a road that leaves a junction and comes back to it, 0.9.16 confuses the ends. Its last `JOINT_LENGTH` becomes a
+  road of its own.
 * Both take a link to a junction for one to the road of the same id. Such a junction gets an id of its own.
 * A connection that names no connecting road at all (those of virtual junctions) is left out: both clients die of it.
 * A signal reference to a signal that does not exist, and a lane link to a lane that does not exist, are left out: the
@@ -30,6 +33,7 @@ from scenario_compiler.document import Document
 from scenario_compiler.roads.connecting_road import Stretch, build_road
 from scenario_compiler.roads.distinct_ids import separate_junction_ids
 from scenario_compiler.roads.geometry import road_reference
+from scenario_compiler.roads.junction_loops import find_junction_loops, redirect_to_ends, split_off_end
 from scenario_compiler.roads.junction_repair import add_missing_connections, dead_lane_links, lanes_at_ends
 from scenario_compiler.roads.lanes import lane_direction
 from scenario_compiler.roads.missing_links import complete_lane_links
@@ -78,23 +82,31 @@ def export_for_carla(document: Document, network: Network) -> bytes:
     rings = find_short_rings(n)
     cuts = _choose_cuts(n, [pair for one in junctions for pair in one.pairs])
     cuts |= {(road, AT_END): pieces * _cut_length(n, (road, AT_END)) for road, pieces in rings.items()}
+    loops = {(road, AT_END): _cut_length(n, (road, AT_END)) for road in find_junction_loops(n)}
     for index, road in enumerate(network.road_ids):
-        complete_lane_links(edits, roads[road], n, index)
-        start, end = cuts.get((index, AT_START), 0.0), cuts.get((index, AT_END), 0.0)
+        complete_lane_links(edits, roads[road], n, index, goes_on=(index, AT_END) in loops)
+        start, end = (cuts.get((index, side), 0.0) + loops.get((index, side), 0.0) for side in (AT_START, AT_END))
         if start > 0.0 or end > 0.0:
             shorten_road(edits, roads[road], n, index, start, end)
     taken = set(roads) | set(network.junction_ids)
     renamed = separate_junction_ids(edits, root, taken)
-    written = _replace_junctions(edits, network, roads, junctions, cuts, taken, renamed)
+    moved = {name_end(network, end): free_id(taken) for end in loops}
+    written = _replace_junctions(edits, network, roads, junctions, cuts, moved, taken, renamed)
     for index, pieces in rings.items():
         written += break_ring(edits, network, roads, index, pieces, cuts[index, AT_END], taken)
+    for loop, length in loops.items():
+        high = n.road_length[loop[0]] - cuts.get(loop, 0.0)
+        junction = network.junction_ids[n.road_end_junction[loop[0]]]
+        name, reach = moved[name_end(network, loop)], (high - length, high)
+        written.append(split_off_end(edits, network, roads, loop, name, reach, renamed.get(junction, junction)))
+    redirect_to_ends(edits, root, roads, moved)
     if written:
         texts = [etree.tostring(one, pretty_print=True, encoding="unicode") for one in written]
         edits.insert_after(next(root.iterchildren(reversed=True, tag="{*}road")), "".join(texts))
     for element in root.iterfind("{*}junction/{*}connection"):
         if element.get("connectingRoad") is None and element.get("linkedRoad") is None:
             edits.remove(element)
-    add_missing_connections(edits, root, network)
+    add_missing_connections(edits, root, network, moved)
     for element in (*_dead_references(root), *dead_lane_links(root, lanes_at_ends(network))):
         edits.remove(element)
     encoding = root.getroottree().docinfo.encoding or "utf-8"
@@ -206,6 +218,7 @@ def _replace_junctions(
     roads: dict[str, etree._Element],
     junctions: list[_Junction],
     cuts: dict[End, float],
+    moved: dict[tuple[str, str], str],
     taken: set[str],
     renamed: dict[str, str],
 ) -> list[etree._Element]:
@@ -216,7 +229,7 @@ def _replace_junctions(
         name = renamed.get(name, name)
         edits.set(junction.element, "type", "default")
         connections: list[str] = []
-        for stretch in _stretches(network, junction, cuts):
+        for stretch in _stretches(network, junction, cuts, moved):
             element, connection = build_road(network, roads, stretch, free_id(taken), name)
             connection.set("id", str(len(connections)))
             written.append(element)
@@ -231,7 +244,9 @@ def _replace_junctions(
     return written
 
 
-def _stretches(network: Network, junction: _Junction, cuts: dict[End, float]) -> Iterator[Stretch]:
+def _stretches(
+    network: Network, junction: _Junction, cuts: dict[End, float], moved: dict[tuple[str, str], str]
+) -> Iterator[Stretch]:
     """Yield what each connecting road is: lanes of one direction of travel and side, each lane once."""
     n = network.tables
     for pair in junction.pairs:
@@ -250,7 +265,8 @@ def _stretches(network: Network, junction: _Junction, cuts: dict[End, float]) ->
         low, high = cut_range(n, cut, cuts.get(cut, 0.0))
         for (along, _, _), lanes in groups.items():
             leaves = along == (cut[1] == AT_END)
-            ends = [name_end(network, end) for end in ((cut, beyond) if leaves else (beyond, cut))]
+            named = [name_end(network, end) for end in ((cut, beyond) if leaves else (beyond, cut))]
+            ends = [(moved.get(one, one[0]), one[1]) for one in named]
             joined = [(a, a, b) if leaves else (a, b, a) for a, b in lanes]
             yield Stretch(cut[0], low, high, along, ends[0], ends[1], tuple(joined))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from lxml import etree
 
@@ -62,13 +62,16 @@ def _whole(number: str | None) -> str:
         return ""
 
 
-def add_missing_connections(edits: TextEdits, root: etree._Element, network: Network) -> None:
+def add_missing_connections(
+    edits: TextEdits, root: etree._Element, network: Network, moved: Mapping[tuple[str, str], str]
+) -> None:
     """Add the connections into connecting roads that follow from the links of roads and lanes alone.
 
     Args:
         edits: Where the changes go.
         root: The document's root.
         network: The network of the document.
+        moved: Id of the road that has an end now, by the road that had it and the standard's word for the end.
     """
     n = network.tables
     lacking: dict[int, dict[tuple[str, str, str], list[tuple[int, int]]]] = {}
@@ -86,7 +89,8 @@ def add_missing_connections(edits: TextEdits, root: etree._Element, network: Net
             key = network.road_ids[beyond], network.road_ids[road], _WORDS[end]
             lanes = n.lane_id[other], n.lane_id[row]
             if (*key, str(lanes[0]), str(lanes[1])) not in stated:
-                lacking.setdefault(n.road_junction[road], {}).setdefault(key, []).append(lanes)
+                name = moved.get((key[0], _WORDS[n.link_contact[link]]), key[0])
+                lacking.setdefault(n.road_junction[road], {}).setdefault((name, *key[1:]), []).append(lanes)
     elements = {one.get("id"): one for one in reversed(list(root.iterfind("{*}junction")))}
     for junction, connections in lacking.items():
         element = elements[network.junction_ids[junction]]

@@ -10,7 +10,7 @@ from scenario_compiler.roads.text_edits import TextEdits
 _NAMES = ("predecessor", "successor")
 
 
-def complete_lane_links(edits: TextEdits, element: etree._Element, n: RoadTables, road: int) -> None:
+def complete_lane_links(edits: TextEdits, element: etree._Element, n: RoadTables, road: int, *, goes_on: bool) -> None:
     """Give each lane of a road the predecessor and successor that it has by the links of the lanes beside it.
 
     Lane ends at a junction get none: there the junction's connections tell.
@@ -20,6 +20,7 @@ def complete_lane_links(edits: TextEdits, element: etree._Element, n: RoadTables
         element: The road's element.
         n: The tables of the network.
         road: Index of the road.
+        goes_on: Whether the road's end is split off, so that the same lanes go on there.
     """
     rows = range(n.road_section[road], n.road_section[road + 1])
     sections = sorted(element.iterfind("{*}lanes/{*}laneSection"), key=_start)
@@ -31,6 +32,10 @@ def complete_lane_links(edits: TextEdits, element: etree._Element, n: RoadTables
             found = lanes.get(str(n.lane_id[lane]))
             if found is not None and n.lane_id[lane] != 0:
                 ends = [_linked_lane(n, road, row, lane, end) for end in (AT_START, AT_END)]
+                if goes_on and row == rows[-1]:
+                    ends[1] = n.lane_id[lane]
+                    for stated in found.iterfind("{*}link/{*}successor"):
+                        edits.set(stated, "id", str(ends[1]))
                 _write_links(edits, found, ends)
 
 

@@ -18,9 +18,11 @@ from scenario_compiler.controllers import (
 )
 from scenario_compiler.controllers.person import Person
 from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State, make_draws
 from scenario_compiler.engine.ego.camera_health import BLUR_AT_ONE, IMPULSES_AT_ONE
+from scenario_compiler.engine.ego.failures import severity_of
 from scenario_compiler.engine.motion.watching import WATCH_MOTION, farthest_without_leap
 from scenario_compiler.engine.moves.appearance import LIGHTS
 from scenario_compiler.engine.program.build import build_program, lowered
@@ -41,6 +43,7 @@ from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.criteria import references_in
 from scenario_compiler.vocabulary.driver import ReferenceName
 from scenario_compiler.vocabulary.scenario import parameter_values
+from scenario_compiler.vocabulary.sensors import EXPOSURE_AT_ONE
 from scenario_compiler.vocabulary.weather import weather_of
 from scenario_compiler.worlds import (
     WORLDS,
@@ -70,6 +73,8 @@ RUN_COLUMNS = {
     "blocked_speed": "blocked_speed",
     "lane_end_distance": "lane_end_distance",
     "limit_time": "limit_time",
+    "traffic_density": "traffic_density",
+    "lane_time_to_collision": "lane_time",
     "lane_width": "lane_width",
     "lane_heading": "path_heading",
     "on_road": "on_road",
@@ -186,7 +191,7 @@ def entities_of(state: State, step: float) -> Entities:
     return Entities(len(present), state_of)
 
 
-def faults_of(state: State) -> CameraFaults:
+def faults_of(program: Program, state: State) -> CameraFaults:
     """Return what is wrong with the camera beside its noise, from the engine's state."""
     now = state.failure_now
     return CameraFaults(
@@ -198,9 +203,24 @@ def faults_of(state: State) -> CameraFaults:
         dead_rows=now[op.FAILURE_DEAD_ROWS],
         coarse=now[op.FAILURE_QUANTISATION],
         late=now[op.FAILURE_LATENCY],
+        exposure=EXPOSURE_AT_ONE * now[op.FAILURE_MOTION_BLUR],
+        turned=turned_of(program, state),
         missing=state.missing[0] == 1,
         frozen=state.frozen[0] == 1,
     )
+
+
+def turned_of(program: Program, state: State) -> tuple[float, float, float]:
+    """Return yaw, pitch and roll by which failures turn the camera now, rad: those of all of them together."""
+    yaw = pitch = roll = 0.0
+    if state.failure_now[op.FAILURE_MISALIGNMENT] > 0.0:
+        for f in range(program.failure_count[0]):
+            if program.failure_kind[f] == op.FAILURE_MISALIGNMENT:
+                severity, base = severity_of(program, state, f), program.failure_const[f]
+                yaw += severity * program.const[base + slot.F_YAW]
+                pitch += severity * program.const[base + slot.F_PITCH]
+                roll += severity * program.const[base + slot.F_ROLL]
+    return yaw, pitch, roll
 
 
 def source_of(st: State, program: Program) -> int:
@@ -287,7 +307,8 @@ class Execution:
         command = EgoCommand(0.0, 0.0, 0.0)
         ego = self.program.ego[0]
         if ego >= 0:
-            command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego])
+            path = () if self.control is None else self.control.trajectory
+            command = EgoCommand(st.command_throttle[ego], st.command_steer[ego], st.command_brake[ego], path)
         moved = self.world.step(self.snapshot(self.plan.step), command)
         if moved is not None:
             self._pose_ego(ego, moved)
@@ -334,7 +355,7 @@ class Execution:
             st.frame[0],
             entities_of(st, moved_for),
             st.sigma[0],
-            faults_of(st),
+            faults_of(self.program, st),
             weather_of(st.weather) if self.weather_changes else None,
             self._signals(),
             st.hazard_lights[0] == 1,
@@ -346,9 +367,9 @@ class Execution:
         states = zip(self.lowered.signals, self.state.signal_state, strict=True)
         return tuple((name, texts[state] if state >= 0 else "") for name, state in states)
 
-    def note(self, kind: EventKind, message: str = "") -> None:
+    def note(self, kind: EventKind, *, cause: str = "", message: str = "") -> None:
         """Take down an event that the engine does not know of."""
-        self.builder.event(self.state.clock[0], kind, message=message)
+        self.builder.event(self.state.clock[0], kind, cause=cause, message=message)
 
     def finish(self, ended: StopReason = "") -> Recording:
         """Return the recording; `ended` is why a run was ended that could have gone on."""

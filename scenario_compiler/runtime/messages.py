@@ -33,6 +33,12 @@ class Texts:
     why: dict[str, str]
     next: dict[str, str]
 
+    @property
+    def named(self) -> dict[str, str]:
+        """The texts by their names: `what_` and an event, `why_` or `next_` and a cause."""
+        kinds = {"what": self.what, "why": self.why, "next": self.next}
+        return {f"{kind}_{name}": text for kind, texts in kinds.items() for name, text in texts.items()}
+
 
 TEXTS: dict[Language, Texts] = {
     "en": Texts(
@@ -143,18 +149,24 @@ TEXTS: dict[Language, Texts] = {
 """The texts by language; every language has the same events and causes."""
 
 
+def message_parts(event: str, cause: str, content: tuple[Content, ...]) -> tuple[str, ...]:
+    """Return the names of the texts that tell of an event with the contents that the policy asks for.
+
+    They are keys of `Texts.named`; an event without a text has none.
+    """
+    texts = TEXTS["en"]
+    if event not in texts.what:
+        return ()
+    wanted = {"what": f"what_{event}", "why": f"why_{cause}", "next": f"next_{cause}"}
+    if event == "minimum_risk":
+        del wanted["next"]
+    return tuple(name for kind, name in wanted.items() if kind in content and name in texts.named)
+
+
 def message_text(event: str, cause: str, content: tuple[Content, ...], language: Language = "en") -> str:
     """Return the sentence for an event with the contents that the policy asks for; empty when there is none."""
-    texts = TEXTS[language]
-    if event not in texts.what:
-        return ""
-    parts = []
-    if "what" in content:
-        parts.append(texts.what[event])
-    if "why" in content and cause in texts.why:
-        parts.append(texts.why[cause])
-    if "next" in content and cause in texts.next and event != "minimum_risk":
-        parts.append(texts.next[cause])
+    named = TEXTS[language].named
+    parts = [named[name] for name in message_parts(event, cause, content)]
     text = ": ".join(parts[:2]) if len(parts) < 3 else f"{parts[0]}: {parts[1]}, {parts[2]}"
     return text[:1].upper() + text[1:]
 
@@ -167,11 +179,13 @@ class Shown:
         modality: By which channel.
         text: What is said; what a tone or an icon stands for.
         language: Its language.
+        parts: Names of the texts that it consists of, keys of `Texts.named`; none where it is the author's own.
     """
 
     modality: Modality
     text: str
     language: Language
+    parts: tuple[str, ...] = ()
 
 
 class Messenger:
@@ -211,7 +225,8 @@ class Messenger:
         for message in self._policy.messages:
             own = next((one.text for one in message.says if one.at == row.kind), "")
             text = own or message_text(row.kind, row.cause, message.content, message.language)
+            parts = () if own else message_parts(row.kind, row.cause, message.content)
             time = row.t + number_value(message.after, self._values)
             for modality in message.modality if text else ():
                 if modality != "none":
-                    yield time, Shown(modality, text, message.language)
+                    yield time, Shown(modality, text, message.language, parts)

@@ -371,7 +371,7 @@ class QuestionnaireElement(Word):
     word: Literal["questionnaire"] = "questionnaire"
 
     version: Literal["1"] = attribute("Version of the language.")
-    name: str = attribute("Name in the data.", pattern=IDENTIFIER)
+    name: str = attribute("Name in the data: a task of BIDS, as the study is.", pattern=LABEL)
     title: str = attribute("Heading of the page.", default="")
     instruction: str = attribute("What the participant reads above the items.", default="")
     source: str = attribute("Where the questionnaire comes from, and by what right it is used.", default="")

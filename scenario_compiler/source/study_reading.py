@@ -115,11 +115,14 @@ def _report_empty(what: str, least: float, most: float, place: Place, sink: Diag
 
 
 def _report_shared_names(study: StudyElement, found: Mapping[str, QuestionnaireElement], sink: Diagnostics) -> None:
-    """Report two files whose questionnaires have one name: their data would stand in one table."""
+    """Report questionnaires that have one name, or that of the study: their data would stand in one table."""
     first: dict[str, str] = {}
     for ask in _asks_of(study):
         name = found[ask.file].name if ask.file in found else ""
-        if name and first.setdefault(name, ask.file) != ask.file:
+        if name == study.name:
+            message = f"the questionnaire of {ask.file} is named '{name}' like the study"
+            sink.add(names.DUPLICATE_NAME, message, ask.place_of("file"))
+        elif name and first.setdefault(name, ask.file) != ask.file:
             message = f"the questionnaire of {ask.file} is named '{name}' like that of {first[name]}"
             sink.add(names.DUPLICATE_NAME, message, ask.place_of("file"))
 

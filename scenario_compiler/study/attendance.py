@@ -13,6 +13,7 @@ from scenario_compiler.live.cockpit import Cockpit
 from scenario_compiler.live.session import Drive, Picture, Session
 from scenario_compiler.outputs import make_folder
 from scenario_compiler.recording.events import EventRow
+from scenario_compiler.report.run import Run
 from scenario_compiler.source.study import NumberItem, QuestionnaireElement, ScaleItem, SearchTask
 from scenario_compiler.study.dataset import Seat, answer_fault, write_dataset, write_run_tables
 from scenario_compiler.study.journal import Journal, Record, attempts_at, read_journal, step_reached
@@ -42,6 +43,8 @@ class Rules:
         root: Folder of its data.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        world: Name of the world.
+        options: Options of the world.
         mark: Takes what happens to any participant, as it happens; None where nobody listens.
         writing: Held by whoever writes tables of all participants.
     """
@@ -50,6 +53,8 @@ class Rules:
     root: Path
     trust: Trust | None
     size: tuple[int, int]
+    world: str = "kinematic"
+    options: Mapping[str, object] = field(default_factory=dict)
     mark: Callable[[dict[str, Any]], None] | None = None
     writing: threading.Lock = field(default_factory=threading.Lock)
 
@@ -254,11 +259,14 @@ class Attendance:
         return Drive(
             plan,
             network,
+            self.rules.world,
             seed=trial.seed,
             trust=self.rules.trust,
             folder=folder,
             size=self.rules.size,
             plain=True,
+            options=self.rules.options,
+            otherwise=self.rules.compilation.study.language,
         )
 
     def _begin(self, show: Callable[[Picture], bool]) -> Session | None:
@@ -284,13 +292,13 @@ class Attendance:
     def _tell(self, event: EventRow) -> None:
         self._mark({"step": self.step.number, **event.model_dump(exclude_defaults=True)})
 
-    def _keep(self, session: Session) -> None:
+    def _keep(self, session: Session, run: Run) -> None:
         """Write that a run has ended; called in its thread, before the page hears of it."""
         if self._closing:
             return
         with self._lock:
             step = self.step
-            broken = session.finished is not None and session.finished.outcome.result == "error"
+            broken = run.outcome.result == "error"
             marks = sorted({*session.marks, *(("broken_off",) if broken else ())})
             self.journal.add("driven", step.number, attempt=session.number, marks=marks, driven_by="person")
             self.journal.add("done", step.number)

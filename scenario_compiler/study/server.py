@@ -6,8 +6,9 @@ A participant's page is made anew at each step, so that a page that is loaded ag
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -90,6 +91,7 @@ class StudyServer:
                 Route("/experimenter/do", self._ordered, methods=["POST"]),
                 Route("/shared/{name}", door.shared),
                 Route("/live/{name}", door.own),
+                Route("/sounds/{name:path}", door.sound),
                 Route("/study/{name}", self._own),
                 Route("/favicon.ico", lambda request: door.answer(request, lambda: Response(status_code=204))),
             ]
@@ -145,7 +147,7 @@ class StudyServer:
         if attendance.presence in ("waiting", "paused") and attendance.session is None:
             return self._rendered("waiting.html.jinja", **values)
         if step.kind == "drive":
-            return HTMLResponse(drive_page(base))
+            return HTMLResponse(drive_page(attendance.drive().language, base))
         text = self._markdown.render(source.pages[step.file]) if step.file in source.pages else ""
         if step.kind == "ask":
             asked = source.questionnaires[step.file]
@@ -275,6 +277,8 @@ def serve_study(
     port: int = 0,
     trust: Trust | None = None,
     size: tuple[int, int] = (1280, 720),
+    world: str = "kinematic",
+    options: Mapping[str, object] = MappingProxyType({}),
     mark: Callable[[dict[str, Any]], None] | None = None,
     told: Callable[[str, str], None],
 ) -> None:
@@ -287,6 +291,8 @@ def serve_study(
         port: Its port; 0 takes a free one.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        world: Name of the world.
+        options: Options of the world.
         mark: Takes what happens to any participant, as it happens.
         told: Is given the participants' address and the experimenter's, once they can be opened.
 
@@ -298,7 +304,7 @@ def serve_study(
         door = Door(host, taken, new_token(host))
         desk = Door(host, taken, new_token(host), cookie="experimenter")
         write_dataset(compilation, root, pilot=False)
-        study = StudyServer(Rules(compilation, root, trust, size, mark), door, desk)
+        study = StudyServer(Rules(compilation, root, trust, size, world, options, mark), door, desk)
         server: list[Server] = []
         server.append(server_of(study.app, lambda: told(address_of(door), address_of(desk, "/experimenter"))))
         try:

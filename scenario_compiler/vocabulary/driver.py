@@ -104,6 +104,13 @@ class Driving(Word):
         quantity="acceleration",
         minimum=0.5,
     )
+    sight: Number = attribute(
+        "Distance at which the driver sees an object on the road, by day in clear air, m. Weather and night reduce it "
+        "in the same way as a camera's range. The default is our own choice.",
+        default=300.0,
+        quantity="length",
+        minimum=1,
+    )
     perception: Number = attribute(
         "Time to perceive the risk of a new object, s, after UN R157.",
         default=0.4,
@@ -112,6 +119,13 @@ class Driving(Word):
     )
     reaction: Number = attribute(
         "Time from this perception to the driver's action, s, after UN R157.", default=0.75, quantity="time", minimum=0
+    )
+    look_beside: Number = attribute(
+        "Time for which the driver looks at the adjacent lane, if it has vehicles within 150 m, before moving into it "
+        "to pass an obstacle, s. The default is our own choice.",
+        default=1.0,
+        quantity="time",
+        minimum=0,
     )
     sdlp: Number = attribute(
         "Standard deviation of the lateral position once the driver has settled, m. The default is after the "
@@ -167,10 +181,11 @@ class Driver(Word):
         default=None,
     )
     eyes_closed: bool = attribute("Whether the driver's eyes are closed when the request comes.", default=False)
-    traffic_density: Number = attribute(
-        "Vehicles per kilometre around the ego, for an effect of traffic_density. There is no default effect: without "
-        "a coefficient of your own, the density changes nothing.",
-        default=0.0,
+    traffic_density: Number | None = attribute(
+        "Vehicles per kilometre around the ego, for an effect of traffic_density. That effect has no default: without "
+        "a coefficient of your own, the density changes nothing. If left out, the density is counted at the request: "
+        "vehicles that drive in the same direction at 2 m/s or more, from 500 m behind to 500 m ahead, on all lanes.",
+        default=None,
         minimum=0,
     )
     effects: tuple[Effect, ...] = child("Your own effects, instead of the catalog's.", default=())
@@ -272,6 +287,6 @@ class DriverModel(Word):
     measured_task: Task = attribute("Secondary task of the drivers in the measurements.", default="none")
     task: Task | None = same_as(Driver, "task")
     eyes_closed: bool = same_as(Driver, "eyes_closed")
-    traffic_density: Number = same_as(Driver, "traffic_density")
+    traffic_density: Number | None = same_as(Driver, "traffic_density")
     effects: tuple[Effect, ...] = child("Effects, instead of the catalog's.", default=())
     driving: Driving = child("How the driver drives.", default_factory=Driving.model_construct)

@@ -17,20 +17,29 @@ FailureKind = Literal[
     "dead_rows",
     "quantisation",
     "latency",
+    "motion_blur",
+    "misalignment",
 ]
 """Kinds of camera failures. Secci and Ceccarelli (arXiv 2008.05938) describe most of them: blackout is their "black",
 overexposure their "brightness" and, at full amount, "white", dead_rows are their lines of "dead pixels", and noise is
 their "no noise reduction". They describe blur and dirt under the same names.
 """
 
+EXPOSURE_AT_ONE = 0.1
+"""Exposure of motion blur of the amount 1, s."""
+
 SEVERITIES: dict[FailureKind, tuple[float, float, float, float, float]] = {
     "noise": (0.255, 0.3825, 0.57375, 0.82875, 1.21125),
     "blur": (0.254, 0.508, 0.762, 1.016, 1.524),
     "impulse_noise": (0.06, 0.12, 0.18, 0.34, 0.54),
     "overexposure": (0.1, 0.2, 0.3, 0.4, 0.5),
+    "motion_blur": (0.256, 0.42, 0.665, 0.932, 1.185),
 }
 """Amounts of ImageNet-C's severities 1 to 5, from its make_imagenet_c.py: Gaussian noise of 0.08 to 0.38 of 255 grey
-levels, a Gaussian blur of 1 to 6 of 224 pixels, 3 to 27 % of the pixels, 0.1 to 0.5 more brightness.
+levels, a Gaussian blur of 1 to 6 of 224 pixels, 3 to 27 % of the pixels, 0.1 to 0.5 more brightness. ImageNet-C's
+kernels of motion blur are halves of Gaussians of 3 to 15 of 224 pixels. The exposure stated here moves the road as far
+as an even smear with their standard deviation, as the mean over the road's pixels of the default camera at 100 km/h
+straight on.
 """
 
 
@@ -41,11 +50,14 @@ class Failure(Word):
     is black. freeze: every image repeats the one before. blackout: no light. blur: a radius of 9/512 of the image's
     width. dirt: the whole lens is covered. impulse_noise: half of all pixels are black or white. overexposure: the
     image is white; the amount is added to the brightness. dead_rows: every row is black, the same rows in every image.
-    quantisation: 2 instead of 256 grey levels, 1 bit instead of 8. latency: images are 1 s late.
+    quantisation: 2 instead of 256 grey levels, 1 bit instead of 8. latency: images are 1 s late. motion_blur: an
+    exposure of 0.1 s, in which the vehicle's own speed and yaw rate smear the road; there is no smear at a standstill.
+    misalignment: the camera is turned on its mount by the whole `yaw`, `pitch` and `roll`, without the lane detector's
+    knowledge; several misalignments add up.
 
     With `--perception ideal` the sensor's health falls by the same curves that the lane detector applies to its images.
     It is one half for noise of 30 grey levels, for a blackout of 0.94, a blur of 0.5, and dirt of 0.5; it is 0 for a
-    missing or repeated image. The last five kinds have no effect on ideal perception, only on images.
+    missing or repeated image. The last seven kinds have no effect on ideal perception, only on images.
     """
 
     word: Literal["failure"] = "failure"
@@ -77,11 +89,32 @@ class Failure(Word):
         maximum=1,
     )
     severity: int | None = attribute(
-        "Severity of ImageNet-C (Hendrycks and Dietterich 2019), instead of `amount`, for noise, blur, impulse_noise "
-        "and overexposure.",
+        "Severity of ImageNet-C (Hendrycks and Dietterich 2019), instead of `amount`, for noise, blur, impulse_noise, "
+        "overexposure and motion_blur.",
         default=None,
         minimum=1,
         maximum=5,
+    )
+    yaw: Number = attribute(
+        "misalignment: turn of the camera's axis to the left, beyond its mounting, degrees.",
+        default=0.0,
+        quantity="angle",
+        minimum=-30,
+        maximum=30,
+    )
+    pitch: Number = attribute(
+        "misalignment: its turn upwards, degrees; negative looks down.",
+        default=0.0,
+        quantity="angle",
+        minimum=-30,
+        maximum=30,
+    )
+    roll: Number = attribute(
+        "misalignment: its turn about the axis, degrees; positive lowers its right side.",
+        default=0.0,
+        quantity="angle",
+        minimum=-30,
+        maximum=30,
     )
 
     @property

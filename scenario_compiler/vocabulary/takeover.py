@@ -156,7 +156,7 @@ class Message(Word):
 
 
 Before = Literal["follow", "hold_speed"]
-After = Literal["follow", "hold_speed", "slow_down"]
+After = Literal["follow", "hold_speed", "slow_down", "let_go"]
 
 
 class Automation(Word):
@@ -164,7 +164,9 @@ class Automation(Word):
 
     `follow` keeps a distance to the vehicle ahead; from the request on it also slows down before an obstacle in its
     path and before the end of the lane. `hold_speed` keeps the speed whatever is ahead. `slow_down` follows and brakes
-    with the given deceleration. All of them stop at red signals.
+    with the given deceleration. All of them stop at red signals. With `let_go` the request switches the automation off:
+    the steering wheel returns to straight, the car rolls without the accelerator, and there is no minimum-risk
+    manoeuvre.
     """
 
     word: Literal["automation"] = "automation"
@@ -217,6 +219,11 @@ class Takeover(Word):
         default=10.0,
         quantity="time",
         minimum=0,
+    )
+    minimum_risk: bool = attribute(
+        "Whether there is a minimum-risk manoeuvre. Without one, the automation drives as <automation> specifies "
+        "until somebody responds, even into an obstacle, as in most simulator studies.",
+        default=True,
     )
     minimum_risk_deceleration: Number = attribute(
         "Deceleration of the minimum-risk manoeuvre, m/s2.",

@@ -68,10 +68,10 @@ OTHER_BLUEPRINT = Code(
 
 BUILT_IN_CAMERA = Code(
     "SC526",
-    "built-in-camera-for-paint",
-    "The scenario changes the paint of the road, which CARLA's images cannot show: they would show fresh marks. "
-    "Therefore the built-in renderer draws the images at CARLA's poses. `--camera carla` uses CARLA's images "
-    "nevertheless.\n\n"
+    "built-in-camera",
+    "The scenario changes the paint of the road, or turns the camera on its mount. CARLA's images cannot show this: "
+    "they would show fresh marks, or the road at its usual place. Therefore the built-in renderer draws the images at "
+    "CARLA's poses. `--camera carla` uses CARLA's images nevertheless.\n\n"
     "    scenario-compiler run markings_missing --world carla --camera built-in",
     Severity.WARNING,
 )
@@ -120,8 +120,20 @@ LIGHTS = {
 SIGNALS = {"red": "Red", "yellow": "Yellow", "green": "Green", "off": "Off"}
 """CARLA's states of traffic lights by the words of scenarios."""
 
-YELLOW = (255, 200, 0)
-"""Colour of the route, red, green, blue."""
+YELLOW, PURPLE = (255, 200, 0), (190, 40, 210)
+"""Colours of the route and of the predicted path, red, green, blue."""
+
+LIFTED_LINE, LINE_WIDTH, DISPLAY_WIDTH = 0.3, 0.1, 2.0
+"""How far above the road lines are drawn, m, and how broad: in the world, m, and on the server's display, pixels."""
+
+PATH_STEP = 2.0
+"""Length of the pieces of the predicted path at least, m."""
+
+TAKEN: set[tuple[str, int]] = set()
+"""Addresses of the servers that runs of this program are in: each run has its server for itself."""
+
+ONCE = 1.5
+"""Life time of a line that is seen in one picture, time steps."""
 
 
 class CarlaOptions(WorldOptions):
@@ -168,6 +180,7 @@ class CarlaWorld:
         self._shown: dict[str, str] = {}
         self._weather: Weather | None = None
         self._clock = 0.0
+        self._before: Any = None
         self._open = False
         self._connect()
 
@@ -177,16 +190,14 @@ class CarlaWorld:
             return False
         if self.options.camera is not None:
             return self.options.camera == "carla"
-        if self.plan.markings or self.plan.secondary_markings:
-            self.findings.append(
-                WorldFinding(
-                    BUILT_IN_CAMERA,
-                    "the scenario changes the paint of the road, so the built-in renderer draws what the camera sees",
-                    "scenario",
-                )
-            )
-            return False
-        return True
+        reasons = {
+            "changes the paint of the road": self.plan.markings or self.plan.secondary_markings,
+            "turns the camera on its mount": any(one.kind == "misalignment" for one in self.plan.failures),
+        }
+        for reason in [reason for reason, holds in reasons.items() if holds]:
+            message = f"the scenario {reason}, so the built-in renderer draws what the camera sees"
+            self.findings.append(WorldFinding(BUILT_IN_CAMERA, message, "scenario"))
+        return not any(reasons.values())
 
     # Opening and closing.
 
@@ -203,6 +214,10 @@ class CarlaWorld:
             raise WorldError(
                 f"the time step is {self.plan.step:g} s; CARLA takes {LONGEST_STEP:g} s at most", CANNOT_OPEN
             )
+        if (self.options.host, self.options.port) in TAKEN:
+            raise WorldError(f"another run is in the CARLA server at {place}: one at a time", CANNOT_OPEN)
+        TAKEN.add((self.options.host, self.options.port))
+        self._open = True
         try:
             self._client = carla.Client(self.options.host, self.options.port)
             self._client.set_timeout(self.options.timeout)
@@ -212,7 +227,6 @@ class CarlaWorld:
             self._world = self._client.get_world()
             self._before = self._world.get_settings()
             self._before.synchronous_mode = False
-            self._open = True
             self._load_map()
             self._take_the_clock()
         except RuntimeError as fault:
@@ -268,12 +282,14 @@ class CarlaWorld:
         if not self._open:
             return
         self._open = False
-        with contextlib.suppress(RuntimeError):
-            self._client.set_timeout(min(self.options.timeout, 2.0))
-            self._clear()
-            if self.options.recording:
-                self._client.stop_recorder()
-            self._world.apply_settings(self._before)
+        TAKEN.discard((self.options.host, self.options.port))
+        if self._before is not None:
+            with contextlib.suppress(RuntimeError):
+                self._client.set_timeout(min(self.options.timeout, 2.0))
+                self._clear()
+                if self.options.recording:
+                    self._client.stop_recorder()
+                self._world.apply_settings(self._before)
         self._built_in.close()
 
     def __enter__(self) -> Self:
@@ -309,7 +325,7 @@ class CarlaWorld:
         from scenario_compiler.perception.degradation import Sensor
 
         self._built_in.reset(snapshot, seed)
-        self._degradation = Sensor(seed)
+        self._degradation = Sensor(seed, self._built_in.mounting.camera(), self.plan.ego.vehicle.center)
         self._drain()
         with self._answering():
             self._clear()
@@ -462,14 +478,34 @@ class CarlaWorld:
         self._actors[0].set_target_velocity(self._carla.Vector3D(ahead.x * speed, ahead.y * speed, ahead.z * speed))
 
     def _draw_route(self) -> None:
-        carla = self._carla
         for leg in self.plan.route:
             count = max(math.ceil(abs(leg.s_to - leg.s_from) / 10.0), 1)
             places = [leg.s_from + (leg.s_to - leg.s_from) * k / count for k in range(count + 1)]
             points = [carla_from_pose(self.network.lane_pose(leg.road, leg.lane, s)) for s in places]
-            for one, two in pairwise(points):
-                begin, end = (carla.Location(at.x, at.y, at.z + 0.3) for at in (one, two))
-                self._world.debug.draw_line(begin, end, 0.1, carla.Color(*YELLOW), 0.0)
+            self._draw([(at.x, at.y, at.z) for at in points], YELLOW, 0.0)
+
+    def _draw_path(self, pose: Pose, path: Sequence[tuple[float, float]]) -> None:
+        """Draw the path that the controller predicts, points ahead and to the left of the ego's pose."""
+        points: list[tuple[float, float, float]] = []
+        last = (-math.inf, -math.inf)
+        c, s = math.cos(pose.heading), math.sin(pose.heading)
+        for x, y in path:
+            if math.isfinite(x + y) and math.dist((x, y), last) >= PATH_STEP:
+                last = (x, y)
+                at = (pose.x + c * x - s * y, pose.y + s * x + c * y, pose.z - math.tan(pose.pitch) * x)
+                points.append(carla_from_pose((*at, 0.0, 0.0, 0.0))[:3])
+        self._draw(points, PURPLE, ONCE * self.plan.step)
+
+    def _draw(self, points: Sequence[tuple[float, float, float]], colour: tuple[int, int, int], lasts: float) -> None:
+        """Draw a line; where CARLA's camera would see it, on the server's display, which clients before 0.9.16 lack."""
+        carla, debug = self._carla, self._world.debug
+        draw = getattr(debug, "draw_hud_line", None) if self._carla_sees else debug.draw_line
+        if draw is None:
+            return
+        width = DISPLAY_WIDTH if self._carla_sees else LINE_WIDTH
+        for pair in pairwise(points):
+            begin, end = (carla.Location(x, y, z + LIFTED_LINE) for x, y, z in pair)
+            draw(begin, end, width, carla.Color(*colour), lasts)
 
     def _follow_with_spectator(self) -> None:
         at = self._actors[0].get_transform()
@@ -490,6 +526,7 @@ class CarlaWorld:
                 throttle, brake = self._pedals(ego, snapshot.entities[0].speed, command)
                 self._actors[0].apply_control(self._carla.VehicleControl(throttle, min(max(steer, -1.0), 1.0), brake))
             self._mirror(snapshot)
+            self._draw_path(snapshot.entities[0].pose, command.path)
             self._world.tick(self.options.timeout)
             self._look()
             self._follow_with_spectator()
@@ -534,7 +571,8 @@ class CarlaWorld:
         """Return what the camera sees: CARLA's last picture through our degradation, or one that is drawn here."""
         if self._image is None or self._degradation is None or not self._carla_sees:
             return self._built_in.observe(snapshot)
-        image = self._degradation.deliver(self._image.copy(), degradation_of(snapshot), snapshot.frame, snapshot.t)
+        wrong = degradation_of(snapshot, self.plan.ego.vehicle.wheelbase)
+        image = self._degradation.deliver(self._image.copy(), wrong, snapshot.frame, snapshot.t)
         return SensorData(snapshot.t, image, self._built_in.mounting)
 
     def picture(self, snapshot: Snapshot) -> NDArray[np.uint8]:

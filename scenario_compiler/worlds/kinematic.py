@@ -74,7 +74,7 @@ class KinematicWorld:
             snapshot.poses[0],
             self._boxes(snapshot),
             self._weather(snapshot),
-            degradation_of(snapshot),
+            degradation_of(snapshot, self.plan.ego.vehicle.wheelbase),
             snapshot.frame,
             dict(snapshot.signals),
             snapshot.t,
@@ -152,8 +152,13 @@ class KinematicWorld:
         return self._stage().boxes((k, state.pose, state.braking) for k, state in others if k > 0 and state.shown)
 
 
-def degradation_of(snapshot: Snapshot) -> Degradation:
-    """Return what is wrong with the camera in the image of a snapshot."""
+def degradation_of(snapshot: Snapshot, wheelbase: float) -> Degradation:
+    """Return what is wrong with the camera in the image of a snapshot; the ego has a wheelbase, m.
+
+    The yaw rate is that of the kinematic bicycle model which moves the ego: v tan(steering angle) / wheelbase.
+    """
     from scenario_compiler.perception.degradation import Degradation
 
-    return Degradation(sigma=snapshot.sigma, **asdict(snapshot.faults))
+    ego = snapshot.entities[0]
+    yaw_rate = ego.speed * math.tan(ego.steering) / wheelbase
+    return Degradation(sigma=snapshot.sigma, speed=ego.speed, yaw_rate=yaw_rate, **asdict(snapshot.faults))

@@ -70,6 +70,9 @@ class CameraFaults:
         dead_rows: Share of the rows that are black, 0-1.
         coarse: How coarse the grey levels are: 0 for 8 bits, 1 for one.
         late: How late an image arrives, s.
+        exposure: How long the sensor is exposed, s: what moves in that time is smeared.
+        turned: Yaw, pitch and roll by which the camera is turned beyond its mounting, rad; positive yaw to the left,
+            pitch up, roll with the right side down.
     """
 
     dark: float = 0.0
@@ -82,6 +85,8 @@ class CameraFaults:
     dead_rows: float = 0.0
     coarse: float = 0.0
     late: float = 0.0
+    exposure: float = 0.0
+    turned: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,11 +191,13 @@ class EgoCommand:
         throttle: 0 to 1.
         steer: -1 to 1 of its greatest steering angle, positive to the left.
         brake: 0 to 1.
+        path: Path that the controller predicts, points (x ahead, y left) of the rear axle, m; empty without one.
     """
 
     throttle: float
     steer: float
     brake: float
+    path: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

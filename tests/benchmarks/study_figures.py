@@ -42,6 +42,7 @@ def drive(server: Served, participant: int) -> None:
         end = time.perf_counter() + SECONDS
         while time.perf_counter() < end:
             page.recv()
+            page.send('{"kind": "ping", "t": 0}')
 
 
 def main(count: int, size: str) -> None:

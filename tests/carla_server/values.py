@@ -38,7 +38,7 @@ KNOWN: dict[str, Any] = {
     "vehicle light state": [1],
     "OpenDRIVE generation parameters": [2.0, 50.0, 1.0, 0.6, True, True, True],
     "address of a Traffic Manager": ["127.0.0.1", 8000],
-    "debug shape": [[0, [VECTOR, 0.1]], [255, 0, 0, 255], 1.0, False],
+    "debug shape": [[0, [VECTOR, 0.1]], [255, 0, 0], 1.0, False],
 }
 
 

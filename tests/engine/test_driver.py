@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.recording.recording import Floats
 from tests.engine.make import Draft, Run, highway, lane, network_of, road
+from tests.studies.study import compiled, row_at, runs, time_of
 
 SLOW_CAR = 30.0 / 3.6
 REACTION = 1.15
@@ -161,6 +162,54 @@ def test_what_is_new_is_acted_on_after_perception_and_reaction(perception: float
             braked = run.st.clock[0]
     assert called > 6.0
     assert perception + reaction <= braked - called + 1e-6 <= perception + reaction + 0.25
+
+
+def response_to_what_stands_far_ahead(folder: Path, weather: str, sight: float) -> tuple[float, float]:
+    """Return when a driver who drives at 30 m/s acts, s, and how far what stands in his lane is ahead then, m."""
+    text = f"""<scenarios version="1"><scenario name="far" map="motorway" weather="{weather}" duration="25"
+    control_every="2"><ego speed="30"><start><spawn_point name="middle_lane"/></start></ego>
+    <static id="parked"><at><ahead_of entity="ego" distance="500"/></at></static>
+    <when><time after="0.5"/><do><request/></do></when><takeover><cause kind="controller"/>
+    <driver takeover_time="1"><driving sight="{sight}"/></driver></takeover></scenario></scenarios>"""
+    recording, _ = next(runs(compiled(folder, text), range(1, 2)))
+    acted = min(time_of(recording, "evade"), time_of(recording, "brake"))
+    row = row_at(recording, acted)
+    return acted, float(recording.x[row, 1] - recording.x[row, 0])
+
+
+def test_a_driver_acts_on_what_stands_ahead_from_his_sight_on(tmp_path: Path) -> None:
+    for sight in (100.0, 200.0, 300.0):
+        _, away = response_to_what_stands_far_ahead(tmp_path, "ClearNoon", sight)
+        assert sight - 30.0 * (REACTION + 0.35) - 10.0 < abs(away) < sight
+
+
+def test_weather_and_night_shorten_how_far_the_driver_sees(tmp_path: Path) -> None:
+    days = ("ClearNoon", "HardRainNoon", "ClearNight")
+    times = [response_to_what_stands_far_ahead(tmp_path, weather, 300.0)[0] for weather in days]
+    assert times == sorted(times)
+    assert times[-1] > times[0] + 3.0
+    assert times[1] > times[0] + 1.0
+
+
+def test_the_less_time_there_is_the_faster_an_evasion_and_all_the_less_is_left(tmp_path: Path) -> None:
+    text = """<scenarios version="1"><scenario name="gap" map="motorway" duration="35" control_every="2">
+    <parameter name="budget" type="time" default="5"/>
+    <ego speed="33.3"><start><spawn_point name="middle_lane"/></start><forward_sensor range="750"/></ego>
+    <static id="parked"><at><ahead_of entity="ego" distance="700"/></at></static>
+    <takeover budget="$budget" minimum_risk="false"><driver takeover_time="1"/>
+    <automation after="hold_speed"/></takeover></scenario></scenarios>"""
+    lateral: list[float] = []
+    least: list[float] = []
+    for budget in (4.0, 5.0, 6.0, 8.0, 10.0, 20.0):
+        outcomes = [outcome for _, outcome in runs(compiled(tmp_path, text, budget=budget), range(1, 9))]
+        assert all(one.collision_with is None for one in outcomes)
+        assert all((one.measures["final_speed"].value or 0.0) > 30.0 for one in outcomes)
+        for medians, measure in ((lateral, "maximum_lateral_acceleration"), (least, "minimum_time_to_collision")):
+            values = [one.measures[measure].value for one in outcomes]
+            medians.append(float(np.median([np.nan if value is None else value for value in values])))
+    assert lateral[0] > lateral[1] > max(lateral[2:])
+    assert least[:-1] == sorted(least[:-1])
+    assert least[-1] > 0.9 * least[-2]
 
 
 def test_nothing_is_acted_on_at_once_however_soon_the_driver_answers() -> None:

@@ -26,7 +26,7 @@ LONGEST = 20.0
 BROKEN = ("#obstacle_ahead", "#customramp", "#cutting_in", "#jaywalker")
 """Library scenarios that are run with broken numbers."""
 
-BROKEN_ROWS = 30
+BROKEN_ROWS = 50
 """Number of broken runs of each."""
 
 
@@ -86,9 +86,9 @@ def test_every_recorded_scenario_leaves_the_same_bytes(golden: Path) -> None:
 def broken_rows(program: Program) -> list[list[float]]:
     """Return the program's numbers with one that is none or without end, one row for some of them."""
     rows = []
-    for where in range(0, len(program.const), max(len(program.const) // BROKEN_ROWS, 1)):
+    for k, where in enumerate(range(0, len(program.const), max(len(program.const) // BROKEN_ROWS, 1))):
         row = list(program.const)
-        row[where] = (math.nan, math.inf, -1.0e300)[where % 3]
+        row[where] = (math.nan, math.inf, -1.0e300)[k % 3]
         rows.append(row)
     return rows
 

@@ -36,7 +36,10 @@ class Served:
 
 @contextmanager
 def served(*words: object) -> Iterator[Served]:
-    """Yield the server that a command starts, on a free port; it is interrupted if it has not ended by itself."""
+    """Yield the server that a command starts, on a free port; it is interrupted if it has not ended by itself.
+
+    Whatever its pages have done, it must not have written a traceback.
+    """
     command = [sys.executable, "-m", "scenario_compiler", *map(str, words), "--port", "0"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
@@ -49,14 +52,11 @@ def served(*words: object) -> Iterator[Served]:
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
         try:
-            process.wait(timeout=90)
+            _, err = process.communicate(timeout=90)
         except subprocess.TimeoutExpired:
             process.kill()
             raise
-        finally:
-            for stream in (process.stdout, process.stderr):
-                if stream is not None:
-                    stream.close()
+    assert "Traceback" not in (err or ""), err
 
 
 def waited_for(state: Callable[[], bool], seconds: float = 240.0) -> None:

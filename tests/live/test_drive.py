@@ -44,6 +44,14 @@ OPEN = """\
 """
 """Nothing ahead that could refuse the automation, however late a press arrives."""
 
+TOLD = SOON.replace(
+    '<message modality="text icon" content="what why"/>',
+    """<message modality="tone vibration"/>
+      <message modality="speech" content="what why" language="fi"/>
+      <message modality="speech" after="4" language="fi"><say at="request" text="Kädet rattiin!"/></message>""",
+)
+"""A request that is sounded, spoken from files, and spoken in the author's own words."""
+
 GAMEPAD = """
 globalThis.pad = {id: "test pad", connected: true, axes: [0, 0, 0, 0],
                   buttons: Array.from({length: 16}, () => ({value: 0, pressed: false}))};
@@ -184,6 +192,28 @@ def seconds_since_leaving(inputs: Path) -> float:
     rows = [json.loads(line) for line in complete]
     left = [row["t"] for row in rows if row["wish"] == "leave"]
     return float(rows[-1]["t"] - left[0]) if left else 0.0
+
+
+def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path, browser: Browser) -> None:
+    file, out = tmp_path / "soon.xml", tmp_path / "out"
+    file.write_text(TOLD)
+    with (
+        served("drive", file, "--perception", "ideal", "-o", out) as server,
+        opened_page(browser, server.address, bypass_csp=True) as page,
+    ):
+        page.evaluate(GAMEPAD)
+        page.evaluate("pad.vibrationActuator = {playEffect: (...what) => (globalThis.shaken = what)}")
+        page.set_default_timeout(SLOW)
+        page.get_by_role("button", name="Aloita").click()
+        page.wait_for_function("page.latest?.state === 'request'")
+        expect(page.locator("#state")).to_have_text("ohjauspyyntö")
+        page.wait_for_function("page.told.some(([, text]) => text === 'Kädet rattiin!')")
+        expect(page.locator("#told")).to_have_text("Kädet rattiin!", timeout=SLOW)  # Chromium has no voice here
+        assert page.evaluate("shaken[0]") == "dual-rumble"
+        page.evaluate("page.say({kind: 'stop'})")
+        expect(page.locator("#ended")).to_have_text("Pyyntö vielä avoinna, ei törmäystä", timeout=SLOW)
+    given = [(event.cause, event.message) for event in driven(out).events if event.kind == "message_given"]
+    assert sorted(given) == [("speech", "file"), ("speech", "text"), ("tone", "file"), ("vibration", "gamepad")]
 
 
 def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser) -> None:

@@ -11,6 +11,7 @@ import pytest
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.live.session import SLOWEST, Drive, Picture, Session
+from scenario_compiler.report.run import Run
 from tests.live.test_drive import OPEN
 
 
@@ -56,7 +57,8 @@ def test_a_run_stands_still_for_its_probe_and_shows_nothing_meanwhile(compiled: 
             session.go_on()
         return True
 
-    session = Session(drive(compiled), show, probe_at=0.5)
+    runs: list[Run] = []
+    session = Session(drive(compiled), show, probe_at=0.5, kept=lambda _, run: runs.append(run))
     session.run()
     held = [k for k, (what, _) in enumerate(shown) if what == "probe"]
     assert len(held) == 3
@@ -64,12 +66,14 @@ def test_a_run_stands_still_for_its_probe_and_shows_nothing_meanwhile(compiled: 
     before, after = shown[held[0] - 1][0], shown[held[-1] + 1][0]
     assert (before, after) == (pytest.approx(0.48), pytest.approx(0.52))
     assert all(size == 0 for what, size in shown if what == "probe")
-    assert session.finished is not None
-    assert session.finished.recording.t[-1] == pytest.approx(2.0)
+    assert [run.recording.t[-1] for run in runs] == [pytest.approx(2.0)]
 
 
 def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_path: Path) -> None:
-    kept: list[set[str]] = []
+    kept: list[tuple[set[str], str]] = []
+
+    def keep(one: Session, run: Run) -> None:
+        kept.append((set(one.marks), run.recording.stop_reason))
 
     def show(picture: Picture) -> bool:
         if picture.about.get("t", 0.0) > 0.3:
@@ -78,9 +82,7 @@ def test_a_run_that_is_aborted_is_kept_and_marked(compiled: Compilation, tmp_pat
 
     folder = tmp_path / "run"
     chosen = Drive(compiled.plan, compiled.network, folder=folder, size=(64, 36))
-    session = Session(chosen, show, kept=lambda one: kept.append(set(one.marks)))
+    session = Session(chosen, show, kept=keep)
     session.run()
-    assert kept == [{"aborted"}]
+    assert kept == [({"aborted"}, "user")]
     assert (folder / "recording.parquet").is_file()
-    assert session.finished is not None
-    assert session.finished.recording.stop_reason == "user"

@@ -171,8 +171,11 @@ def random_runs(seed: int, runs: int = 6, rows: int = 200, entities: int = 4) ->
             "on_road",
         )
     }
-    nothing |= {name: np.full((runs, rows), np.nan) for name in ("blocked_distance", "lane_end_distance", "limit_time")}
-    nothing["blocked_speed"] = np.zeros((runs, rows))
+    nothing |= {
+        name: np.full((runs, rows), np.nan)
+        for name in ("blocked_distance", "lane_end_distance", "limit_time", "lane_time_to_collision")
+    }
+    nothing |= {name: np.zeros((runs, rows)) for name in ("blocked_speed", "traffic_density")}
     sizes = {"length": dice.uniform(0.5, 14.0, entities), "width": dice.uniform(0.4, 3.0, entities)}
     center = dice.uniform(-0.2, 0.4, entities) * sizes["length"]
     times = {kind: np.full(runs, np.nan) for kind in TIMED_EVENTS}
@@ -230,6 +233,8 @@ def _summary(runs: Traces, index: tuple[int, ...]) -> list[float]:
         )
         st.blocked_distance[0] = _or_far(runs.blocked_distance[index][row])
         st.limit_time[0] = _or_far(runs.limit_time[index][row])
+        st.lane_time[0] = _or_far(runs.lane_time_to_collision[index][row])
+        st.traffic_density[0] = float(runs.traffic_density[index][row])
         st.lane_width[0] = float(np.nan_to_num(runs.lane_width[index][row]))
         st.path_heading[0] = float(np.nan_to_num(runs.lane_heading[index][row]))
         st.on_road[0] = int(runs.on_road[index][row])

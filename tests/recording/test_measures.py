@@ -21,6 +21,7 @@ from scenario_compiler.recording.on_path import (
     time_to_collision,
     times_at,
 )
+from scenario_compiler.recording.outcome import judge
 from scenario_compiler.recording.recording import Floats, Recording
 from scenario_compiler.recording.traces import TIMED_EVENTS, InputLimits, Traces, traces_of
 from scenario_compiler.vocabulary.horizon import HORIZON
@@ -181,6 +182,43 @@ def test_the_time_budget_counts_the_speed_of_what_comes_towards_the_vehicle() ->
 
         budgets.append(value("time_budget", record(("ego",), 60, row, [(1.0, "request", "path_blocked")])))
     assert budgets == pytest.approx([6.0, 4.0, 6.0])
+
+
+def test_a_request_is_described_by_the_rows_behind_it_and_not_by_the_warning_before_it() -> None:
+    """The row of a request was recorded before it: its cause and its numbers are those of the warning."""
+
+    def row(t: float) -> Row:
+        asked = t > 1.025
+        cause = opcodes.CAUSE_LANE_CONFIDENCE if asked else opcodes.CAUSE_PATH_BLOCKED
+        left = 4.0 if asked else opcodes.FAR
+        return {
+            "x": (10.0 * t,),
+            "v": (10.0 if t < 1.025 else 5.0,),
+            "cause": (cause,),
+            "blocked_distance": (80.0,),
+            "limit_time": (left,),
+            "traffic_density": (12.0 if asked else 0.0,),
+        }
+
+    run = record(("ego",), 60, row, [(0.5, "warning", "path_blocked"), (1.0, "request", "lane_confidence")])
+    assert value("time_budget", run) == pytest.approx(4.0)
+    assert math.isnan(value("limit_distance", run))
+    assert value("traffic_density", run) == 12.0
+    only = judge(plan_of("ego"), run).takeovers[0]
+    assert (only.cause, only.time_budget, only.speed, only.traffic_density) == ("lane_confidence", 4.0, 10.0, 12.0)
+    blocked = record(("ego",), 60, lambda t: row(t) | {"cause": (opcodes.CAUSE_PATH_BLOCKED,)}, [(1.0, "request", "")])
+    assert value("time_budget", blocked) == pytest.approx(8.0)
+
+
+def test_the_time_to_collision_along_the_lane_is_the_least_up_to_a_collision() -> None:
+    def row(t: float) -> Row:
+        return {"x": (t,), "v": (10.0,), "lane_time_to_collision": (opcodes.FAR if t < 1.0 else 6.0 - t,)}
+
+    assert value("minimum_lane_time_to_collision", record(("ego",), 31, row)) == pytest.approx(3.0)
+    crash = record(("ego",), 31, row, [(2.0, "collision", "wall")])
+    assert value("minimum_lane_time_to_collision", crash) == pytest.approx(4.0)
+    far = record(("ego",), 61, lambda t: row(t) | {"lane_time_to_collision": (31.0,)})
+    assert math.isnan(value("minimum_lane_time_to_collision", far))
 
 
 def test_equal_durations_are_equal_numbers() -> None:
@@ -512,6 +550,10 @@ def test_the_engine_adds_up_what_arrays_of_random_runs_give(seed: int) -> None:
         lane_width=np.where(lane[..., 0] != 0, dice.choice([3.5, 3.5, 2.5], request.shape)[:, None], 0.0),
         lane_heading=dice.choice([0.0, 0.02, -0.1], runs.t.shape),
         on_road=dice.random(runs.t.shape) < 0.9,
+        cause=np.where(dice.random(runs.t.shape) < 0.7, opcodes.CAUSE_LANE_CONFIDENCE, opcodes.CAUSE_NONE),
+        limit_time=np.where(dice.random(runs.t.shape) < 0.5, np.nan, dice.uniform(0.0, 9.0, runs.t.shape)),
+        traffic_density=dice.integers(0, 30, runs.t.shape).astype(np.float64),
+        lane_time_to_collision=np.where(dice.random(runs.t.shape) < 0.7, np.nan, dice.uniform(0.0, 60.0, runs.t.shape)),
     )
     totals = added_up(runs)
     for measure in MEASURES:

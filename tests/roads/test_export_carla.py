@@ -152,9 +152,75 @@ def test_a_map_of_carla_is_left_alone(corpus: Path, name: str) -> None:
     assert export(path)[1] == path.read_bytes().replace(b"\r\n", b"\n")
 
 
-def test_maps_that_come_along_go_on_everywhere(repository: Path, tmp_path: Path) -> None:
-    _, data = export(repository / "maps/town_grid/town_grid.xodr")
-    assert ask_carla(tmp_path, data)["ends"] == []
+@pytest.mark.parametrize("name", ["town_grid", "signal_crossing"])
+def test_maps_that_come_along_go_on_everywhere(repository: Path, tmp_path: Path, name: str) -> None:
+    _, data = export(repository / "maps" / name / f"{name}.xodr")
+    found = ask_carla(tmp_path, data)
+    assert found["ends"] == []
+    assert isinstance(found["jump"], float)
+    assert found["jump"] < 1.5
+
+
+LOOP_LANE = '<lane id="{id}" type="driving">{link}<width sOffset="0" a="3" b="0" c="0" d="0"/></lane>'
+
+
+def loop(stated: str) -> bytes:
+    """A circle of 50 m radius but for 20 m of it, where one connecting road a direction closes it.
+
+    Args:
+        stated: A link that the lanes of the circle's road state at its end, where a junction lies.
+    """
+    gap = 20.0 / 50.0
+    roads = ((10, "-1", gap, math.tau - gap), (11, "5", 0.0, gap), (12, "5", 0.0, gap))
+    texts = []
+    for number, junction, begin, turn in roads:
+        back = number == 12  # the connecting road of the other direction
+        angle = begin + turn if back else begin
+        heading, curvature = (angle + math.pi, "-0.02") if back else (angle, "0.02")
+        place = f'x="{50 * math.sin(angle)!r}" y="{-50 * math.cos(angle)!r}" hdg="{heading!r}"'
+        if junction == "-1":
+            link = "".join(f'<{side} elementType="junction" elementId="5"/>' for side in ("predecessor", "successor"))
+            lanes = [LOOP_LANE.format(id=one, link=stated) for one in ("1", "-1")]
+        else:
+            ends = ("start", "end") if back else ("end", "start")
+            sides = zip(("predecessor", "successor"), ends, strict=True)
+            link = "".join(f'<{side} elementType="road" elementId="10" contactPoint="{end}"/>' for side, end in sides)
+            lane = "1" if back else "-1"
+            own = f'<link><predecessor id="{lane}"/><successor id="{lane}"/></link>'
+            lanes = ["", LOOP_LANE.format(id="-1", link=own)]
+        left, right = (
+            f"<{side}>{one}</{side}>" if one else "" for side, one in zip(("left", "right"), lanes, strict=True)
+        )
+        texts.append(
+            f'<road id="{number}" junction="{junction}" length="{50 * turn!r}"><link>{link}</link><planView>'
+            f'<geometry s="0" {place} length="{50 * turn!r}"><arc curvature="{curvature}"/></geometry></planView>'
+            f'<lanes><laneSection s="0">{left}<center><lane id="0" type="none"/></center>{right}</laneSection></lanes>'
+            "</road>"
+        )
+    joined = "".join(
+        f'<connection id="{k}" incomingRoad="10" connectingRoad="{11 + k}" contactPoint="start">'
+        f'<laneLink from="{lane}" to="-1"/></connection>'
+        for k, lane in enumerate(("-1", "1"))
+    )
+    header = '<?xml version="1.0" encoding="UTF-8"?>\n<OpenDRIVE><header revMajor="1" revMinor="6"/>\n'
+    return (header + "\n".join(texts) + f'\n<junction id="5" name="">{joined}</junction>\n</OpenDRIVE>\n').encode()
+
+
+@pytest.mark.parametrize("stated", ["", "<link/>", '<link><successor id="-1"/></link>'])
+def test_a_road_that_comes_back_to_its_junction_goes_on(tmp_path: Path, stated: str) -> None:
+    path = tmp_path / "loop.xodr"
+    path.write_bytes(loop(stated))
+    assert ask_carla(tmp_path, path.read_bytes())["ends"] != []
+    before, data = export(path)
+    after = reload(tmp_path, data)
+    (added,) = (one for one in after.road_ids if one not in before.road_ids)
+    assert after.road("10").length + after.road(added).length == pytest.approx(before.road("10").length)
+    assert drivable_ends(after) == []
+    found = ask_carla(tmp_path, data)
+    assert found["ends"] == []
+    assert isinstance(found["jump"], float)
+    assert found["jump"] < 1.1
+    assert export(tmp_path / "exported.xodr")[1] == data
 
 
 LANE = """<lane id="{id}" type="driving"><link>{link}</link>

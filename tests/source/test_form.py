@@ -204,15 +204,16 @@ def pieces(root: etree._Element) -> Iterator[etree._Element]:
             yield piece
 
 
-def test_both_judges_agree_on_every_mutant_of_the_library() -> None:
+@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.slow)])
+def test_both_judges_agree_on_mutants_of_the_library(every: int) -> None:
     seen: set[str] = set()
     differing = []
     for path in FILES:
         parser = etree.XMLParser(remove_blank_text=True)
         root = etree.parse(str(path), parser).getroot()
         for part in pieces(root):
-            for key, mutant in mutants(part, seen):
-                found = disagreement(mutant)
+            for number, (key, mutant) in enumerate(mutants(part, seen)):
+                found = disagreement(mutant) if number % every == 0 else ""
                 if found:
                     differing.append(f"{path.name}, {key}: {found}")
     assert len(seen) > 9000

@@ -77,7 +77,7 @@ def test_a_session_goes_step_by_step(rules: Rules) -> None:
     with pytest.raises(OutOfPlaceError):
         one.go_on(2, {})
     one.go_on(1, {})
-    assert run_of(one).finished is not None
+    assert run_of(one).ended
     for wrong in ({}, ANSWERS | {"hard": "8"}, ANSWERS | {"first": "smell"}, ANSWERS | {"more": "x" * 5000}):
         with pytest.raises(OutOfPlaceError):
             one.go_on(3, wrong)

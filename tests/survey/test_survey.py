@@ -118,6 +118,7 @@ def killed_by(target: str) -> Studied:
     return study(target)
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_costs_its_own_scenario_alone(folder: Path) -> None:
     targets = [f"{folder / 'good.xml'}#{name}" for name in ("blocked", "nested", "blocked_faster", "nothing_there")]
     found = list(studying._spread(targets, killed_by, 2))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import queue
 import signal
 import subprocess
 import sys
@@ -15,7 +16,9 @@ import pytest
 
 from scenario_compiler import Plan, Recording, compile_scenario, judge, load_network, open_world, run
 from scenario_compiler.compiler import Overrides
+from scenario_compiler.vocabulary.sensors import Failure
 from scenario_compiler.worlds import WorldError
+from scenario_compiler.worlds.carla import PURPLE, YELLOW
 from tests.carla_server.conftest import Served, client_version, served
 
 pytestmark = [pytest.mark.slow, pytest.mark.apart]
@@ -106,6 +109,47 @@ def test_carlas_camera_sees_and_asks(server: Served) -> None:
     assert any(one.kind == "request" for one in theirs.events)
 
 
+def from_behind(server: Served, plan: Plan, camera: str) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    """Run a plan for a second and return what a camera of another client has seen of the ego at the end, BGR."""
+    carla = pytest.importorskip("carla")
+    client, images = server.client(), queue.Queue[Any]()
+    kept: list[Any] = []
+
+    def attach(t: float) -> None:
+        there = client.get_world()
+        if t < 0.5 or kept:
+            return
+        hero = next(one for one in there.get_actors() if one.attributes.get("role_name") == "hero")
+        mounted = carla.Transform(carla.Location(x=-10.0, z=8.0), carla.Rotation(pitch=-20.0))
+        blueprint = there.get_blueprint_library().find("sensor.camera.rgb")
+        blueprint.set_attribute("image_size_x", "400")
+        blueprint.set_attribute("image_size_y", "300")
+        kept.append(there.spawn_actor(blueprint, mounted, attach_to=hero))
+        kept[0].listen(images.put)
+
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port, camera=camera) as world:
+        run(plan, world, progress=attach)
+        kept[0].stop()
+        kept[0].destroy()
+    pixels = np.empty(0, np.uint8)
+    while not images.empty():
+        image = images.get_nowait()
+        pixels = np.frombuffer(image.raw_data, np.uint8).reshape(image.height, image.width, 4)[..., :3]
+    return pixels
+
+
+@pytest.mark.parametrize("camera", ["built-in", "carla"])
+def test_route_and_path_are_drawn_where_the_automation_does_not_see_them(server: Served, camera: str) -> None:
+    plan = compile_scenario(CONFLICTS / "obstacle_ahead.xml", distance=200).model_copy(update={"duration": 1.0})
+    seen = from_behind(server, plan, camera)
+    assert seen.shape == (300, 400, 3)
+    counts = [int((seen == colour[::-1]).all(axis=2).sum()) for colour in (YELLOW, PURPLE)]
+    if camera == "carla":
+        assert counts == [0, 0]
+    else:
+        assert min(counts) > 20
+
+
 def test_changed_paint_takes_the_built_in_camera_unless_told_otherwise(server: Served) -> None:
     plan = compile_scenario(CONFLICTS / "markings_missing.xml")
     network = load_network(plan.map.file)
@@ -113,6 +157,15 @@ def test_changed_paint_takes_the_built_in_camera_unless_told_otherwise(server: S
         assert [(one.code.id, one.part) for one in world.findings] == [("SC526", "scenario")]
     with open_world("carla", plan, network, port=server.port, camera="built-in") as world:
         assert list(world.findings) == []
+
+
+def test_a_camera_that_is_turned_on_its_mount_is_the_built_in_one(server: Served) -> None:
+    plan = compile_scenario(CONFLICTS / "obstacle_ahead.xml", distance=60)
+    camera = plan.camera.model_copy(update={"failures": (Failure(kind="misalignment", yaw=0.02),)})
+    plan = plan.model_copy(update={"camera": camera, "perception": "camera"})
+    with open_world("carla", plan, load_network(plan.map.file), port=server.port) as world:
+        assert [(one.code.id, one.part) for one in world.findings] == [("SC526", "scenario")]
+        assert "turns the camera on its mount" in world.findings[0].message
 
 
 def test_who_has_no_blueprint_gets_another_and_it_is_told(server: Served) -> None:

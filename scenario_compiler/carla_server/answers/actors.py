@@ -67,6 +67,18 @@ def destroy(host: Host, number: int) -> bool:
     return True
 
 
+def ignore_vehicles(host: Host, number: int, unseen: list[int]) -> None:
+    """Let a lidar not see some actors.
+
+    Raises:
+        CallError: It is not a sensor.
+    """
+    sensor = host.stage.get(number)
+    if not isinstance(sensor, Sensor):
+        raise CallError(f"unable to ignore vehicles: actor {number} is not a sensor")
+    sensor.unseen = frozenset(unseen)
+
+
 def actors_by_id(host: Host, numbers: list[int]) -> list[Any]:
     """Answer with those of some actors that there are."""
     return [host.wire(host.stage.actors[number]) for number in numbers if number in host.stage.actors]
@@ -79,8 +91,7 @@ def spectator(host: Host) -> list[Any]:
 
 def bounding_box(host: Host, number: int) -> list[Any]:
     """Answer with an actor's box."""
-    found: list[Any] = host.stage.wire(host.stage.get(number))[3]
-    return found
+    return host.stage.box_of(number)
 
 
 def set_location(host: Host, number: int, location: list[float]) -> None:

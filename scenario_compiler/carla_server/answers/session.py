@@ -152,11 +152,10 @@ def remove_manager(host: Host, port: int) -> bool:
 
 
 def draw_shape(host: Host, shape: list[Any]) -> None:
-    """Keep a debug shape until the map changes."""
-    if len(host.shapes) < 10_000:
-        host.shapes.append(shape)
+    """Let cameras for colours see a debug shape for its life time."""
+    host.stage.shapes.add(shape, host.stage.time)
 
 
 def clear_shapes(host: Host) -> None:
     """Forget the debug shapes."""
-    host.shapes.clear()
+    host.stage.shapes.clear()

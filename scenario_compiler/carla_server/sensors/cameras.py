@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from scenario_compiler.perception.models import Lamp
 from scenario_compiler.perception.render import Drawing
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.solids import Box
+from scenario_compiler.perception.strokes import Stroke
 from scenario_compiler.roads import Pose
 from scenario_compiler.vocabulary.weather import Weather
 
@@ -102,7 +103,7 @@ class CameraInstrument:
         camera = self._mount(mounting, center)
         inside = self._is_inside(stage, sensor)
         drawing = camera.draw(pose, boxes_of(stage, sensor.parent if inside else 0), weather, signals_of(stage))
-        pixels = self._encode(drawing, frame)
+        pixels = self._encode(drawing, frame, stage.shapes.at(stage.time))
         return IMAGE.pack(self.width, self.height, self.fov) + pixels.tobytes()
 
     @staticmethod
@@ -173,36 +174,36 @@ def _with_alpha(image: Image) -> Image:
     return full
 
 
-def colours(drawing: Drawing, frame: int) -> Image:
-    """Return the picture, (height, width, 4), BGRA."""
-    return _with_alpha(drawing.image(SEED, frame))
+def colours(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
+    """Return the picture, (height, width, 4), BGRA, with what clients have drawn into the world."""
+    return _with_alpha(drawing.image(SEED, frame, strokes))
 
 
-def depth(drawing: Drawing, frame: int) -> Image:
+def depth(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """Return the depth: R + 256 G + 65536 B of 2^24 - 1 steps up to 1000 m, as CARLA encodes it."""
-    del frame
+    del frame, strokes
     steps = (drawing.depth.astype(np.float64) * (DEPTH_STEPS / FARTHEST_DEPTH)).astype(np.uint32)
     image = np.stack([steps >> 16 & 255, steps >> 8 & 255, steps & 255], axis=2)
     return _with_alpha(image.astype(np.uint8))
 
 
-def kinds(drawing: Drawing, frame: int) -> Image:
+def kinds(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """Return the semantic tag in the red channel."""
-    del frame
+    del frame, strokes
     image = np.zeros((*drawing.semantic.shape, 3), np.uint8)
     image[..., 2] = drawing.semantic
     return _with_alpha(image)
 
 
-def instances(drawing: Drawing, frame: int) -> Image:
+def instances(drawing: Drawing, frame: int, strokes: Sequence[Stroke]) -> Image:
     """Return the semantic tag in the red channel and the thing's number in green (low) and blue (high)."""
-    image = kinds(drawing, frame)
+    image = kinds(drawing, frame, strokes)
     number = drawing.instance & 0xFFFF
     image[..., 1], image[..., 0] = number & 255, number >> 8
     return image
 
 
-ENCODINGS: dict[str, Callable[[Drawing, int], Image]] = {
+ENCODINGS: dict[str, Callable[[Drawing, int, Sequence[Stroke]], Image]] = {
     "sensor.camera.rgb": colours,
     "sensor.camera.depth": depth,
     "sensor.camera.semantic_segmentation": kinds,

@@ -1,14 +1,15 @@
-"""Lidar, semantic lidar, radar and obstacle detection: rays that meet the road's plane and the bodies' boxes.
+"""Lidar, semantic lidar, radar and obstacle detection: rays that meet the ground and the bodies' boxes.
 
-The road is taken for the plane that the sensor's carrier stands on. What a lidar loses follows CARLA's documentation
-of `sensor.lidar.ray_cast`: intensity falls by exp(-attenuation x distance), a share of the points is dropped at random,
-and of those below an intensity more the weaker they are.
+On a level map, the ground is the plane that the sensor's carrier stands on. What a lidar loses follows CARLA's
+documentation of `sensor.lidar.ray_cast`: intensity falls by exp(-attenuation x distance), a share of the points is
+dropped at random, and of those below an intensity more the weaker they are.
 """
 
 from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Collection
 
 import msgpack
 import numpy as np
@@ -27,6 +28,9 @@ Floats = NDArray[np.float64]
 MOST_RAYS = 2_000_000
 """Rays in a tick at most."""
 
+MIRRORED = np.array([1.0, -1.0, 1.0])
+"""What turns CARLA's axes to OpenDRIVE's, and back."""
+
 GROUND = -1
 NOTHING = -2
 """What a ray meets in place of a body's number."""
@@ -42,7 +46,15 @@ class Rays:
         normal: (rays, 3) of the surface that is met, CARLA's axes.
     """
 
-    def __init__(self, stage: Stage, origin: Floats, directions: Floats, reach: float, without: int) -> None:
+    def __init__(
+        self,
+        stage: Stage,
+        origin: Floats,
+        directions: Floats,
+        reach: float,
+        without: int,
+        unseen: Collection[int] = (),
+    ) -> None:
         """Cast rays.
 
         Args:
@@ -51,20 +63,32 @@ class Rays:
             directions: (rays, 3) unit vectors.
             reach: How far they go, m.
             without: Id of the actor that they pass through: the sensor's carrier.
+            unseen: Ids of further actors that they pass through.
         """
         count = len(directions)
         self.distance = np.full(count, np.inf)
         self.target = np.full(count, NOTHING)
         self.normal = np.zeros((count, 3))
         self.bodies: list[Body] = []
-        self._meet_ground(stage, origin, directions, without)
+        self._origin, self._directions = origin, directions
+        self._terrain = stage.town.terrain()
+        if self._terrain.level:
+            self._meet_plane(stage, origin, directions, without)
+        else:
+            self._meet_slopes(origin, directions, reach)
         for body in stage.bodies():
-            if body.id != without:
+            if body.id != without and body.id not in unseen:
                 self._meet_box(stage, body, origin, directions, reach)
         far = self.distance > reach
         self.distance[far], self.target[far] = np.inf, NOTHING
 
-    def _meet_ground(self, stage: Stage, origin: Floats, directions: Floats, without: int) -> None:
+    def _meet_slopes(self, origin: Floats, directions: Floats, reach: float) -> None:
+        window = self._terrain.window(float(origin[0]), -float(origin[1]), reach)
+        distance, normal = window.meet(origin * MIRRORED, directions * MIRRORED, reach)
+        meets = np.isfinite(distance)
+        self.distance[meets], self.target[meets], self.normal[meets] = distance[meets], GROUND, normal[meets] * MIRRORED
+
+    def _meet_plane(self, stage: Stage, origin: Floats, directions: Floats, without: int) -> None:
         carrier = stage.actors.get(without)
         if isinstance(carrier, Body):
             x, y, z, pitch, yaw, roll = stage.transform_of(carrier)
@@ -106,15 +130,34 @@ class Rays:
 
     def tags(self) -> NDArray[np.uint32]:
         """Return the semantic tag of what each ray meets."""
-        tags = np.array([*(body.tag for body in self.bodies), Tag.UNLABELED, Tag.ROAD], np.uint32)
-        return np.asarray(tags[self.target], np.uint32)
+        tags = np.array([*(body.tag for body in self.bodies), Tag.UNLABELED, Tag.TERRAIN], np.uint32)[self.target]
+        ground = np.flatnonzero(self.target == GROUND)
+        if len(ground):
+            distance = self.distance[ground]
+            points = (self._origin + self._directions[ground] * distance[:, None])[:, :2] * MIRRORED[:2]
+            x, y, _ = (self._origin * MIRRORED).tolist()
+            tags[ground] = self._terrain.window(x, y, float(distance.max())).tags(points)
+        return np.asarray(tags, np.uint32)
 
     def numbers(self) -> NDArray[np.uint32]:
         """Return the id of the actor that each ray meets, 0 for none."""
         return np.asarray(np.array([*(body.id for body in self.bodies), 0, 0], np.uint32)[self.target], np.uint32)
 
 
-class Lidar(Simple):
+class RayCaster(Simple):
+    """An instrument that casts rays."""
+
+    def __init__(self, stage: Stage, sensor: Sensor) -> None:
+        """Remember the map."""
+        super().__init__(stage, sensor)
+        self._town = stage.town
+
+    def prepare(self) -> None:
+        """Make the map's ground."""
+        self._town.terrain()
+
+
+class Lidar(RayCaster):
     """A lidar that turns, plain or semantic."""
 
     def __init__(self, stage: Stage, sensor: Sensor) -> None:
@@ -144,7 +187,7 @@ class Lidar(Simple):
         at = stage.transform_of(sensor)
         axes = np.array(carla_axes(*at[3:]))
         reach = sensor.number("range")
-        rays = Rays(stage, np.array(at[:3]), local @ axes, reach, sensor.parent)
+        rays = Rays(stage, np.array(at[:3]), local @ axes, reach, sensor.parent, sensor.unseen)
         kept = np.isfinite(rays.distance)
         if self.semantic:
             return self._message(each, kept, self._semantic(rays, local, local @ axes, kept))
@@ -176,7 +219,7 @@ class Lidar(Simple):
         return head + bytes(counts.tobytes()) + bytes(points.tobytes())
 
 
-class Radar(Simple):
+class Radar(RayCaster):
     """A radar: rays at random in its field; it sees boxes and the road, and how fast they come nearer."""
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes:
@@ -204,7 +247,7 @@ class Radar(Simple):
         return bytes(found.astype("<f4").tobytes())
 
 
-class Obstacle(Simple):
+class Obstacle(RayCaster):
     """A detector of what is in the way: a sphere that is pushed ahead."""
 
     def measure(self, stage: Stage, sensor: Sensor, frame: int, dt: float, weather: Weather) -> bytes | None:

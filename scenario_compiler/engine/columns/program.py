@@ -91,6 +91,8 @@ class Program(Columns):
     driver_kind: list[int] = column(RUN, 0, codes(op.DRIVER_SUMO + 1))
     person: list[int] = column(RUN, 0, FLAG)
     """1 where a person is at the wheel, whose inputs Python writes."""
+    minimum_risk: list[int] = column(RUN, 1, FLAG)
+    """1 where there is a minimum-risk manoeuvre."""
     hazard_lights: list[int] = column(RUN, 1, FLAG)
     """1 where the hazard lights flash from the minimum-risk manoeuvre on."""
     destination_road: list[int] = column(RUN, op.NONE, index_or_none(ROAD))

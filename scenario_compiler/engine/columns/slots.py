@@ -84,7 +84,9 @@ K_LANE_END_WARNING = 80
 K_SLOW_DOWN = 81
 K_HEADLIGHTS = 82
 K_SENSOR_NOISE = 83
-K_ENTITIES = 84
+K_SIGHT = 84
+K_LOOK_BESIDE = 85
+K_ENTITIES = 86
 """First slot after those of the run."""
 
 # An entity's block.
@@ -154,11 +156,14 @@ A_STEADY_TIME = 4
 A_STEADY_DISTANCE = 5
 
 # A failure of the camera: when it begins after the start or its action, how long it lasts (negative: for good), in
-# which time it grows and goes, and how severe it is.
+# which time it grows and goes, how severe it is, and by what angles a misaligned camera is turned.
 F_ONSET = 0
 F_DURATION = 1
 F_RAMP = 2
 F_AMOUNT = 3
+F_YAW = 4
+F_PITCH = 5
+F_ROLL = 6
 
 # A swarm of traffic: its inner radius, half its extents along and across the entity, how far ahead of it its middle is,
 # and the weights of those who drive with the entity and against it.

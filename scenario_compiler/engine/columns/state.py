@@ -315,6 +315,9 @@ class State(Columns):
     reach_health: list[float] = column(RUN)
     """The camera's health for which it was, and the reach, m."""
     sensor_reach: list[float] = column(RUN)
+    sight_known: list[int] = column(RUN)
+    """1 while the weather is that for which `driver_sight`, m, was worked out."""
+    driver_sight: list[float] = column(RUN)
     weather_from: list[float] = column(WEATHER_NUMBER)
     """The numbers when the present change began."""
     weather_to: list[int] = column(RUN, op.NONE)
@@ -341,6 +344,14 @@ class State(Columns):
     """Heading of the ego relative to the path's direction."""
     limit_time: list[float] = column(RUN, op.FAR)
     """Time that the last request left, where it was not about an obstacle, s."""
+    used_beside: list[int] = column(RUN)
+    """1 where there was a vehicle in the lane beside that was looked at last."""
+    looks_beside: list[float] = column(RUN, -1.0)
+    """Since when the driver has looked at a lane with traffic beside, s; -1 while he does not."""
+    traffic_density: list[float] = column(RUN)
+    """Vehicles per kilometre that went the ego's way at the last request."""
+    lane_time: list[float] = column(RUN, op.FAR)
+    """Least time to collision along the lane at the ego's place in it, s."""
     lane_width: list[float] = column(RUN)
     """Width of the lane that the ego's point is in, 0 off every lane."""
     on_road: list[int] = column(RUN)

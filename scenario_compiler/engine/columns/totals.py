@@ -66,6 +66,7 @@ class Totals(Columns):
     # Of all rows.
     least_distance: list[float] = column(RUN, op.FAR)
     least_time_to_collision: list[float] = column(RUN, HORIZON)
+    least_lane_time: list[float] = column(RUN, HORIZON)
     least_headway: list[float] = column(RUN, HORIZON)
     least_room: list[float] = column(RUN, op.FAR)
     """Twice the gap over the square of the closing speed, s2/m: the inverse of the deceleration that would do."""
@@ -87,11 +88,15 @@ class Totals(Columns):
 
     # From the first request on.
     request_cause: list[int] = column(RUN, op.CAUSE_NONE)
-    """Cause in the first row from the request on that has one; the limit's distance and the speed in the same row."""
+    """Cause in the first row behind the request that has one, and the limit's distance in the same row; the speed in
+    the row of the request."""
     request_blocked: list[float] = column(RUN, op.FAR)
     request_blocked_speed: list[float] = column(RUN, op.FAR)
     request_lane_end: list[float] = column(RUN, op.FAR)
     request_speed: list[float] = column(RUN, op.FAR)
+    asked: list[int] = column(RUN)
+    """1 from the first request on."""
+    request_density: list[float] = column(RUN, op.FAR)
     request_limit_time: list[float] = column(RUN, op.FAR)
     """Time that it left, where it was not about an obstacle."""
     time_departed: list[float] = column(RUN, -1.0)
@@ -142,7 +147,7 @@ class Totals(Columns):
     state: list[int] = column(RUN)
     """State of the takeover in the row before."""
     undescribed: list[int] = column(RUN)
-    """1 where there was no row with a cause since the last request."""
+    """1 where there was no row with a cause behind the last request."""
     takeover_request: list[float] = column(TAKEOVER, -1.0)
     takeover_cause: list[float] = column(TAKEOVER, -1.0)
     takeover_blocked: list[float] = column(TAKEOVER, op.FAR)
@@ -155,6 +160,11 @@ class Totals(Columns):
     takeover_standstill: list[float] = column(TAKEOVER, -1.0)
     takeover_hand_back: list[float] = column(TAKEOVER, -1.0)
     takeover_limit_time: list[float] = column(TAKEOVER, op.FAR)
+    takeover_density: list[float] = column(TAKEOVER, op.FAR)
+    takeover_lane_time: list[float] = column(TAKEOVER, HORIZON)
+    """Least time to collision along the lane from the request to the next, s, and greatest accelerations, m/s2."""
+    takeover_longitudinal: list[float] = column(TAKEOVER, -1.0)
+    takeover_lateral: list[float] = column(TAKEOVER, -1.0)
 
     # Lane keeping after the response: of the two windows, and of the one that may be stable.
     spread_count: list[int] = column(SPREAD)
@@ -190,6 +200,8 @@ class Totals(Columns):
     row_blocked_speed: list[float] = column(RUN)
     row_lane_end: list[float] = column(RUN, op.FAR)
     row_limit_time: list[float] = column(RUN, op.FAR)
+    row_density: list[float] = column(RUN)
+    row_lane_time: list[float] = column(RUN, op.FAR)
     row_width: list[float] = column(RUN)
     """Width of the lane, 0 off the lanes, and the heading against its direction."""
     row_heading: list[float] = column(RUN)

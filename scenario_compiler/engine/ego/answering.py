@@ -121,7 +121,8 @@ def added_time(p: Program, st: State) -> float:
     """Return what the effects add to the mean takeover time at the present request, s."""
     added = p.const[slot.K_EFFECT_TASK] - p.const[slot.K_EFFECT_MEASURED_TASK]
     added += p.const[slot.K_EFFECT_EYES_CLOSED] + p.const[slot.K_EFFECT_REQUEST]
-    added += p.const[slot.K_EFFECT_DENSITY] * p.const[slot.K_DENSITY]
+    density = p.const[slot.K_DENSITY] if p.const[slot.K_DENSITY] >= 0.0 else st.traffic_density[0]
+    added += p.const[slot.K_EFFECT_DENSITY] * density
     if st.requests[0] > 1:
         added += p.const[slot.K_EFFECT_REPETITION]
     if p.const[slot.K_REFERENCE_BUDGET] > 0.0:

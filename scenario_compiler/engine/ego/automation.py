@@ -6,8 +6,9 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.driver import SIGHT, VIEW, drive_by_hand
-from scenario_compiler.engine.ego.foresight import notice
+from scenario_compiler.engine.ego.around import note_lane_time
+from scenario_compiler.engine.ego.driver import drive_by_hand, look_out
+from scenario_compiler.engine.ego.foresight import LIFT_OFF, notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.lane_memory import remember_lane, remembered_angle, steers_by_memory
 from scenario_compiler.engine.ego.limits import behaviour, request_distance
@@ -27,6 +28,9 @@ from scenario_compiler.engine.motion.steering import come_to_rest, command_accel
 from scenario_compiler.marker import compiled
 from scenario_compiler.roads.tables import RoadTables
 
+MERGES_FROM = 150.0
+"""How far before the end of his lane a driver looks for a gap in the lane beside, m; chosen."""
+
 AUTOMATION_ACCELERATION = 4.0
 """Bound of the lateral acceleration that the automation steers for, m/s2."""
 
@@ -42,11 +46,12 @@ def driven_by_hand(st: State) -> int:
 def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
     """Look ahead with the forward sensor, or with the eyes of the driver who drives; return what blocks the path."""
     if driven_by_hand(st) == 1:
-        look_ahead(n, p, st, i, SIGHT, VIEW)
+        look_out(n, p, st, i)
     else:
         reach = sensor_reach(p, st)
         look_ahead(n, p, st, i, reach, p.const[slot.K_FIELD_OF_VIEW])
     st.red_line[0] = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
+    note_lane_time(p, st, i)
     judge_objects(p, st, i)
     return find_block(p, st, i)
 
@@ -64,7 +69,14 @@ def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Keep lane and distance by the map, or pass on the controller's commands; slow down where the policy says so."""
+    """Keep lane and distance by the map, or pass on the controller's commands; slow down where the policy says so.
+
+    An automation that has let go leaves the wheel straight and the pedals free.
+    """
+    if behaviour(p, st) == op.BEHAVIOUR_LET_GO:
+        st.command_steer[i] = 0.0
+        command_acceleration(p, st, i, come_to_rest(st.v[i], -LIFT_OFF))
+        return
     steer_automated(n, p, st, i)
     if p.perception[0] == op.PERCEPTION_IDEAL:
         gap, lead = gap_to_keep(p, st, i)
@@ -98,7 +110,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
     state = st.takeover_state[0]
     if driven_by_hand(st) == 1:
         if p.person[0] == 0 and st.manoeuvre[0] != op.MANOEUVRE_EVADE:
-            consider_merge(n, p, st, i, SIGHT, SIGHT)
+            consider_merge(n, p, st, i, MERGES_FROM, MERGES_FROM)
     elif state not in (op.TAKEOVER_MINIMUM_RISK, op.TAKEOVER_STANDSTILL) and p.cause_on[op.CAUSE_LANE_ENDS] == 1:
         within = request_distance(p, st.v[i], slot.K_LANE_END_BUDGET, slot.K_LANE_END_COUNT)
         look = max(warning_distance(p, st.v[i], slot.K_LANE_END_WARNING, slot.K_LANE_END_BUDGET), within)
@@ -109,7 +121,8 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
     if p.replaced_by[0] != op.REFERENCE_NONE:
-        look_ahead(n, p, st, i, SIGHT, VIEW)
+        look_out(n, p, st, i)
+        note_lane_time(p, st, i)
         drive_by_reference(n, p, st, i, p.replaced_by[0])
         return
     ideal = p.perception[0] == op.PERCEPTION_IDEAL
@@ -125,7 +138,10 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     notice(p, st, i, blocker)
     if p.person[0] == 1:
         heed_person(p, st)
+    automated = 1 - driven_by_hand(st)
     step_takeover(n, p, st, i)
+    if automated == 1 and driven_by_hand(st) == 1:
+        blocker = sense(n, p, st, i)
     state = st.takeover_state[0]
     if st.crashed[0] == 1 or state == op.TAKEOVER_STANDSTILL:
         st.command_steer[i] = 0.0

@@ -27,6 +27,7 @@ from scenario_compiler.engine.ego.passing import (
     is_clear_of,
     meets_oncoming,
 )
+from scenario_compiler.engine.ego.reach import driver_sight
 from scenario_compiler.engine.ego.sensor import (
     CROSSING,
     GAP_HORIZON,
@@ -54,9 +55,6 @@ from scenario_compiler.randomness import random_unit
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_type, lane_width
 from scenario_compiler.roads.tables import RoadTables
-
-SIGHT = 150.0
-"""How far a driver looks ahead, m; chosen."""
 
 VIEW = 3.490658503988659
 """Full angle that a driver looks over, rad; chosen: 200 degrees, about the human field of view with both eyes."""
@@ -90,6 +88,9 @@ STEER_ACCELERATION = 6.0
 BOTH_SHARE = 0.5
 """Share of the hardest braking with which a driver brakes who steers at the same time; chosen."""
 
+EVASION_SHARE = 0.6
+"""Share of the way to a block over which an evasion is spread at most, where that is not too sudden; chosen."""
+
 WANDER_INTERVAL = 2.0
 """Time from one drawn place in the lane to the next, s; a cosine between. Chosen."""
 
@@ -106,6 +107,12 @@ CONCENTRATION = 0.3
 
 HAND_RATE = 0.6
 """Greatest rate of the front wheels' angle that an aware driver asks for, rad/s; chosen."""
+
+
+@compiled
+def look_out(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Look ahead as far as the driver sees."""
+    look_ahead(n, p, st, i, driver_sight(p, st), VIEW)
 
 
 @compiled
@@ -166,19 +173,33 @@ def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> 
 
 @compiled
 def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> int:
-    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured anew."""
+    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured anew.
+
+    Where there is traffic in it the driver looks at it for a while before he finds one.
+    """
     beside = neighbour_lane(
         n, st.path_road[0], st.path_lane[0], st.path_s[0], side, lane_direction(n, st.path_road[0], st.path_lane[0])
     )
     free = gap_is_free(n, p, st, i, st.path_road[0], beside, st.path_s[0])
     look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
-    return free
+    if st.used_beside[0] == 0:
+        return free
+    if st.looks_beside[0] < 0.0:
+        st.looks_beside[0] = st.clock[0]
+    looked = st.clock[0] - st.looks_beside[0]
+    return free if looked >= p.const[slot.K_LOOK_BESIDE] - 1.0e-6 else 0
 
 
 @compiled
 def evasion_over(p: Program, st: State, i: int, centre: float) -> float:
-    """Return the distance over which the move to a corridor past a block is spread, m."""
-    return min(st.blocked_distance[0] - 1.0, shift_distance(st.v[i], centre - st.path_off[0], RETURN_ACCELERATION))
+    """Return the distance over which the move to a corridor past a block is spread, m.
+
+    It is over well before the block: who has little time moves faster, up to the greatest lateral acceleration.
+    """
+    change = centre - st.path_off[0]
+    room = st.blocked_distance[0] - 1.0
+    gentle = min(shift_distance(st.v[i], change, RETURN_ACCELERATION), EVASION_SHARE * room)
+    return min(max(gentle, shift_distance(st.v[i], change, p.const[slot.K_DRIVER_LATERAL])), room)
 
 
 @compiled
@@ -234,7 +255,8 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     First within the own lane, then with the lane beside on the left and on the right, of the same direction before one
     of oncoming traffic. It must be wide enough, near enough for a planned evasion before the block, and safe.
     """
-    look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
+    reach = max(PASSING_SIGHT, driver_sight(p, st))
+    look_ahead(n, p, st, i, reach, VIEW)
     front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
     road, lane, _, s, _ = path_ahead(n, p, st, st.blocked_distance[0] + front)
     found = 0
@@ -244,7 +266,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
             side = 0 if choice == 0 else 3 - 2 * ((choice - 1) % 2 + 1)
             against = 1 if choice >= 3 else 0
             found, centre = corridor_beside(n, p, st, i, blocker, road, lane, s, side, against)
-    look_ahead(n, p, st, i, SIGHT, VIEW)
+    look_out(n, p, st, i)
     return found, centre
 
 
@@ -255,6 +277,7 @@ def evade(p: Program, st: State, i: int, centre: float) -> None:
     st.evade_until[0] = st.odometer[i] + evasion_length(p, st, i)
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
     st.manoeuvre[0] = op.MANOEUVRE_EVADE
+    st.looks_beside[0] = -1.0
     log_event(st, op.EVENT_EVADE, centre)
 
 
@@ -330,7 +353,7 @@ def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
         if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < GAP_HORIZON:
             measure_on_way(n, p, st, j)
     free = gap_behind_free(p, st, i)
-    look_ahead(n, p, st, i, SIGHT, VIEW)
+    look_out(n, p, st, i)
     return free
 
 
@@ -378,7 +401,7 @@ def way_out(n: RoadTables, p: Program, st: State, i: int, threat: int) -> tuple[
             high = low + wide
         look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
         found, target, braking = clear_offset(p, st, i, threat, 0.5 * side * (own + wide), low, high)
-        look_ahead(n, p, st, i, SIGHT, VIEW)
+        look_out(n, p, st, i)
         if found == 0:
             continue
         if high <= low and free_behind(n, p, st, i, beside) == 0:
@@ -420,6 +443,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
                 return
         begin_braking(st, st.blocked_distance[0])
         return
+    st.looks_beside[0] = -1.0
     threat = moving_threat(p, st, i)
     if threat >= 0:
         if st.style[0] != op.STYLE_BRAKES and st.merging[0] == 0:

@@ -10,7 +10,7 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
-from scenario_compiler.engine.ego.limits import control_period
+from scenario_compiler.engine.ego.limits import behaviour, control_period
 from scenario_compiler.marker import compiled
 
 STOP_MARGIN = 3.0
@@ -30,7 +30,9 @@ def stopping_distance(p: Program, v: float, towards: float) -> float:
 
 @compiled
 def minimum_risk_due(p: Program, st: State, i: int) -> int:
-    """Return 1 where the manoeuvre has to begin now."""
+    """Return 1 where the manoeuvre has to begin now; it never has to where the policy knows none."""
+    if p.minimum_risk[0] == 0 or behaviour(p, st) == op.BEHAVIOUR_LET_GO:
+        return 0
     if st.clock[0] - st.request_at[0] >= p.const[slot.K_RISK_AFTER + st.cause[0]] - 1.0e-6:
         return 1
     blocked = st.blocked_distance[0]

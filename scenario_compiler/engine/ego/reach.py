@@ -135,23 +135,35 @@ def lit_reach(reach: float, headlights: float, sun_altitude: float) -> float:
 
 
 @compiled
-def reach_in_weather(p: Program, st: State, quality: float) -> float:
-    """Return how far the forward sensor sees in the present weather, m, where noise and faults leave `quality`."""
-    kind = p.forward_sensor[0]
+def seen_in_weather(p: Program, st: State, kind: int, reach: float, quality: float) -> float:
+    """Return how far a sensor of a kind sees in the present weather, m, of which noise and faults leave `quality`."""
     fog = clip(0.01 * st.weather[W_FOG_DENSITY], 0.0, 1.0)
     dust = clip(0.01 * st.weather[W_DUST_STORM], 0.0, 1.0)
     rain = MM_PER_PERCENT * clip(st.weather[W_PRECIPITATION], 0.0, 100.0)
     begin = max(st.weather[W_FOG_DISTANCE], 0.0)
     haze = haze_extinction(fog, st.weather[W_FOG_FALLOFF], 0.0)
-    reach = quality * p.const[slot.K_SENSOR_RANGE]
     if kind == op.SENSOR_RADAR:
         wet = rain_attenuation(rain, RAIN_RADAR, RAIN_RADAR_POWER)
-        return seen_through(reach, 0.5 * wet, 0.5 * fog_on_radar(haze), begin)
+        return seen_through(quality * reach, 0.5 * wet, 0.5 * fog_on_radar(haze), begin)
     if kind == op.SENSOR_CAMERA:
-        sun = st.weather[W_SUN_ALTITUDE]
-        reach = quality * lit_reach(p.const[slot.K_SENSOR_RANGE], p.const[slot.K_HEADLIGHTS], sun)
+        reach = lit_reach(reach, p.const[slot.K_HEADLIGHTS], st.weather[W_SUN_ALTITUDE])
     wet = rain_attenuation(rain, RAIN_LIGHT, RAIN_LIGHT_POWER)
-    return seen_through(reach, wet + haze_extinction(0.0, 0.0, dust), haze, begin)
+    return seen_through(quality * reach, wet + haze_extinction(0.0, 0.0, dust), haze, begin)
+
+
+@compiled
+def reach_in_weather(p: Program, st: State, quality: float) -> float:
+    """Return how far the forward sensor sees in the present weather, m, where noise and faults leave `quality`."""
+    return seen_in_weather(p, st, p.forward_sensor[0], p.const[slot.K_SENSOR_RANGE], quality)
+
+
+@compiled
+def driver_sight(p: Program, st: State) -> float:
+    """Return how far the driver sees now, m: as a camera of that range; worked out anew as the weather changes."""
+    if st.sight_known[0] == 0:
+        st.sight_known[0] = 1
+        st.driver_sight[0] = seen_in_weather(p, st, op.SENSOR_CAMERA, p.const[slot.K_SIGHT], 1.0)
+    return st.driver_sight[0]
 
 
 @compiled

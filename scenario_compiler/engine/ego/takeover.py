@@ -12,8 +12,11 @@ from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.answering import note_stages, plan_answer
+from scenario_compiler.engine.ego.around import note_density
 from scenario_compiler.engine.ego.limits import closing_speed, lane_ends, request_distance
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
+from scenario_compiler.engine.ego.reach import sensor_reach
+from scenario_compiler.engine.ego.sensor import look_ahead
 from scenario_compiler.engine.ego.standing import log_standstill
 from scenario_compiler.engine.ego.unchanged import time_left
 from scenario_compiler.engine.ego.warning import (
@@ -108,6 +111,9 @@ def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
         cause = st.ordered_request[0]
     foreseen = foreseen_cause(n, p, st, i)
     if cause != op.CAUSE_NONE:
+        note_density(n, p, st, i)
+        reach = sensor_reach(p, st)
+        look_ahead(n, p, st, i, reach, p.const[slot.K_FIELD_OF_VIEW])
         request_takeover(p, st, cause)
         st.limit_time[0] = time_left(n, p, st, i, cause)
     elif st.ordered_warning[0] == 1 and st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
@@ -197,7 +203,10 @@ def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Step the machine once."""
+    """Step the machine once.
+
+    A request or a warning that is ordered while control is handed back waits until the automation drives.
+    """
     state = st.takeover_state[0]
     if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
         step_automated(n, p, st, i)
@@ -205,6 +214,7 @@ def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
         step_manual(n, p, st, i)
     elif state != op.TAKEOVER_STANDSTILL:
         step_requested(n, p, st, i)
-    st.ordered_request[0] = op.CAUSE_NONE
-    st.ordered_warning[0] = 0
     st.ordered_hand_back[0] = 0
+    if op.TAKEOVER_HAND_BACK not in (state, st.takeover_state[0]):
+        st.ordered_request[0] = op.CAUSE_NONE
+        st.ordered_warning[0] = 0

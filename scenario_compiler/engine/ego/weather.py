@@ -20,6 +20,7 @@ def reset_weather(p: Program, st: State) -> None:
             st.weather_from[k] = st.weather[k]
     st.paint_seen[0] = weather_visibility(st)
     st.reach_known[0] = 0
+    st.sight_known[0] = 0
 
 
 @compiled
@@ -47,5 +48,6 @@ def update_weather(p: Program, st: State) -> None:
         st.weather[k] = st.weather_from[k] + share * (p.const[base + k] - st.weather_from[k])
     st.paint_seen[0] = weather_visibility(st)
     st.reach_known[0] = 0
+    st.sight_known[0] = 0
     if share >= 1.0:
         st.weather_to[0] = op.NONE

@@ -51,6 +51,8 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
         if m.row_on_road[0] == 0:
             m.rows_off_road[0] += 1
     before = m.time_collision[0] < 0.0 or m.row_time[0] < m.time_collision[0] - SAME_TIME
+    if m.time_collision[0] < 0.0 or m.row_time[0] <= m.time_collision[0] + SAME_TIME:
+        m.least_lane_time[0] = min(m.least_lane_time[0], m.row_lane_time[0])
     if before or m.rows[0] == 1:
         m.speed_before_collision[0] = m.row_v[0]
     add_takeover(m)

@@ -70,3 +70,5 @@ def take_row(p: Program, st: State, m: Totals) -> None:
     m.row_blocked_speed[0] = st.blocked_speed[0]
     m.row_lane_end[0] = st.lane_end_distance[0]
     m.row_limit_time[0] = st.limit_time[0]
+    m.row_density[0] = st.traffic_density[0]
+    m.row_lane_time[0] = st.lane_time[0]

@@ -21,14 +21,21 @@ def since(m: Totals, time: float) -> int:
 
 @compiled
 def add_request(m: Totals) -> None:
-    """Note what the first request is about, in its first row that has a cause."""
-    if m.request_cause[0] == op.CAUSE_NONE and m.row_cause[0] != op.CAUSE_NONE:
+    """Note the speed at the first request, and what it is about, in the first row behind it that has a cause.
+
+    The row of its time was recorded before it.
+    """
+    if m.asked[0] == 0:
+        m.asked[0] = 1
+        m.request_speed[0] = m.row_v[0]
+    behind = m.row_time[0] > m.time_request[0] + SAME_TIME
+    if behind and m.request_cause[0] == op.CAUSE_NONE and m.row_cause[0] != op.CAUSE_NONE:
         m.request_cause[0] = m.row_cause[0]
         m.request_blocked[0] = m.row_blocked[0]
         m.request_blocked_speed[0] = m.row_blocked_speed[0]
         m.request_lane_end[0] = m.row_lane_end[0]
-        m.request_speed[0] = m.row_v[0]
         m.request_limit_time[0] = m.row_limit_time[0]
+        m.request_density[0] = m.row_density[0]
 
 
 @compiled

@@ -5,6 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import TAKEOVERS, Totals
+from scenario_compiler.engine.measures.takeover import SAME_TIME
 from scenario_compiler.marker import compiled
 
 
@@ -25,14 +26,26 @@ def note_state(m: Totals, k: int, state: int) -> None:
 
 
 @compiled
+def add_quality(m: Totals, k: int) -> None:
+    """Add how takeover k is driven in the last row, up to the first collision."""
+    if m.row_present[0] == 0 or (m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME):
+        return
+    m.takeover_lane_time[k] = min(m.takeover_lane_time[k], m.row_lane_time[0])
+    m.takeover_longitudinal[k] = max(m.takeover_longitudinal[k], abs(m.row_a[0]))
+    if m.rows[0] > 1:
+        m.takeover_lateral[k] = max(m.takeover_lateral[k], abs(m.row_v[0] * m.row_v[0] * m.curvature[0]))
+
+
+@compiled
 def add_takeovers(st: State, m: Totals) -> None:
-    """Add the last row: a new request, a new state, and in the first row with a cause what the request is about."""
+    """Add the last row: a new request, a new state, and in the first row behind it what the request is about."""
     if st.requests[0] > m.requests[0]:
         m.requests[0] = st.requests[0]
         m.undescribed[0] = 1
         if m.requests[0] <= TAKEOVERS:
             m.takeover_request[m.requests[0] - 1] = st.request_at[0]
             m.takeover_cause[m.requests[0] - 1] = 1.0 * st.cause[0]
+            m.takeover_speed[m.requests[0] - 1] = m.row_v[0]
     k = m.requests[0] - 1
     changed = 1 if st.takeover_state[0] != m.state[0] else 0
     m.state[0] = st.takeover_state[0]
@@ -40,13 +53,15 @@ def add_takeovers(st: State, m: Totals) -> None:
         return
     if changed == 1:
         note_state(m, k, m.state[0])
-    if m.undescribed[0] == 1 and m.row_cause[0] != op.CAUSE_NONE:
+    behind = m.row_time[0] > m.takeover_request[k] + SAME_TIME
+    if behind and m.undescribed[0] == 1 and m.row_cause[0] != op.CAUSE_NONE:
         m.undescribed[0] = 0
         m.takeover_blocked[k] = m.row_blocked[0]
         m.takeover_blocked_speed[k] = m.row_blocked_speed[0]
         m.takeover_lane_end[k] = m.row_lane_end[0]
-        m.takeover_speed[k] = m.row_v[0]
         m.takeover_limit_time[k] = m.row_limit_time[0]
+        m.takeover_density[k] = m.row_density[0]
+    add_quality(m, k)
 
 
 @compiled
@@ -66,4 +81,8 @@ def write_takeovers(m: Totals, out: list[float], base: int) -> None:
         out[at + 9] = m.takeover_standstill[k]
         out[at + 10] = m.takeover_hand_back[k]
         out[at + 11] = m.takeover_limit_time[k]
-        at = at + 12
+        out[at + 12] = m.takeover_density[k]
+        out[at + 13] = m.takeover_lane_time[k]
+        out[at + 14] = m.takeover_longitudinal[k]
+        out[at + 15] = m.takeover_lateral[k]
+        at = at + 16

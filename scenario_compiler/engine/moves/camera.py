@@ -30,6 +30,8 @@ FAILURE_CODES = {
     "dead_rows": op.FAILURE_DEAD_ROWS,
     "quantisation": op.FAILURE_QUANTISATION,
     "latency": op.FAILURE_LATENCY,
+    "motion_blur": op.FAILURE_MOTION_BLUR,
+    "misalignment": op.FAILURE_MISALIGNMENT,
 }
 """Codes of the kinds of failures."""
 

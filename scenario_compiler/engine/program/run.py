@@ -66,7 +66,8 @@ def add_failure(draft: ProgramBuilder, failure: Failure, *, waits: bool) -> int:
     duration = -1.0 if failure.duration is None else failure.duration
     p.failure_kind.append(FAILURE_CODES[failure.kind])
     p.failure_waits.append(1 if waits else 0)
-    p.failure_const.append(draft.block(failure.onset, duration, failure.ramp, failure.strength))
+    angles = (failure.yaw, failure.pitch, failure.roll)
+    p.failure_const.append(draft.block(failure.onset, duration, failure.ramp, failure.strength, *angles))
     p.failure_count[0] = len(p.failure_kind)
     return p.failure_count[0] - 1
 

@@ -17,6 +17,7 @@ BEHAVIOURS = {
     "follow": op.BEHAVIOUR_FOLLOW,
     "hold_speed": op.BEHAVIOUR_HOLD_SPEED,
     "slow_down": op.BEHAVIOUR_SLOW_DOWN,
+    "let_go": op.BEHAVIOUR_LET_GO,
 }
 BUDGETS: tuple[tuple[CauseKind, str, int], ...] = (
     ("path_blocked", "budget", slot.K_BLOCKED_BUDGET),
@@ -77,6 +78,7 @@ def add_takeover(draft: ProgramBuilder) -> None:
     k[slot.K_BUDGET] = takeover.budget
     k[slot.K_ESCALATE_AFTER] = takeover.escalate_after
     k[slot.K_MINIMUM_RISK_DECELERATION] = takeover.minimum_risk_deceleration
+    p.minimum_risk[0] = 1 if takeover.minimum_risk else 0
     p.hazard_lights[0] = 1 if takeover.hazard_lights else 0
     k[slot.K_HAND_BACK_AFTER] = takeover.hand_back_after
     given: dict[str, Cause] = {cause.kind: cause for cause in takeover.causes}
@@ -135,6 +137,8 @@ def _add_driver(draft: ProgramBuilder) -> None:
     k[slot.K_STEERS] = how.steers
     k[slot.K_DRIVER_DECELERATION] = how.deceleration
     k[slot.K_DRIVER_LATERAL] = how.lateral_acceleration
+    k[slot.K_SIGHT] = how.sight
+    k[slot.K_LOOK_BESIDE] = how.look_beside
     k[slot.K_PERCEPTION_TIME] = how.perception
     k[slot.K_REACTION_TIME] = how.reaction
     k[slot.K_SDLP] = how.sdlp
@@ -149,7 +153,7 @@ def _add_effects(draft: ProgramBuilder, driver: DriverModel) -> None:
     by = {one.of: one.by for one in driver.effects}
     k[slot.K_EFFECT_REPETITION] = by.get("repetition", 0.0)
     k[slot.K_EFFECT_DENSITY] = by.get("traffic_density", 0.0)
-    k[slot.K_DENSITY] = driver.traffic_density
+    k[slot.K_DENSITY] = -1.0 if driver.traffic_density is None else driver.traffic_density
     if driver.reference_budget is not None:
         k[slot.K_EFFECT_BUDGET] = by.get("time_budget", 0.0)
         k[slot.K_REFERENCE_BUDGET] = driver.reference_budget

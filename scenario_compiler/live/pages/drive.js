@@ -1,6 +1,6 @@
 // The page of a run under way: pictures as they come, what the driver is told, and what the person does, told back.
 
-import { allow, speak, tone, vibrate } from "live/sounds.js";
+import { allow, hush, load, speak, tone, vibrate } from "live/sounds.js";
 import { SearchTask } from "live/search.js";
 import { Calibration, Wheel } from "live/wheel.js";
 import { MapView } from "pages/map.js";
@@ -9,6 +9,16 @@ const TELL_EVERY = 20; // milliseconds
 const REPORT_EVERY = 1000;
 const base = document.body.dataset.base;
 const one = (selector) => document.querySelector(selector);
+const about = await (await fetch(`${base}/about`)).json();
+
+/** Return a text of the page in its language, with what stands in its places. */
+function words(key, ...values) {
+  return values.reduce((text, value) => text.replace("{}", value), about.words[key]);
+}
+
+function sentence(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
 
 /** The rows that came so far, as the map wants them. */
 class LiveRun {
@@ -26,7 +36,7 @@ class LiveRun {
 
   add(about) {
     this.t.push(about.t);
-    this.states = [[0, 0, about.words, about.colour]];
+    this.states = [[0, 0, words(about.state), about.colour]];
     this.blocked.x.push(NaN);
     this.blocked.by.push(-1);
     about.entities.forEach((place, i) => {
@@ -55,27 +65,32 @@ class LiveRun {
 }
 
 class Page {
-  constructor(about) {
+  constructor() {
     this.about = about;
     this.wheel = new Wheel();
     this.run = new LiveRun(about);
     this.sent = new Map();
     this.seq = 0;
     this.seen = 0;
+    this.stretch = 0; // of a run without a halt; pictures of an earlier one are not shown any more
     this.samples = [];
     this.shown = [];
     this.offsets = [];
     this.map = null;
+    this.told = [];
+    this.mute = [];
     one("#name").textContent = document.title = about.name;
-    one("#summary").textContent = about.watched ? "Nobody drives: the run is shown as it happens." : about.summary;
+    one("#summary").textContent = about.watched ? words("watched") : about.summary;
     one("#keys").hidden = one("#go").hidden = one("#calibrate").hidden = about.watched;
     one("#touch").hidden = about.watched || !matchMedia("(pointer: coarse)").matches;
     this.wheel.listen(document.querySelectorAll("#touch button"));
-    const calibration = new Calibration(one("#profile"));
+    const calibration = new Calibration(one("#profile"), about.words);
     one("#calibrate").addEventListener("click", () => calibration.open());
     one("#go").addEventListener("click", () => (this.over ? location.reload() : this.start()));
     one("#held form").addEventListener("submit", (event) => this.answer(event));
     this.search = about.study?.search ? new SearchTask(one("#search"), about.study.search, (told) => this.say(told)) : null;
+    load(about.sounds);
+    for (const kind of ["pointerdown", "keydown"]) addEventListener(kind, allow);
     this.connect();
   }
 
@@ -89,7 +104,7 @@ class Page {
     this.socket.addEventListener("close", () => {
       clearInterval(this.telling);
       clearInterval(this.reporting);
-      one("#ended").textContent ||= "The server has gone.";
+      one("#ended").textContent ||= words("gone");
       one("#start").hidden = false;
       if (!this.about.watched) setTimeout(() => this.connect(), 1000);
     });
@@ -105,12 +120,11 @@ class Page {
   }
 
   start() {
-    allow();
     this.wheel.release();
     this.run.clear();
     this.samples = [];
     this.sent.clear();
-    this.toldText = "";
+    this.told = [];
     one("#start").hidden = true;
     one("#ended").textContent = "";
     one("#report").hidden = true;
@@ -120,7 +134,7 @@ class Page {
 
   hear(message) {
     if (message.role === "viewer" && !this.about.watched) {
-      one("#ended").textContent = "Another page is at the wheel: this one shows what happens.";
+      one("#ended").textContent = words("other_page");
       one("#go").hidden = true;
     }
     this.role = message.role ?? this.role;
@@ -150,12 +164,15 @@ class Page {
     const about = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
     if (about.end !== undefined) return this.finish(about);
     if (about.held !== undefined) return this.hold(about.held);
+    const stretch = this.stretch;
     this.running = true;
     one("#start").hidden = true;
     const size = view.getUint32(4 + length);
     const files = [new Uint8Array(data, 8 + length, size), new Uint8Array(data, 8 + length + size)];
     const images = await Promise.all(files.map((file) => (file.length ? createImageBitmap(new Blob([file])) : null)));
-    requestAnimationFrame(() => this.show(about, images));
+    requestAnimationFrame(() => {
+      if (stretch === this.stretch) this.show(about, images); // a run that ended or was held meanwhile shows no more
+    });
   }
 
   /** Blank the pictures while the run stands still: for the experimenter, or for questions. */
@@ -163,19 +180,20 @@ class Page {
     if (this.heldFor === reason) return;
     this.heldFor = reason;
     this.running = false;
+    this.stretch += 1;
     one("#start").hidden = true;
     one("#held").hidden = false;
     one("#scene").classList.add("blank");
     for (const canvas of document.querySelectorAll("#ahead, #mirror")) canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
     this.search?.hide();
-    const { words, queries } = this.about.study;
-    one("#held-title").textContent = reason === "probe" ? words.probe : words.paused;
+    const { words: texts, queries } = this.about.study;
+    one("#held-title").textContent = reason === "probe" ? texts.probe : texts.paused;
     const form = one("#held form");
     form.replaceChildren();
     if (reason !== "probe") return;
     for (const query of queries) form.append(questionOf(query));
     const go = document.createElement("button");
-    go.textContent = words.continue;
+    go.textContent = texts.continue;
     form.append(go);
     this.probedAt = performance.now();
     form.querySelector("input").focus();
@@ -208,12 +226,12 @@ class Page {
     this.latest = about;
     one("#speed b").textContent = Math.round(3.6 * about.speed);
     const state = one("#state");
-    state.textContent = about.byHand ? "you drive" : this.about.study ? "automated" : about.words;
+    state.textContent = words(about.byHand ? "you_drive" : this.about.study ? "automated" : about.state);
     if (!this.about.study) state.style.background = about.colour; // in a trial, messages alone tell what is asked
     one("#conf-left").value = about.confidence[0];
     one("#conf-right").value = about.confidence[1];
     one("#behind").hidden = !about.late;
-    one("#behind").textContent = `This machine cannot keep up: ${Math.round(about.late)} ms behind.`;
+    one("#behind").textContent = words("behind", Math.round(about.late));
     this.tellDriver(about);
     this.search?.allow(!about.byHand);
     this.run.add(about);
@@ -223,23 +241,42 @@ class Page {
     this.map.show(this.run.t.length - 1);
   }
 
-  /** Show, sound and speak what the driver is told; it ends with its reason. */
-  tellDriver(about) {
-    const key = JSON.stringify(about.told);
-    one("#left").hidden = about.left === null;
-    if (about.left !== null) one("#left span").textContent = about.left.toFixed(1);
-    if (key === this.toldText) return;
-    this.toldText = key;
-    const urgent = about.state !== "warning";
-    const by = (modality) => about.told.filter(([one]) => one === modality).map(([, text]) => text);
-    const shown = by("text");
+  /** Show, sound and speak what the driver is told; it ends with its reason. What is new is given once. */
+  tellDriver({ told, left, state }) {
+    one("#left").hidden = left === null;
+    if (left !== null) one("#left span").textContent = left.toFixed(1);
+    if (JSON.stringify(told) === JSON.stringify(this.told)) return;
+    const before = new Set(this.told.map((message) => JSON.stringify(message)));
+    if (!told.some(([modality]) => modality === "speech")) hush();
+    this.told = told;
+    this.mute = this.mute.filter((text) => told.some(([, one]) => one === text));
+    this.showTold(state);
+    for (const message of told.filter((one) => !before.has(JSON.stringify(one)))) this.give(message, state);
+  }
+
+  /** Show the messages that are seen, and those that could not be spoken. */
+  showTold(state) {
+    const shown = this.told.filter(([modality, text]) => modality === "text" || (modality === "speech" && this.mute.includes(text)));
+    const urgent = state !== "warning";
+    const icons = this.told.some(([modality]) => modality === "icon") ? [icon(urgent)] : [];
     const box = one("#told");
-    box.hidden = !shown.length && !by("icon").length;
+    box.hidden = !shown.length && !icons.length;
     box.classList.toggle("urgent", urgent);
-    box.replaceChildren(...(by("icon").length ? [icon(urgent)] : []), shown.join(". "));
-    if (by("tone").length) tone(urgent);
-    for (const [modality, text, language] of about.told) if (modality === "speech") speak(text, language);
-    if (by("vibration").length) vibrate(urgent);
+    box.replaceChildren(...icons, [...new Set(shown.map(([, text]) => text))].join(". "));
+  }
+
+  /** Give a message that is heard or felt, and tell the server by what. */
+  give([modality, text, language, files], state) {
+    const given = (by) => {
+      if (by === "text" && this.told.some(([, one]) => one === text)) {
+        this.mute.push(text);
+        this.showTold(state);
+      }
+      if (this.role === "driver") this.say({ kind: "given", modality, by });
+    };
+    if (modality === "tone") tone(files, given);
+    if (modality === "speech") speak(text, language, files, given);
+    if (modality === "vibration") vibrate(state !== "warning", given);
   }
 
   report() {
@@ -251,18 +288,20 @@ class Page {
     this.say({ kind: "latency", samples: samples.slice(0, 200), offset: Number(best.offset.toFixed(2)) });
     const sorted = [...samples].sort((a, b) => a - b);
     const rate = this.shown.length > 1 ? (1000 * (this.shown.length - 1)) / (this.shown.at(-1) - this.shown[0]) : 0;
-    const latency = sorted.length ? `${Math.round(sorted[sorted.length >> 1])} ms from input to picture, ` : "";
-    one("#measured").textContent = `${latency}${rate.toFixed(0)} pictures a second`;
+    const latency = sorted.length ? `${words("latency", Math.round(sorted[sorted.length >> 1]))}, ` : "";
+    one("#measured").textContent = `${latency}${words("rate", rate.toFixed(0))}`;
   }
 
   finish(about) {
     this.running = false;
+    this.stretch += 1;
     this.release();
     this.search?.hide();
     this.over = Boolean(this.about.study && about.kept);
     one("#told").hidden = one("#left").hidden = true;
-    one("#ended").textContent = about.end.charAt(0).toUpperCase() + about.end.slice(1);
-    one("#go").textContent = this.over ? this.about.study.words.continue : "Again";
+    hush();
+    one("#ended").textContent = sentence(about.end);
+    one("#go").textContent = this.over ? this.about.study.words.continue : words("again");
     const report = one("#report");
     report.hidden = !this.about.writes || Boolean(this.about.study);
     report.href = `/runs/${about.run}`;
@@ -298,5 +337,4 @@ function icon(urgent) {
   return drawn;
 }
 
-const about = await (await fetch(`${base}/about`)).json();
-globalThis.page = new Page(about);
+globalThis.page = new Page();

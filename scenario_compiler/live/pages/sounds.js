@@ -1,6 +1,22 @@
-// Tones and speech of messages. They are started and never waited for.
+// Tones, speech and vibration of messages. They are started and never waited for; each says by what it was given.
+
+const APART = 0.12; // seconds between two texts of a message
+const SPOKEN_WITHIN = 1500; // milliseconds after which a browser that has not begun to speak is taken to be mute
 
 let context = null;
+let playing = [];
+const files = new Map();
+
+/** Fetch and decode files, so that they are there when they are due. */
+export function load(names) {
+  const decoder = new OfflineAudioContext(1, 1, 48000);
+  return Promise.all(
+    names.map(async (name) => {
+      const answer = await fetch(`/sounds/${name}`);
+      if (answer.ok) files.set(name, await decoder.decodeAudioData(await answer.arrayBuffer()).catch(() => null));
+    }),
+  );
+}
 
 /** Allow sounds; browsers want a press of a key or a button first. */
 export function allow() {
@@ -8,39 +24,61 @@ export function allow() {
   context.resume();
 }
 
-const TONES = { warning: [[660, 0, 0.18]], urgent: [[880, 0, 0.14], [880, 0.22, 0.14], [880, 0.44, 0.14]] };
-
-/** Sound the tone of a warning, or of a request. */
-export function tone(urgent) {
-  if (!context || context.state !== "running") return;
-  for (const [pitch, after, time] of TONES[urgent ? "urgent" : "warning"]) {
-    const [source, volume] = [context.createOscillator(), context.createGain()];
-    source.frequency.value = pitch;
-    const begin = context.currentTime + after;
-    volume.gain.setValueAtTime(0, begin);
-    volume.gain.linearRampToValueAtTime(0.25, begin + 0.01);
-    volume.gain.setValueAtTime(0.25, begin + time - 0.02);
-    volume.gain.linearRampToValueAtTime(0, begin + time);
-    source.connect(volume).connect(context.destination);
-    source.start(begin);
-    source.stop(begin + time);
-  }
+/** Play files one after the other; false where one of them is missing or sounds are not allowed. */
+function play(names) {
+  const buffers = names.map((name) => files.get(name));
+  if (!names.length || context?.state !== "running" || !buffers.every(Boolean)) return null;
+  let at = context.currentTime;
+  return buffers.map((buffer) => {
+    const source = context.createBufferSource();
+    source.buffer = buffer;
+    source.connect(context.destination);
+    source.start(at);
+    at += buffer.duration + APART;
+    return source;
+  });
 }
 
-/** Let the browser speak a text, in place of what it is still speaking. */
-export function speak(text, language = "en") {
-  if (!globalThis.speechSynthesis) return;
-  speechSynthesis.cancel();
+/** Sound a tone. */
+export function tone(names, given) {
+  given(play(names) ? "file" : "none");
+}
+
+/** Speak a text, in place of what is still spoken: from files, else by the browser; `given` may be called later. */
+export function speak(text, language, names, given) {
+  hush();
+  playing = play(names) ?? [];
+  if (playing.length) return given("file");
+  const synthesis = globalThis.speechSynthesis;
+  if (!synthesis) return given("text");
+  let open = true;
+  const settle = (by) => {
+    clearTimeout(waiting);
+    if (open) given(by);
+    open = false;
+  };
+  const waiting = setTimeout(() => settle("text"), SPOKEN_WITHIN);
   const words = new SpeechSynthesisUtterance(text);
   words.lang = language;
-  speechSynthesis.speak(words);
+  words.addEventListener("start", () => settle("browser"));
+  words.addEventListener("error", () => settle("text"));
+  synthesis.speak(words);
 }
 
-/** Shake a gamepad that can, and a phone. */
-export function vibrate(urgent) {
+/** Stop what is being spoken. */
+export function hush() {
+  playing.forEach((source) => source.stop());
+  playing = [];
+  globalThis.speechSynthesis?.cancel();
+}
+
+/** Shake a gamepad that can, or else a phone. */
+export function vibrate(urgent, given) {
   const time = urgent ? 600 : 250;
-  for (const pad of navigator.getGamepads?.() ?? []) {
-    pad?.vibrationActuator?.playEffect?.("dual-rumble", { duration: time, strongMagnitude: 0.8, weakMagnitude: 0.5 });
+  const pads = [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.vibrationActuator?.playEffect);
+  for (const pad of pads) {
+    pad.vibrationActuator.playEffect("dual-rumble", { duration: time, strongMagnitude: 0.8, weakMagnitude: 0.5 });
   }
-  navigator.vibrate?.(time);
+  if (pads.length) given("gamepad");
+  else given(matchMedia("(pointer: coarse)").matches && navigator.vibrate?.(time) ? "phone" : "none");
 }

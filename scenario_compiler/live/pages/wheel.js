@@ -6,6 +6,8 @@ const PEDAL = { throttle: 1.6, brake: 2.4, up: 4 }; // shares a second
 const DEAD = 0.04; // of an axis about its rest
 const NAMES = ["steer", "throttle", "brake", "take over", "hand back"];
 
+const WORDS = { steer: "steer", throttle: "throttle", brake: "brake", "take over": "take_over", "hand back": "give_back" };
+
 const KEYS = {
   ArrowLeft: "left", KeyA: "left",
   ArrowRight: "right", KeyD: "right",
@@ -124,8 +126,9 @@ export class Wheel {
 
 /** The page in which a gamepad's or a wheel's axes and buttons are assigned. */
 export class Calibration {
-  constructor(dialog) {
+  constructor(dialog, words) {
     this.dialog = dialog;
+    this.words = words;
     this.body = dialog.querySelector("tbody");
     this.chosen = NAMES[0];
     dialog.querySelector("#forget").addEventListener("click", () => this.#keep({ ...USUAL }));
@@ -144,14 +147,16 @@ export class Calibration {
 
   #show() {
     const pad = firstPad();
-    this.dialog.querySelector("#device").textContent = pad ? pad.id : "Press a button of the device.";
+    this.dialog.querySelector("#device").textContent = pad ? pad.id : this.words.press;
     if (!pad) return;
     const profile = profileOf(pad);
     if (!this.body.children.length) this.#build();
     NAMES.forEach((name, k) => {
       const row = this.body.children[k];
       const { axis, button, rest, full } = profile[name];
-      const texts = [name, axis === undefined ? `button ${button}` : `axis ${axis}`, rest.toFixed(2), full.toFixed(2)];
+      const { axis: axisWord, button: buttonWord } = this.words;
+      const place = axis === undefined ? `${buttonWord} ${button}` : `${axisWord} ${axis}`;
+      const texts = [this.words[WORDS[name]], place, rest.toFixed(2), full.toFixed(2)];
       [...texts, share(pad, profile[name]).toFixed(2)].forEach((text, n) => (row.children[n].textContent = text));
       row.classList.toggle("chosen", name === this.chosen);
     });

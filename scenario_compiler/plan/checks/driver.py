@@ -38,7 +38,7 @@ def _idle(driver: DriverModel) -> Iterator[tuple[str, str]]:
     said = {
         "task": driver.task is not None,
         "eyes_closed": driver.eyes_closed,
-        "traffic_density": driver.traffic_density != 0.0,
+        "traffic_density": driver.traffic_density is not None,
     }
     if driver.takeover_time is not None:
         for attribute in (name for name, is_said in said.items() if is_said):

@@ -26,29 +26,38 @@ CUT_SHORT = Code(
 NO_SEVERITY = Code(
     "SC406",
     "no-severity",
-    "The severities 1 to 5 are those of ImageNet-C, which defines them for noise, blur, impulse_noise and "
-    "overexposure. For other kinds, use `amount`. A failure has either a severity or an amount.\n\n"
+    "The severities 1 to 5 are those of ImageNet-C, which defines them for noise, blur, impulse_noise, overexposure "
+    "and motion_blur. For other kinds, use `amount`. A failure has either a severity or an amount.\n\n"
     '    <failure kind="dirt" severity="3"/>     <failure kind="dirt" amount="0.5"/>',
 )
 UNNOTICED = Code(
     "SC407",
     "failure-without-effect",
     "With ideal perception no image is rendered, and a failure affects only the sensor's health. There is no curve of "
-    "the health for impulse_noise, overexposure, dead_rows, quantisation and latency. The failure is ignored; "
-    "`--perception camera` shows it.\n\n"
+    "the health for impulse_noise, overexposure, dead_rows, quantisation, latency, motion_blur and misalignment. The "
+    "failure is ignored; `--perception camera` shows it.\n\n"
     '    <failure kind="dead_rows" amount="0.2"/>     with --perception ideal',
     Severity.WARNING,
 )
-UNNOTICED_KINDS = ("impulse_noise", "overexposure", "dead_rows", "quantisation", "latency")
+UNNOTICED_KINDS = (
+    *("impulse_noise", "overexposure", "dead_rows", "quantisation", "latency", "motion_blur", "misalignment"),
+)
 """Kinds that ideal perception has no curve for."""
+
+ANGLES = Code(
+    "SC408",
+    "misalignment-angles",
+    "A failure of the kind misalignment turns the camera on its mount by `yaw`, `pitch` and `roll` times `amount`. It "
+    "needs at least one of these angles. Failures of other kinds have no angles.\n\n"
+    '    <failure kind="misalignment" yaw="2" pitch="-1"/>',
+)
 
 
 def check_failures(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Report failures, the camera's or an action's, that begin too late, end too soon, or say two things."""
     del network
     values = parameter_values(plan.parameters)
-    begun = [action for _, action in plan.storyboard.actions() if isinstance(action, Failure)]
-    for failure in (*plan.camera.failures, *begun):
+    for failure in plan.failures:
         _check(failure, plan.duration, values, sink)
         if plan.perception == "ideal" and failure.kind in UNNOTICED_KINDS:
             message = f"with ideal perception a failure of the kind '{failure.kind}' is ignored"
@@ -63,6 +72,14 @@ def _check(failure: Failure, end: float, values: Mapping[str, Value], sink: Diag
         elif failure.amount != 1.0:
             message = "the failure has an amount and a severity"
             sink.add(NO_SEVERITY, message, failure.place_of("severity"), hint="leave one of them out")
+    angles = {name: getattr(failure, name) for name in ("yaw", "pitch", "roll")}
+    turned = [name for name, angle in angles.items() if angle != 0.0]
+    if failure.kind == "misalignment" and not turned:
+        message = "the camera is turned by no angle"
+        sink.add(ANGLES, message, failure.place_of("kind"), hint='say by which: yaw="2", for instance, in degrees')
+    elif failure.kind != "misalignment" and turned:
+        message = f"a failure of the kind '{failure.kind}' has no {turned[0]}"
+        sink.add(ANGLES, message, failure.place_of(turned[0]), hint="misalignment turns the camera")
     onset, ramp = number_value(failure.onset, values), number_value(failure.ramp, values)
     if onset >= end:
         message = f"the failure begins at {onset:g} s, but the run ends at {end:g} s"

@@ -17,7 +17,7 @@ EGO_STAYS = Code(
 OWN_TRAILER = Code(
     "SC387",
     "trailer-of-itself",
-    "An entity tows itself. Name its trailer instead.\n\n"
+    "An action connects an entity to itself as its own trailer. Name another entity.\n\n"
     '    <dynamic id="truck"> ... <do><connect_trailer trailer="semitrailer"/></do>',
 )
 

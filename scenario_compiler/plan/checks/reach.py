@@ -44,9 +44,9 @@ BLIND_BUDGET = Code(
 
 
 def obstacle_budget(plan: Plan) -> tuple[float, float] | None:
-    """Return the time budget before an obstacle, s, and the desired speed, m/s; None where obstacles are no cause."""
+    """Return the time budget before an obstacle, s, and the desired speed, m/s; None where nobody asks for it."""
     cause = next((one for one in plan.takeover.causes if one.kind == "path_blocked"), None)
-    if cause is None:
+    if plan.controller is None or cause is None:
         return None
     values = parameter_values(plan.parameters)
     budget = plan.takeover.budget if cause.budget is None else cause.budget
@@ -57,7 +57,7 @@ def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
     """Warn when the forward sensor's range is shorter than what is driven in the budget at the desired speed."""
     del network
     asked = obstacle_budget(plan)
-    if plan.controller is None or asked is None:
+    if asked is None:
         return
     budget, speed = asked
     reach = number_value(plan.forward_sensor.range, parameter_values(plan.parameters))

@@ -400,6 +400,7 @@ export class MapView {
   }
 
   #drawScale(ink, colour) {
+    if (this.width < 120) return; // no room beside what is driven on
     const about = this.width / 5 / this.scale;
     const power = 10 ** Math.floor(Math.log10(about));
     const length = [5, 2, 1].map((step) => step * power).find((step) => step <= about);

@@ -1,0 +1,67 @@
+"""What is around the ego: the traffic density, and the time to collision along the lane."""
+
+from __future__ import annotations
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.ego.sensor import SLOW
+from scenario_compiler.engine.motion.ahead import measure_on_way, walk, walk_route
+from scenario_compiler.engine.motion.path import preferred_road
+from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
+
+AROUND = 500.0
+"""How far ahead and behind vehicles are counted for the traffic density, m; chosen: a kilometre in all."""
+
+
+@compiled
+def count_on_way(n: RoadTables, p: Program, st: State, i: int, along: int) -> tuple[int, float]:
+    """Return (vehicles, length) of the way that was walked last, ahead of the ego (1) or behind it (-1).
+
+    Counted are vehicles on all its lanes that go the ego's way at 2 m/s or more; the length is AROUND, or less where
+    the way ends.
+    """
+    count = 0
+    for j in range(p.entity_count[0]):
+        if j == i or p.entity_type[j] != op.KIND_VEHICLE or measure_on_way(n, p, st, j) == 0:
+            continue
+        middle = 0.5 * (st.near[j] + st.far[j])
+        passed = middle < 0.0 or (middle <= 0.0 and along < 0)
+        if not passed and middle <= AROUND and along * st.along[j] >= SLOW:
+            count += 1
+    last = st.way_count[0] - 1
+    if last < 0:
+        return count, 0.0
+    s = st.way_s[last]
+    rest = n.road_length[st.way_road[last]] - s if st.way_sign[last] > 0 else s
+    return count, min(st.way_from[last] + rest, AROUND)
+
+
+@compiled
+def note_density(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Note how many vehicles go the ego's way, per kilometre; the way ahead has to be looked at again after it."""
+    walk_route(n, p, st, AROUND)
+    ahead, far = count_on_way(n, p, st, i, 1)
+    road = st.path_road[0]
+    walk(n, st, road, st.path_lane[0], st.path_s[0], -1, AROUND, preferred_road(p, st, road))
+    behind, back = count_on_way(n, p, st, i, -1)
+    st.traffic_density[0] = 1000.0 * (ahead + behind) / max(far + back, 1.0)
+
+
+@compiled
+def note_lane_time(p: Program, st: State, i: int) -> None:
+    """Note the least time to collision along the lane with what is ahead and seen, at the ego's place in the lane."""
+    base = p.entity_const[i]
+    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    half = 0.5 * p.const[base + slot.E_WIDTH]
+    left = st.path_off[0] + half
+    right = st.path_off[0] - half
+    st.lane_time[0] = op.FAR
+    for j in range(p.entity_count[0]):
+        if j == i or st.on_way[j] == 0 or st.seen[j] == 0 or st.far[j] <= front:
+            continue
+        closing = st.v[i] - st.along[j]
+        if closing > 0.0 and st.low[j] < left and st.high[j] > right:
+            st.lane_time[0] = min(st.lane_time[0], max(st.near[j] - front, 0.0) / closing)

@@ -1,0 +1,56 @@
+"""Many short runs through a server, one after the other, and the memory that its process holds after each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from websockets.sync.client import connect
+from websockets.typing import Origin
+
+from tests.live.serving import Served
+
+SHORT = """\
+<scenarios version="1">
+  <scenario name="short" map="town_grid" duration="{duration}">
+    <ego speed="10"><start><lane road="3" lane="-1" s="20"/></start></ego>
+    <static id="blocker" model="vehicle.audi.tt"><at><ahead_of entity="ego" distance="45"/></at></static>
+    <takeover><driver><person/></driver><message modality="text speech" content="what why"/></takeover>
+    <criteria><no_collision/></criteria>
+  </scenario>
+</scenarios>
+"""
+
+STUDY = """\
+<study version="1" name="soak" participants="{participants}" repetitions="{runs}" order="random">
+  <scenario name="short" target="conflicts.xml#short"/>
+</study>
+"""
+
+
+def written(folder: Path, participants: int, runs: int, duration: float = 0.4) -> Path:
+    """Write a study of short runs and its conflicts; return its file."""
+    (folder / "conflicts.xml").write_text(SHORT.format(duration=duration))
+    (folder / "study.xml").write_text(STUDY.format(participants=participants, runs=runs))
+    return folder / "study.xml"
+
+
+def resident(server: Served) -> float:
+    """Return the memory that a server's process holds, MiB."""
+    text = Path(f"/proc/{server.process.pid}/status").read_text()
+    return next(float(line.split()[1]) / 1024.0 for line in text.splitlines() if line.startswith("VmRSS"))
+
+
+def runs(server: Served, count: int, path: str = "/socket") -> Iterator[float]:
+    """Drive one run after the other, each by a page of its own; yield the memory after each, MiB."""
+    here = f"http://127.0.0.1:{server.host.rpartition(':')[2]}"
+    for _ in range(count):
+        with connect(here.replace("http", "ws") + path, origin=Origin(here), max_size=None) as page:
+            page.recv()
+            page.send('{"kind": "start"}')
+            seq = 0
+            while b'"end":' not in (told := page.recv())[:200]:
+                assert isinstance(told, bytes)
+                seq += 1
+                page.send(f'{{"kind": "input", "seq": {seq}, "throttle": 0.1}}')
+        yield resident(server)
