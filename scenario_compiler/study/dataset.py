@@ -135,6 +135,7 @@ def questionnaire_columns(asked: QuestionnaireElement) -> tuple[Column, ...]:
     found.append(
         Column("run", "integer", "", "Number of the run that it was asked after.", "asked before or after all")
     )
+    found.append(Column("when", "text", "", "When it was asked: before the trials, after a trial, or after them all."))
     for item in asked.items:
         if isinstance(item, ScaleItem):
             scale = asked.scale_of(item)
@@ -305,7 +306,7 @@ def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> 
     write_whole(root / ".bidsignore", "codebook.tsv\nexpected.html\n*.lock\n")
     write_whole(root / "README", README.format(summary=study.summary or study.name, kind=kind))
     people: list[Row] = []
-    answers: dict[str, list[Row]] = {}
+    answers: dict[tuple[str, Seat], list[Row]] = {}
     for participant in range(1, study.participants + 1):
         done = 0
         for session in range(1, study.sessions + 1):
@@ -314,30 +315,39 @@ def write_dataset(compilation: StudyCompilation, root: Path, *, pilot: bool) -> 
             records = read_journal(seat.journal)
             done += bool(records) and step_reached(records) >= len(steps) - 1
             for file, row in _answered(seat, steps, records):
-                answers.setdefault(file, []).append(row)
+                answers.setdefault((file, seat), []).append(row)
         people.append({"participant_id": f"sub-{participant:02d}", "sessions_done": done})
     columns = (TRIAL_COLUMNS[0], Column("sessions_done", "integer", "", "Number of sessions that are finished."))
     write_table(root / "participants.tsv", columns, people)
     _write_json(root / "participants.json", sidecar(columns))
-    _write_json(root / f"task-{study.name}_events.json", sidecar(EVENT_COLUMNS))
-    _write_json(root / f"task-{study.name}_beh.json", sidecar(TRIAL_COLUMNS))
-    book: list[Row] = [*_book("beh", TRIAL_COLUMNS), *_book("events", EVENT_COLUMNS)]
+    task = {"TaskName": study.name, "TaskDescription": study.summary or study.name}
+    shown = {"SoftwareName": "scenario-compiler", "SoftwareVersion": version("scenario-compiler")}
+    events = task | {"StimulusPresentation": shown}
+    _write_json(root / f"task-{study.name}_events.json", events | sidecar(EVENT_COLUMNS))
+    _write_json(root / f"task-{study.name}_beh.json", task | sidecar(TRIAL_COLUMNS))
+    book = [*_book(f"task-{study.name}_beh", TRIAL_COLUMNS), *_book(f"task-{study.name}_events", EVENT_COLUMNS)]
     for file, asked in compilation.file.questionnaires.items():
         own = questionnaire_columns(asked)
-        rows = [row | scores_of(asked, row) for row in answers.get(file, [])]
-        write_table(root / "phenotype" / f"{asked.name}.tsv", own, rows)
-        term = {"MeasurementToolMetadata": {"Description": asked.title or asked.name, "TermURL": asked.source}}
-        _write_json(root / "phenotype" / f"{asked.name}.json", term | sidecar(own))
-        book += _book(f"phenotype/{asked.name}", own)
+        for seat in seats_of(study, root):
+            if rows := [row | scores_of(asked, row) for row in answers.get((file, seat), [])]:
+                write_table(seat.table(asked.name, "beh"), own, rows)
+        term = {"Description": asked.title or asked.name} | ({"TermURL": asked.source} if asked.source else {})
+        about = {"TaskName": asked.name, "TaskDescription": asked.instruction or asked.title or asked.name}
+        _write_json(root / f"task-{asked.name}_beh.json", about | {"MeasurementToolMetadata": term} | sidecar(own))
+        book += _book(f"task-{asked.name}_beh", own)
     write_table(root / "codebook.tsv", BOOK_COLUMNS, book)
 
 
 def _answered(seat: Seat, steps: Sequence[Step], records: Iterable[Record]) -> Iterable[tuple[str, Row]]:
+    """Yield the file of each questionnaire that was answered in a session, and the row of its answers."""
+    first = next((one.number for one in steps if one.trial is not None and one.trial.role != "practice"), len(steps))
     for one in records:
         step = steps[one["step"]]
         if one["kind"] == "done" and step.kind == "ask":
             run = None if step.about is None else step.about.number
-            yield step.file, {"participant_id": seat.sub, "session_id": seat.ses, "run": run, **one["answers"]}
+            when = ("before" if step.number < first else "after") if run is None else "trial"
+            seated = {"participant_id": seat.sub, "session_id": seat.ses}
+            yield step.file, {**seated, "run": run, "when": when, **one["answers"]}
 
 
 BOOK_COLUMNS = (
@@ -370,9 +380,9 @@ README = """{summary}
 
 Data of {kind}, in the form of BIDS (behavioural experiments).
 
-sub-*/ses-*/beh/*_beh.tsv     one row a run: condition, how the takeover went, measures
+sub-*/ses-*/beh/*_beh.tsv     of the study's task, one row a run: condition, how the takeover went, measures;
+                              of a questionnaire's, one row each time it was answered, with its scores
 sub-*/ses-*/beh/*_events.tsv  what happened in a run
-phenotype/*.tsv               answers to questionnaires, with their scores
 codebook.tsv                  what each column of each table holds
 sourcedata/                   journals and run folders (plan, recording in Parquet, inputs), which all tables come from
 """

@@ -27,7 +27,13 @@ def manifest_of(compilation: StudyCompilation, *, pilot: bool) -> dict[str, Any]
     parts += [one.model_dump_json() for one in compilation.file.questionnaires.values()]
     parts += [compilation.file.pages[name] for name in sorted(compilation.file.pages)]
     words = hashlib.sha256("\0".join(parts).encode()).hexdigest()
-    return {"format": "scenario-compiler/study/1", "pilot": pilot, "words": words, "plans": named}
+    return {
+        "format": "scenario-compiler/study/1",
+        "study": compilation.study.name,
+        "pilot": pilot,
+        "words": words,
+        "plans": named,
+    }
 
 
 @contextmanager

@@ -14,6 +14,9 @@ from scenario_compiler.outputs import make_folder, write_whole
 from scenario_compiler.recording.cells import text_cell
 from scenario_compiler.study.keeping import MANIFEST, StudyError
 
+PLACES = ("", "before.", "trial.", "after.")
+"""What stands before the columns of a questionnaire in the tidy table: where it is asked, if at several places."""
+
 MISSING = "n/a"
 """What stands in a table for a value that is missing, after BIDS."""
 
@@ -49,23 +52,38 @@ def tidy_rows(root: Path) -> list[dict[str, str]]:
     """Return one row a run of all participants, with the answers and scores that belong to the run, to the session.
 
     The columns of a questionnaire begin with its name and a point: answers given after a run stand in the run's row,
-    those given once in a session in each of its rows.
+    those given once in a session in each of its rows. Of one that is asked at several places the place follows, as in
+    `sickness.before.nausea`.
 
     Raises:
         StudyError: The folder holds no study.
     """
     if not (root / MANIFEST).is_file():
         raise StudyError(f"{root} holds no study")
-    rows = [row for file in sorted(root.glob("sub-*/ses-*/beh/*_beh.tsv")) for row in read_table(file)]
-    for file in sorted((root / "phenotype").glob("*.tsv")):
-        answers = read_table(file)
-        told = [name for name in answers[0] if name not in ("participant_id", "session_id", "run")] if answers else []
-        for row in rows:
-            here = [one for one in answers if all(one[key] == row[key] for key in ("participant_id", "session_id"))]
-            own = [one for one in here if one["run"] in (row["run"], MISSING)]
-            for name in told:
-                row[f"{file.stem}.{name}"] = own[0][name] if own else MISSING
+    tables: dict[str, list[dict[str, str]]] = {}
+    for file in sorted(root.glob("sub-*/ses-*/beh/*_beh.tsv")):
+        task = file.stem.split("_task-")[1].removesuffix("_beh")
+        tables.setdefault(task, []).extend(read_table(file))
+    rows = tables.pop(_task(root), [])
+    for task, answers in sorted(tables.items()):
+        places = sorted({one["when"] for one in answers})
+        for place in places:
+            prefix = task if len(places) == 1 else f"{task}.{place}"
+            given = {_key(one): one for one in answers if one["when"] == place}
+            told = [name for name in answers[0] if name not in ("participant_id", "session_id", "run", "when")]
+            for row in rows:
+                own = given.get(_key(row) if place == "trial" else (*_key(row)[:2], MISSING))
+                row |= {f"{prefix}.{name}": MISSING if own is None else own[name] for name in told}
     return rows
+
+
+def _task(root: Path) -> str:
+    """Return the task whose tables hold the runs: the name of the study."""
+    return str(json.loads((root / MANIFEST).read_text(encoding="utf-8"))["study"])
+
+
+def _key(row: Mapping[str, str]) -> tuple[str, str, str]:
+    return row["participant_id"], row["session_id"], row["run"]
 
 
 def write_tidy(root: Path, output: Path) -> int:
@@ -86,9 +104,11 @@ def write_tidy(root: Path, output: Path) -> int:
     write_whole(output, text.getvalue())
     book = {}
     for one in read_table(root / "codebook.tsv"):
-        part = one["table"].removeprefix("phenotype/")
-        name = one["column"] if one["table"] == "beh" else f"{part}.{one['column']}"
-        if name in rows[0]:
-            book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != MISSING}
+        task = one["table"].removeprefix("task-").removesuffix("_beh")
+        column = one["column"]
+        names = (column,) if task == _task(root) else (f"{task}.{place}{column}" for place in PLACES)
+        for name in names:
+            if name in rows[0]:
+                book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != MISSING}
     write_whole(output.with_suffix(".json"), json.dumps(book, indent=1, ensure_ascii=False) + "\n")
     return len(rows)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from scenario_compiler.study.dataset import TRIAL_COLUMNS, scores_of
 from scenario_compiler.study.effects import mean_of, needed_for, power_of
-from scenario_compiler.study.tables import read_table
+from scenario_compiler.study.tables import read_table, tidy_rows
 from tests.command import call
 from tests.study import made
 
@@ -39,20 +42,24 @@ def test_each_participant_has_their_files_in_the_form_of_bids(piloted: Path) -> 
             assert [one["onset"] for one in events if one["trial_type"] == "request"][:1] == [row["request_time"]]
             assert row["probe_asked"] == "2"
             assert [one["cause"] for one in events if one["trial_type"] == "probe"] == ["speed", "driver"]
-    assert set(json.loads((data / "task-short_beh.json").read_text())) == {one.column for one in TRIAL_COLUMNS}
+    about = {"TaskName", "TaskDescription"}
+    assert set(json.loads((data / "task-short_beh.json").read_text())) == {one.column for one in TRIAL_COLUMNS} | about
 
 
 def test_the_codebook_has_every_column_of_every_table(piloted: Path) -> None:
     data = piloted / "data"
     book = {(one["table"], one["column"]) for one in read_table(data / "codebook.tsv")}
-    tables = {"phenotype/effort": data / "phenotype" / "effort.tsv"}
-    tables |= {kind: next(data.glob(f"sub-01/ses-01/beh/*_{kind}.tsv")) for kind in ("beh", "events")}
+    tables = {
+        "task-effort_beh": data / "sub-01/ses-01/beh/sub-01_ses-01_task-effort_beh.tsv",
+        "task-short_beh": data / "sub-01/ses-01/beh/sub-01_ses-01_task-short_beh.tsv",
+        "task-short_events": data / "sub-01/ses-01/beh/sub-01_ses-01_task-short_run-01_events.tsv",
+    }
     for table, file in tables.items():
         assert {(table, name) for name in file.read_text().splitlines()[0].split("\t")} <= book
 
 
 def test_answers_are_scored(piloted: Path) -> None:
-    rows = read_table(piloted / "data" / "phenotype" / "effort.tsv")
+    rows = [row for file in sorted((piloted / "data").rglob("*_task-effort_beh.tsv")) for row in read_table(file)]
     assert [row["run"] for row in rows] == ["1", "2", "3", "4"] * 2
     for row in rows:
         assert float(row["effort"]) == (int(row["hard"]) + 8 - int(row["calm"])) / 2
@@ -129,3 +136,44 @@ def test_an_interval_is_students() -> None:
     found = mean_of("x", [1.0, 2.0, 3.0, 4.0, float("nan")])
     assert (found.count, found.missing, found.mean) == (4, 1, 2.5)
     assert found.low == pytest.approx(2.5 - 3.182446 * 1.290994 / 2, abs=1e-5)
+
+
+SICKNESS = """\
+<questionnaire version="1" name="sickness">
+  <scale name="four" from="0" to="3"/>
+  <item name="nausea" text="Nausea" scale="four"/>
+</questionnaire>
+"""
+
+
+@pytest.fixture
+def asked_twice(tmp_path: Path) -> Path:
+    """The data of a pilot whose participants are asked the same before and after."""
+    study = made.study(tmp_path)
+    (tmp_path / "sickness.xml").write_text(SICKNESS)
+    ask = '<ask file="sickness.xml"/>'
+    text = study.read_text().replace("</before>", f"{ask}</before>")
+    study.write_text(text.replace("</study>", f"<after>{ask}</after></study>"))
+    assert call("study", study, "--pilot", "--perception", "ideal", "-o", tmp_path / "data") == 0
+    return tmp_path / "data"
+
+
+def test_answers_before_and_after_are_told_apart(asked_twice: Path) -> None:
+    given = read_table(asked_twice / "sub-01/ses-01/beh/sub-01_ses-01_task-sickness_beh.tsv")
+    assert [(one["when"], one["run"]) for one in given] == [("before", "n/a"), ("after", "n/a")]
+    for row in tidy_rows(asked_twice)[:4]:
+        assert [row[f"sickness.{one['when']}.nausea"] for one in given] == [one["nausea"] for one in given]
+        assert row["effort.hard"] != "n/a"
+    assert call("study", "export", asked_twice, "-o", asked_twice / "table.csv") == 0
+    assert "sickness.before.nausea" in json.loads((asked_twice / "table.json").read_text())
+
+
+@pytest.mark.slow
+def test_the_validator_of_bids_finds_no_error(asked_twice: Path) -> None:
+    validator = shutil.which("bids-validator-deno", path=str(Path(sys.executable).parent))
+    if validator is None:
+        pytest.skip("no bids-validator-deno: pip install '.[bids]'")
+    done = subprocess.run([validator, "--json", asked_twice], capture_output=True, check=False)
+    found = json.loads(done.stdout)["issues"]["issues"]
+    assert [one for one in found if one["severity"] == "error"] == []
+    assert len(found) > 0  # what only a researcher knows
