@@ -680,5 +680,6 @@ MEASURES: tuple[Measure, ...] = (
     _time_of("minimum_risk", "minimum-risk manoeuvre"),
     _time_of("standstill", "standstill"),
     _time_of("collision", "collision"),
+    _time_of("outside_domain", "look outside the domain of surrogate perception"),
 )
 """All measures, in the order in which they are shown."""

@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CODES, EventKind, StopReason
 from scenario_compiler.vocabulary.driver import ReferenceName
+from scenario_compiler.vocabulary.sensors import Perception
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +46,7 @@ class Header(BaseModel):
     entities: tuple[str, ...] = Field(
         description="Ids of the entities in document order, an automated ego vehicle first."
     )
-    perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
+    perception: Perception = Field(description="What the lane confidence comes from.")
     world: str = Field(default="kinematic", description="Name of the world that the run took place in.")
     versions: dict[str, str] = Field(
         default={}, description="Versions of what the result depends on: this package, Python, libraries, the world."

@@ -179,6 +179,9 @@ Spelling: TypeAlias = AttributeSpelling | ChildSpelling | OtherAttributesSpellin
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 """Pattern of names that expressions are made of."""
 
+LABEL = "[A-Za-z0-9]+"
+"""Pattern of a label of BIDS: letters and digits alone."""
+
 ENTITY_ID = "[A-Za-z_][A-Za-z0-9_\\-]*"
 """Pattern of an entity's id as it is written; a use of a template puts its name and a point before it."""
 
