@@ -48,7 +48,7 @@ fuzz: setup
 
 # Our CARLA server and the CARLA world with CARLA's own client, the slow tests too.
 test-carla: setup
-	$(BIN)/pytest tests/carla_server $(wildcard tests/worlds/test_carla.py tests/contracts/test_worlds.py)
+	$(BIN)/pytest tests/carla_server $(wildcard tests/worlds/test_carla.py tests/live/test_carla.py tests/contracts/test_worlds.py)
 
 # The VS Code extension against the language server of this checkout; needs Node.js with npm.
 test-vscode: setup

@@ -56,6 +56,24 @@ def test_buttons_do_nothing_where_they_have_no_meaning(tmp_path: Path) -> None:
     assert "warning" not in kinds
 
 
+@pytest.mark.parametrize("buttons", ["<hand_back/><request/>", "<hand_back/>", "<request/>"])
+def test_a_request_while_control_is_handed_back_comes_when_the_automation_drives(buttons: str, tmp_path: Path) -> None:
+    body = (
+        '<when><time after="1"/><do><request/></do></when>'
+        '<when><time after="6"/><do>{}</do></when><when><time after="6.1"/><do>{}</do></when>'
+        '<takeover {}><driver takeover_time="2"/></takeover>'
+    )
+    first, second, handing = {
+        "<hand_back/><request/>": (buttons, "<warn/>", ""),
+        "<hand_back/>": (buttons, "<request/>", ""),
+        "<request/>": ("<warn/>", buttons, 'hand_back_after="3"'),
+    }[buttons]
+    recording, outcome = played(tmp_path, body.format(first, second, handing), 12.0)
+    activation = time_of(recording, "activation")
+    assert [one.number for one in outcome.takeovers] == [1, 2]
+    assert outcome.takeovers[1].request_time == pytest.approx(activation + 0.1, abs=1e-6)
+
+
 AHEAD = '<dynamic id="slow" speed="12"><start><ahead_of entity="ego" distance="70"/></start></dynamic>'
 BLOCKED = '<static id="parked"><at><ahead_of entity="ego" distance="{}"/></at></static>'
 POLICY = """<when><time after="4"/><do><request/></do></when>

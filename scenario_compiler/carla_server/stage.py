@@ -104,6 +104,7 @@ class Stage:
         self._by_place: dict[int, Body] = {}
         self._stale = True
         self._leapt: set[int] = set()
+        self._gone: dict[int, list[Any]] = {}
         self._falling: dict[int, float] = {}
         self._triggers: list[Actor] = []
         self._attached: list[Actor] = []
@@ -206,6 +207,8 @@ class Stage:
         actor = self.get(number)
         if isinstance(actor, LightActor) or actor is self.spectator:
             raise CallError(f"unable to destroy actor: {actor.blueprint.name} belongs to the map")
+        if len(self._gone) < MOST_ACTORS:
+            self._gone[number] = self.wire(actor)[3]
         del self.actors[number]
         if actor in self._triggers:
             self._triggers.remove(actor)
@@ -220,6 +223,17 @@ class Stage:
         if actor.parent in self.actors:
             self.actors[actor.parent].children.remove(number)
         self._stale = True
+
+    def box_of(self, number: int) -> list[Any]:
+        """Return an actor's box as it lies on the wire; also of one that clients still see in the last snapshot.
+
+        Raises:
+            CallError: There is none.
+        """
+        if number in self._gone:
+            return self._gone[number]
+        found: list[Any] = self.wire(self.get(number))[3]
+        return found
 
     def bodies(self) -> Iterator[Body]:
         """Yield all bodies."""
@@ -310,10 +324,16 @@ class Stage:
         )
 
     def walk(self, walker: Walker) -> None:
-        """Hand a walker's control to the engine: it goes straight on into its direction."""
+        """Hand a walker's control to the engine: it goes straight on into its direction.
+
+        One whose physics is off walks too: in CARLA, a controller switches it off, and characters move without it.
+        """
         (x, y, _), speed, _ = walker.control
         length = math.hypot(x, y)
-        if speed > 0.0 and length > 1e-6:
+        walks = speed > 0.0 and length > 1e-6
+        if not walker.simulates:
+            self.simulation.let_pose(walker.place, posed=not walks)
+        if walks:
             dx, dy, _ = vector_from_carla(x, y, 0.0)
             self.simulation.state.h[walker.place] = math.atan2(dy, dx) % math.tau
             self.set_speed(walker, speed)
@@ -322,6 +342,7 @@ class Stage:
 
     def step(self, dt: float) -> None:
         """Move time and all bodies on, and take down what touches."""
+        self._gone.clear()
         self._drive(dt)
         self.simulation.set_step(dt)
         self.simulation.step()

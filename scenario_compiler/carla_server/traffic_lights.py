@@ -1,15 +1,17 @@
 """Traffic lights and signs of a map as CARLA has them: actors in groups that switch by times.
 
 A light is a signal of type 1000001 in the OpenDRIVE file. The lights of one controller of the file show the same; the
-controllers of a junction take turns: green, yellow, then red for all before the next one's green. Times are CARLA's
-defaults and can be set. A vehicle is at a light while its reference point lies in the stretch of lane before the stop
-line, which is found from where the signal, or a reference to it on another road, lies.
+controllers of a junction take turns: green, yellow, then red for all before the next one's green. Controllers that no
+junction names belong to the one that their lights lead to; lights without a controller take turns there by the
+directions from which traffic comes, opposite ones together. Times are CARLA's defaults and can be set. A vehicle is at
+a light while its reference point lies in the stretch of lane before the stop line, which is found from where the
+signal, or a reference to it on another road, lies.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from scenario_compiler.frames import CarlaTransform, carla_from_pose
@@ -170,9 +172,16 @@ def groups_of(network: Network) -> list[Group]:
     for junction in model.junctions:
         phases = [[left.pop(one) for one in controllers.get(name, ()) if one in left] for name in junction.controllers]
         groups.append([phase for phase in phases if phase])
+    free: dict[int, list[list[Signal]]] = {}
     for members in controllers.values():
-        groups.append([[left.pop(one) for one in members if one in left]])
-    groups += [[[one]] for one in left.values()]
+        phase = [left.pop(one) for one in members if one in left]
+        if phase:
+            free.setdefault(_junction_of(network, phase[0]), []).append(phase)
+    for leads_to, ones in _by_junction(network, left.values()).items():
+        phases = _by_direction(network, ones) if leads_to >= 0 else [[one] for one in ones]
+        free.setdefault(leads_to, []).extend(phases)
+    alone = free.pop(-1, [])
+    groups += [*free.values(), *([phase] for phase in alone)]
     made = []
     for phases in groups:
         if not any(phases):
@@ -185,6 +194,33 @@ def groups_of(network: Network) -> list[Group]:
         group.reset()
         made.append(group)
     return made
+
+
+def _junction_of(network: Network, signal: Signal) -> int:
+    """Return the index of the junction that a light's lane leads to, -1 for none."""
+    stop = next(_stop_lines(network, signal), None)
+    if stop is None:
+        return -1
+    n, road = network.tables, network.road_index(stop.road)
+    return n.road_end_junction[road] if lane_direction(n, road, stop.lane) > 0 else n.road_start_junction[road]
+
+
+def _by_junction(network: Network, signals: Iterable[Signal]) -> dict[int, list[Signal]]:
+    found: dict[int, list[Signal]] = {}
+    for signal in signals:
+        found.setdefault(_junction_of(network, signal), []).append(signal)
+    return found
+
+
+def _by_direction(network: Network, signals: Sequence[Signal]) -> list[list[Signal]]:
+    """Return the phases of lights: those along the first one's direction, and those across it."""
+    headings = []
+    for signal in signals:
+        stop = next(_stop_lines(network, signal), None)
+        headings.append(0.0 if stop is None else network.lane_pose(stop.road, stop.lane, stop.s).heading)
+    across = [abs(math.sin(heading - headings[0])) > math.sqrt(0.5) for heading in headings]
+    phases = [[one for one, crosses in zip(signals, across, strict=True) if crosses is side] for side in (False, True)]
+    return [phase for phase in phases if phase]
 
 
 def _light(network: Network, signal: Signal, group: Group) -> Light:

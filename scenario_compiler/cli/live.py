@@ -23,16 +23,18 @@ from scenario_compiler.cli.options import (
     is_filled,
     new_sink,
     show,
-    suggestion,
     told,
     trust_of,
 )
 from scenario_compiler.cli.terminal import flush_streams, put
+from scenario_compiler.cli.worlds import add_world, note_findings, world_options
 
 if TYPE_CHECKING:
+    from scenario_compiler.diagnostics import Diagnostics
     from scenario_compiler.plan.model import Plan
     from scenario_compiler.report.run import Run
     from scenario_compiler.roads import Network
+    from scenario_compiler.worlds import WorldFinding
 
 STEP = 0.02
 """Length of a time step of what is driven or watched, s, unless --dt gives another."""
@@ -52,7 +54,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the first run; later ones count on")
-    parser.add_argument("--world", default="kinematic", metavar="NAME")
+    add_world(parser)
     add_address(parser)
     add_scenario(parser)
     add_maps(parser)
@@ -75,10 +77,8 @@ def add_address(parser: argparse.ArgumentParser) -> None:
 def drive_command(options: argparse.Namespace) -> int:
     """Serve the page until the program is interrupted."""
     from scenario_compiler.controllers import refuse_untrusted
-    from scenario_compiler.worlds import WORLDS
 
-    if options.world not in WORLDS:
-        raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
+    of_world = world_options(options)
     if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     options.dt = options.dt or STEP
@@ -92,7 +92,9 @@ def drive_command(options: argparse.Namespace) -> int:
     if compilation.plan.controller is None:
         raise WrongUse("nobody can take over: the scenario has no automated vehicle")
     show(sink, options)
-    serve_plan(compilation.plan, compilation.network, options)
+    sink = new_sink(options)
+    serve_plan(compilation.plan, compilation.network, options, of_world, sink)
+    show(sink, options)
     return FINE
 
 
@@ -108,11 +110,16 @@ def serving() -> Iterator[None]:
 
 
 def serve_plan(
-    plan: Plan, network: Network, options: argparse.Namespace, watches: Callable[[Run], None] | None = None
+    plan: Plan,
+    network: Network,
+    options: argparse.Namespace,
+    of_world: dict[str, object],
+    sink: Diagnostics,
+    watches: Callable[[Run], None] | None = None,
 ) -> str:
     """Serve a plan's page and return how the last run ended; WrongUse where the server's packages are missing.
 
-    Where `watches` takes the run, nobody drives, and it is the only one.
+    Where `watches` takes the run, nobody drives, and it is the only one. What the world does otherwise is reported.
     """
     watched = watches is not None
     with serving():
@@ -120,8 +127,10 @@ def serve_plan(
     from scenario_compiler.live.session import Drive
 
     folder = None if watched else options.output
-    drive = Drive(plan, network, options.world, options.seed, trust_of(options), folder)
-    return serve(
+    findings: list[WorldFinding] = []
+    found = findings.extend
+    drive = Drive(plan, network, options.world, options.seed, trust_of(options), folder, options=of_world, found=found)
+    ended = serve(
         drive,
         host=options.host,
         port=options.port,
@@ -129,6 +138,8 @@ def serve_plan(
         kept=watches,
         told=lambda address: _print_address(address, options),
     )
+    note_findings(findings, plan, sink)
+    return ended
 
 
 def _print_address(address: str, options: argparse.Namespace) -> None:

@@ -27,12 +27,12 @@ from scenario_compiler.cli.options import (
     keep_inputs,
     new_sink,
     show,
-    suggestion,
     told,
     trust_of,
 )
 from scenario_compiler.cli.report import add_shows, film_path, needing, write_film
 from scenario_compiler.cli.terminal import complain, put, shown_progress
+from scenario_compiler.cli.worlds import add_world, note_findings, world_options
 from scenario_compiler.diagnostics import Diagnostics, FilePlace, code_named
 from scenario_compiler.files import split_target
 from scenario_compiler.forms.machine_code import why_interpreted
@@ -71,8 +71,7 @@ def _add_run(commands: Commands) -> None:
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument("--variant", type=int, default=0, metavar="N", help="number of the variant in a sweep")
-    parser.add_argument("--world", default="kinematic", metavar="NAME", help="kinematic (built in) or carla")
-    _add_carla(parser)
+    add_world(parser)
     parser.add_argument("--show", choices=("route",), help="draw the way to the destination into the folder, route.png")
     parser.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="write all trajectories")
     parser.add_argument(
@@ -102,38 +101,6 @@ def _add_run(commands: Commands) -> None:
     add_templates(parser)
     add_diagnostics(parser)
     parser.set_defaults(command=run_command)
-
-
-def _add_carla(parser: argparse.ArgumentParser) -> None:
-    carla = parser.add_argument_group("with --world carla (the extra carla)")
-    carla.add_argument("--carla-host", metavar="HOST", help="where the server is (default: 127.0.0.1)")
-    carla.add_argument("--carla-port", type=int, metavar="PORT", help="its port (default: 2000)")
-    carla.add_argument("--ego", choices=("physics", "kinematic"), help="who moves the ego (default: CARLA's physics)")
-    carla.add_argument(
-        "--camera",
-        choices=("carla", "built-in"),
-        help="whose pictures count (default: CARLA's, unless paint is changed)",
-    )
-    carla.add_argument("--carla-recording", metavar="NAME", help="let the server record the run")
-
-
-CARLA_OPTIONS = {
-    "carla_host": "host",
-    "carla_port": "port",
-    "ego": "ego",
-    "camera": "camera",
-    "carla_recording": "recording",
-}
-"""Options of the command to those of the world."""
-
-
-def _world_options(options: argparse.Namespace) -> dict[str, object]:
-    """Return the options of the world that are given; WrongUse where it has none such."""
-    given = {name: getattr(options, name) for name in CARLA_OPTIONS if getattr(options, name) is not None}
-    if given and options.world != "carla":
-        names = ", ".join(f"--{name.replace('_', '-')}" for name in given)
-        raise WrongUse(f"{names}: only with --world carla")
-    return {CARLA_OPTIONS[name]: value for name, value in given.items()}
 
 
 def compile_command(options: argparse.Namespace) -> int:
@@ -187,11 +154,9 @@ def driven_by_model(plan: Plan) -> Plan:
 def run_command(options: argparse.Namespace) -> int:
     """Run a scenario or a plan."""
     from scenario_compiler.controllers import refuse_untrusted
-    from scenario_compiler.worlds import WORLDS, WorldError
+    from scenario_compiler.worlds import WorldError
 
-    if options.world not in WORLDS:
-        raise WrongUse(f"there is no world '{options.world}'{suggestion(options.world, WORLDS)}")
-    of_world = _world_options(options)
+    of_world = world_options(options)
     if options.output is not None and not options.force and is_filled(options.output):
         raise WrongUse(f"{options.output} is not empty; --force writes into it all the same")
     if options.show is not None and options.output is None:
@@ -233,26 +198,26 @@ def _finished_run(
     plan: Plan, network: Network, options: argparse.Namespace, of_world: dict[str, object], sink: Diagnostics
 ) -> Run:
     """Execute a plan in the world that the options name, and judge it; report what the world does otherwise."""
-    from scenario_compiler.plan.provenance import place_of
     from scenario_compiler.recording.outcome import judge
     from scenario_compiler.report.run import Run
     from scenario_compiler.runtime import open_world
 
     if options.watch:
-        return _watched_run(plan, network, options)
+        return _watched_run(plan, network, options, of_world, sink)
     if not options.interpreted and (reason := why_interpreted()):
         complain(f"the engine runs interpreted: {reason}")
     with open_world(options.world, plan, network, **of_world) as world:
         recording = run_with_progress(plan, world, options)
-        for finding in world.findings:
-            sink.add(finding.code, finding.message, place_of(plan, finding.part))
+        note_findings(world.findings, plan, sink)
     return Run(plan, network, recording, judge(plan, recording))
 
 
-def _watched_run(plan: Plan, network: Network, options: argparse.Namespace) -> Run:
+def _watched_run(
+    plan: Plan, network: Network, options: argparse.Namespace, of_world: dict[str, object], sink: Diagnostics
+) -> Run:
     """Execute a plan in step with the clock, shown in a page; WrongUse where the run could not be made."""
     runs: list[Run] = []
-    ended = serve_plan(plan, network, options, runs.append)
+    ended = serve_plan(plan, network, options, of_world, sink, runs.append)
     if not runs:
         raise WrongUse(ended or "nobody opened the page")
     return runs[0]

@@ -25,6 +25,7 @@ from scenario_compiler.cli.options import (
 )
 from scenario_compiler.cli.report import needing
 from scenario_compiler.cli.terminal import flush_streams, put, shown_progress
+from scenario_compiler.cli.worlds import add_world, world_options
 from scenario_compiler.trust import Trust
 
 if TYPE_CHECKING:
@@ -60,6 +61,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--lsl", action="store_true", help="send what happens to the Lab Streaming Layer (the extra lsl)"
     )
+    add_world(parser)
     add_address(parser)
     add_maps(parser)
     add_templates(parser)
@@ -77,6 +79,9 @@ def study_command(options: argparse.Namespace) -> int:
             return _export(options)
         if options.action == "run" and options.output is None:
             raise WrongUse("name a folder for the data with -o")
+        of_world = world_options(options)
+        if options.world != "kinematic" and (options.pilot or options.action == "plan"):
+            raise WrongUse("--world is for participants: driver models go through a study in the built-in world")
         sink = new_sink(options)
         compilation = _compiled(options, sink)
         failed = compilation is None or has_errors(sink, options)
@@ -85,7 +90,7 @@ def study_command(options: argparse.Namespace) -> int:
             return AT_FAULT
         if options.action == "plan":
             return _plan(compilation, options)
-        return _pilot(compilation, options) if options.pilot else _serve(compilation, options)
+        return _pilot(compilation, options) if options.pilot else _serve(compilation, options, of_world)
     except StudyError as fault:
         raise WrongUse(str(fault)) from None
 
@@ -146,7 +151,7 @@ def _pilot(compilation: StudyCompilation, options: argparse.Namespace) -> int:
     return FINE
 
 
-def _serve(compilation: StudyCompilation, options: argparse.Namespace) -> int:
+def _serve(compilation: StudyCompilation, options: argparse.Namespace, of_world: dict[str, object]) -> int:
     from scenario_compiler.study.keeping import study_folder
 
     with serving():
@@ -170,6 +175,8 @@ def _serve(compilation: StudyCompilation, options: argparse.Namespace) -> int:
             port=options.port,
             trust=_trust(options),
             size=SIZES[options.size],
+            world=options.world,
+            options=of_world,
             mark=mark,
             told=tell,
         )

@@ -7,8 +7,8 @@ import math
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median, quantiles
 from typing import Any, Literal, get_args
@@ -36,7 +36,7 @@ from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.scenario import parameter_values
 from scenario_compiler.vocabulary.takeover import Language, Modality, Told
 from scenario_compiler.vocabulary.word import number_value
-from scenario_compiler.worlds import WorldError
+from scenario_compiler.worlds import WorldError, WorldFinding
 
 FRAME_TIME = 0.04
 """Time from one picture to the next at least, s: 25 a second."""
@@ -83,11 +83,13 @@ class Drive:
         plan: The plan.
         network: Its map.
         world: Name of the world.
+        options: Options of the world.
         seed: Seed of all that is drawn.
         trust: Code of the user's own that the plan may name.
         folder: Folder of the run; None writes nothing. A server of several runs makes one for each below it.
         size: Width and height of the view ahead, pixels.
         plain: Whether the view shows the road alone, and not what the automation sees and plans.
+        found: Takes what the world has done otherwise than the plan says, when a run has ended.
         otherwise: Language of the page where no message to the driver has words.
     """
 
@@ -99,6 +101,8 @@ class Drive:
     folder: Path | None = None
     size: tuple[int, int] = (1280, 720)
     plain: bool = False
+    options: Mapping[str, object] = field(default_factory=dict)
+    found: Callable[[Sequence[WorldFinding]], None] | None = None
     otherwise: Language = "en"
 
     @property
@@ -223,11 +227,13 @@ class Session(threading.Thread):
         drive, text, kept = self.drive, "", False
         automated = drive.plan.controller is not None
         try:
-            with open_world(drive.world, drive.plan, drive.network) as world:
+            with open_world(drive.world, drive.plan, drive.network, **drive.options) as world:
                 execution = Execution(drive.plan, world, drive.seed, trust=drive.trust, person=self.wheel)
                 self._go(execution)
                 self._take_down(execution)
                 recording = execution.finish("user" if self._stopping.is_set() else "")
+                if drive.found is not None:
+                    drive.found(world.findings)
             finished = Run(drive.plan, drive.network, recording, judge(drive.plan, recording))
             if self.wheel is not None:
                 self.wheel.close()

@@ -43,6 +43,8 @@ class Rules:
         root: Folder of its data.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        world: Name of the world.
+        options: Options of the world.
         mark: Takes what happens to any participant, as it happens; None where nobody listens.
         writing: Held by whoever writes tables of all participants.
     """
@@ -51,6 +53,8 @@ class Rules:
     root: Path
     trust: Trust | None
     size: tuple[int, int]
+    world: str = "kinematic"
+    options: Mapping[str, object] = field(default_factory=dict)
     mark: Callable[[dict[str, Any]], None] | None = None
     writing: threading.Lock = field(default_factory=threading.Lock)
 
@@ -255,11 +259,13 @@ class Attendance:
         return Drive(
             plan,
             network,
+            self.rules.world,
             seed=trial.seed,
             trust=self.rules.trust,
             folder=folder,
             size=self.rules.size,
             plain=True,
+            options=self.rules.options,
             otherwise=self.rules.compilation.study.language,
         )
 

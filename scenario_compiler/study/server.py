@@ -6,8 +6,9 @@ A participant's page is made anew at each step, so that a page that is loaded ag
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -276,6 +277,8 @@ def serve_study(
     port: int = 0,
     trust: Trust | None = None,
     size: tuple[int, int] = (1280, 720),
+    world: str = "kinematic",
+    options: Mapping[str, object] = MappingProxyType({}),
     mark: Callable[[dict[str, Any]], None] | None = None,
     told: Callable[[str, str], None],
 ) -> None:
@@ -288,6 +291,8 @@ def serve_study(
         port: Its port; 0 takes a free one.
         trust: Code of the user's own that plans may name.
         size: Width and height of the view ahead, pixels.
+        world: Name of the world.
+        options: Options of the world.
         mark: Takes what happens to any participant, as it happens.
         told: Is given the participants' address and the experimenter's, once they can be opened.
 
@@ -299,7 +304,7 @@ def serve_study(
         door = Door(host, taken, new_token(host))
         desk = Door(host, taken, new_token(host), cookie="experimenter")
         write_dataset(compilation, root, pilot=False)
-        study = StudyServer(Rules(compilation, root, trust, size, mark), door, desk)
+        study = StudyServer(Rules(compilation, root, trust, size, world, options, mark), door, desk)
         server: list[Server] = []
         server.append(server_of(study.app, lambda: told(address_of(door), address_of(desk, "/experimenter"))))
         try:

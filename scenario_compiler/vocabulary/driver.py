@@ -119,6 +119,13 @@ class Driving(Word):
     reaction: Number = attribute(
         "Time from then until the driver acts, s, after UN R157.", default=0.75, quantity="time", minimum=0
     )
+    look_beside: Number = attribute(
+        "Time for which the driver looks at the lane beside before he moves into it to pass what blocks his way, s, "
+        "where there are vehicles within 150 m in it. The default is chosen.",
+        default=1.0,
+        quantity="time",
+        minimum=0,
+    )
     sdlp: Number = attribute(
         "Standard deviation of the lateral position once the driver has settled, m. The default is after the "
         "on-the-road driving test, Verster and Roth 2011, not verified.",

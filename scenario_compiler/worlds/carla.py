@@ -129,6 +129,9 @@ LIFTED_LINE, LINE_WIDTH, DISPLAY_WIDTH = 0.3, 0.1, 2.0
 PATH_STEP = 2.0
 """Length of the pieces of the predicted path at least, m."""
 
+TAKEN: set[tuple[str, int]] = set()
+"""Addresses of the servers that runs of this program are in: each run has its server for itself."""
+
 ONCE = 1.5
 """Life time of a line that is seen in one picture, time steps."""
 
@@ -177,6 +180,7 @@ class CarlaWorld:
         self._shown: dict[str, str] = {}
         self._weather: Weather | None = None
         self._clock = 0.0
+        self._before: Any = None
         self._open = False
         self._connect()
 
@@ -210,6 +214,10 @@ class CarlaWorld:
             raise WorldError(
                 f"the time step is {self.plan.step:g} s; CARLA takes {LONGEST_STEP:g} s at most", CANNOT_OPEN
             )
+        if (self.options.host, self.options.port) in TAKEN:
+            raise WorldError(f"another run is in the CARLA server at {place}: one at a time", CANNOT_OPEN)
+        TAKEN.add((self.options.host, self.options.port))
+        self._open = True
         try:
             self._client = carla.Client(self.options.host, self.options.port)
             self._client.set_timeout(self.options.timeout)
@@ -219,7 +227,6 @@ class CarlaWorld:
             self._world = self._client.get_world()
             self._before = self._world.get_settings()
             self._before.synchronous_mode = False
-            self._open = True
             self._load_map()
             self._take_the_clock()
         except RuntimeError as fault:
@@ -275,12 +282,14 @@ class CarlaWorld:
         if not self._open:
             return
         self._open = False
-        with contextlib.suppress(RuntimeError):
-            self._client.set_timeout(min(self.options.timeout, 2.0))
-            self._clear()
-            if self.options.recording:
-                self._client.stop_recorder()
-            self._world.apply_settings(self._before)
+        TAKEN.discard((self.options.host, self.options.port))
+        if self._before is not None:
+            with contextlib.suppress(RuntimeError):
+                self._client.set_timeout(min(self.options.timeout, 2.0))
+                self._clear()
+                if self.options.recording:
+                    self._client.stop_recorder()
+                self._world.apply_settings(self._before)
         self._built_in.close()
 
     def __enter__(self) -> Self:

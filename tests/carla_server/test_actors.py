@@ -154,6 +154,7 @@ def rolled(world: Any, spawn: Spawn, seconds: float, drag: float, friction: floa
 def test_wheels_and_air_slow_a_rolling_car_down(world: Any, spawn: Spawn) -> None:
     car = spawn("vehicle.audi.tt")
     control, box = car.get_physics_control(), car.bounding_box.extent
+    world.tick()  # 0.9.15 takes an actor for dead that it has not seen in a snapshot
     car.destroy()
     world.tick()
     damped = sum(wheel.damping_rate / (0.01 * wheel.radius) ** 2 for wheel in control.wheels) / control.mass

@@ -226,10 +226,11 @@ def test_a_lidar_can_be_told_whom_not_to_see(world: Any, spawn: Spawn) -> None:
     lidar = Listening(
         spawn("sensor.lidar.ray_cast_semantic", mounted, points_per_second=100_000, rotation_frequency=20)
     )
-    if not hasattr(lidar.sensor, "set_ignored_vehicles"):
-        pytest.skip("clients of 0.9.15 cannot tell it")
     world.tick()
     assert car.id in {one.object_idx for one in lidar.next()}
+    if not hasattr(lidar.sensor, "set_ignored_vehicles"):
+        lidar.sensor.stop()
+        return  # clients of 0.9.15 cannot tell it
     lidar.sensor.set_ignored_vehicles([car.id])
     world.tick()
     assert car.id not in {one.object_idx for one in lidar.next()}

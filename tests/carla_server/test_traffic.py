@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -187,3 +188,39 @@ def test_cars_stand_as_their_spawn_points_do(server: Served, world: Any) -> None
             assert getattr(at.location, axis) == pytest.approx(getattr(point.location, axis), abs=0.01)
         for angle in ("pitch", "yaw", "roll"):
             assert getattr(at.rotation, angle) == pytest.approx(getattr(point.rotation, angle), abs=0.01)
+
+
+def test_managed_cars_heed_the_lights_of_a_crossing_that_its_arms_come_back_to(server: Served) -> None:
+    """The client follows such arms in the map as it is served, and no junction of the file names its controllers."""
+    import carla
+
+    client = server.client()
+    world = client.load_world("signal_crossing")
+    settings = world.get_settings()
+    settings.synchronous_mode, settings.fixed_delta_seconds = True, STEP
+    world.apply_settings(settings)
+    manager = client.get_trafficmanager(MANAGER + 20)
+    manager.set_synchronous_mode(True)
+    manager.set_random_device_seed(3)
+    points, model = world.get_map().get_spawn_points(), world.get_blueprint_library().find("vehicle.tesla.model3")
+    cars = [world.spawn_actor(model, point) for point in points[::17]]
+    world.tick()
+    for car in cars:
+        car.set_autopilot(True, MANAGER + 20)
+    town, shown, stopped, entered = world.get_map(), dict[int, Any](), 0, 0
+    for _ in range(1200):
+        world.tick()
+        for car in cars:
+            at, speed = car.get_location(), car.get_velocity().length()
+            before, now = shown.get(car.id), car.get_traffic_light_state() if car.is_at_traffic_light() else None
+            stopped += now == carla.TrafficLightState.Red and speed < 0.1
+            entered += before is not None and now is None
+            assert not (before == carla.TrafficLightState.Red and now is None and speed > 1.0), "a red light was run"
+            shown[car.id] = now
+            lane = town.get_waypoint(at).transform.location
+            assert math.hypot(lane.x - at.x, lane.y - at.y) < 1.6, "a car has left its lane"
+    assert stopped > 50
+    assert entered > 3
+    manager.set_synchronous_mode(False)
+    manager.shut_down()
+    client.load_world("lit_town")

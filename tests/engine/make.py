@@ -128,6 +128,7 @@ USUAL = {
     slots.K_DRIVER_DECELERATION: 7.59,
     slots.K_DRIVER_LATERAL: 5.0,
     slots.K_SIGHT: 300.0,
+    slots.K_LOOK_BESIDE: 1.0,
     slots.K_HEADLIGHTS: 100.0,
     slots.K_PERCEPTION_TIME: 0.4,
     slots.K_REACTION_TIME: 0.75,

@@ -152,6 +152,7 @@ def random_draft(number: int) -> Draft:
         (slots.K_STEERING_RATIO, 8.0, 20.0),
     ):
         p.const[slot] = dice.between(low, high)
+    p.const[slots.K_LOOK_BESIDE] = 0.5 * (number % 5)
     if p.driver_kind[0] == op.DRIVER_LOGNORMAL:
         p.driver_kind[0] = dice.pick(op.DRIVER_LOGNORMAL, op.DRIVER_NORMAL, op.DRIVER_SUMO)
     return draft
@@ -354,6 +355,8 @@ def variants_of(draft: Draft, number: int) -> list[list[float]]:
     scaled[slots.K_STEP] = usual[slots.K_STEP]
     broken = list(usual)
     where = slots.K_BUDGET + 17 * number % (len(usual) - slots.K_BUDGET)
+    if number % 8 == 0:
+        where = draft.program.entity_const[0] + slots.E_SPEED
     broken[where] = (math.nan, math.inf, 0.0, -1.0e300)[number % 4]
     return [usual, scaled, broken]
 

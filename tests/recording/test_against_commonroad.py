@@ -1,4 +1,4 @@
-"""TTC, DRAC and PET of ten recordings against commonroad-crime (the extra `criticality`), an independent program.
+"""TTC and DRAC of ten recordings, PET of ten others, against commonroad-crime (the extra `criticality`).
 
 Where the two count differently, the test says how. commonroad-crime rounds times and decelerations to two decimals,
 and takes the deceleration as none on a lane whose direction is exactly 0: the lane here is turned by 0.0001 rad.
@@ -112,6 +112,11 @@ def following(gap: float, ego: float, lead: float, rows: int) -> list[Way]:
         (40.0, 13.9, 0.5, 20),
         (25.0, 10.0, 5.0, 25),
         (150.0, 30.0, 8.0, 45),
+        (50.0, 25.0, 18.0, 60),
+        (30.0, 8.0, 1.5, 30),
+        (220.0, 36.1, 10.0, 60),
+        (15.0, 20.0, 17.0, 20),
+        (70.0, 27.8, 18.0, 50),
     ],
 )
 def test_time_to_collision_and_deceleration_are_those_of_the_last_step(
@@ -151,7 +156,13 @@ def crossing_lanes() -> list[Any]:
     return [*lanes, Intersection(20, incoming)]
 
 
-@pytest.mark.parametrize(("late", "speed"), [(1.02, 10.0), (2.53, 8.0), (4.01, 12.0), (-3.04, 10.0), (-5.02, 7.0)])
+@pytest.mark.parametrize(
+    ("late", "speed"),
+    [
+        *((1.02, 10.0), (2.53, 8.0), (4.01, 12.0), (-3.04, 10.0), (-5.02, 7.0)),
+        *((1.51, 14.0), (3.02, 6.0), (4.52, 9.0), (-2.03, 13.0), (-4.04, 8.0)),
+    ],
+)
 def test_post_encroachment_time_is_two_steps_more(late: float, speed: float) -> None:
     """The ego crosses at 10 m/s; the other comes to its way `late` s after the ego has left it, or before."""
     from commonroad_crime.measure import PET

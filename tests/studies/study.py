@@ -52,12 +52,14 @@ class Sample:
         times: Takeover times of those who answered, s.
         inputs: Times of the first steering or braking after the request, s.
         least: Least time to collision of each run, s; HORIZON where nothing was ever approached.
+        along: The same along the lane, until the vehicle has moved aside.
         crashed: Share of the runs with a collision.
     """
 
     times: Floats
     inputs: Floats
     least: Floats
+    along: Floats
     crashed: float
 
 
@@ -68,10 +70,14 @@ def sample(found: Iterable[Compilation], seeds: range) -> Sample:
     def numbers(measure: str) -> list[float]:
         return [value for one in outcomes if (value := one.measures[measure].value) is not None]
 
-    least = [one.measures["minimum_time_to_collision"].value for one in outcomes]
+    def least(measure: str) -> Floats:
+        values = [one.measures[measure].value for one in outcomes]
+        return np.array([HORIZON if value is None else value for value in values])
+
     return Sample(
         times=np.array(numbers("takeover_time")),
         inputs=np.array(numbers("input_time")),
-        least=np.array([HORIZON if value is None else value for value in least]),
+        least=least("minimum_time_to_collision"),
+        along=least("minimum_lane_time_to_collision"),
         crashed=float(np.mean([one.collision_with is not None for one in outcomes])),
     )

@@ -5,7 +5,7 @@ Proceedings of the Human Factors and Ergonomics Society 58, 2063-2067. 120 km/h,
 
 | | the paper | here | asserted |
 |---|---|---|---|
-| lanes beside full | smaller time to collision (from memory, not verified) | smaller | the direction |
+| lanes beside full | smaller time to collision (from memory, not verified) | smaller | the direction, at 5 s too |
 | collisions | more (from memory, not verified) | see the table below | no fewer |
 | takeover time by traffic | longer (from memory, not verified) | not modelled without a coefficient | nothing |
 | a visual task | figure not found | 0.29 s longer (Zhang et al. 2019) | nothing |
@@ -38,13 +38,20 @@ FULL = 14
 SITUATIONS = {"free": (0, 0), "left full": (FULL, 0), "right full": (0, FULL), "both full": (FULL, FULL)}
 
 
-def situation(folder: Path, name: str, task: str = "none", seeds: range = range(1, 21)) -> Sample:
+def situation(folder: Path, name: str, task: str = "none", seeds: range = range(1, 21), budget: str = "7") -> Sample:
     """Return what comes of a situation."""
     left, right = SITUATIONS[name]
-    return sample([compiled(folder, RADLMAYR.replace("TASK", task), left=left, right=right)], seeds)
+    text = RADLMAYR.replace("TASK", task).replace('budget="7"', f'budget="{budget}"')
+    return sample([compiled(folder, text, left=left, right=right)], seeds)
 
 
 def test_full_lanes_beside_leave_less_time_to_collision(tmp_path: Path) -> None:
     free, full = (situation(tmp_path, name) for name in ("free", "both full"))
     assert np.median(full.least) < np.median(free.least)
+    assert full.crashed >= free.crashed
+
+
+def test_with_five_seconds_too_full_lanes_leave_less_time_until_the_car_has_moved_aside(tmp_path: Path) -> None:
+    free, full = (situation(tmp_path, name, budget="5") for name in ("free", "both full"))
+    assert np.median(full.along) < np.median(free.along)
     assert full.crashed >= free.crashed

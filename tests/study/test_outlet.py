@@ -27,7 +27,7 @@ def test_a_listener_hears_the_journal(tmp_path: Path) -> None:
     compilation = compile_study(read[1], Diagnostics(), overrides=overrides)
     assert compilation is not None
     name = f"test{os.getpid()}"
-    rules = Rules(compilation, tmp_path / "data", None, (64, 36), MarkerOutlet(name).mark)
+    rules = Rules(compilation, tmp_path / "data", None, (64, 36), mark=MarkerOutlet(name).mark)
     found = pylsl.resolve_byprop("name", name, timeout=60)
     if not found:
         pytest.skip("this machine's network carries no multicast")

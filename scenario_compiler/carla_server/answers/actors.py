@@ -91,8 +91,7 @@ def spectator(host: Host) -> list[Any]:
 
 def bounding_box(host: Host, number: int) -> list[Any]:
     """Answer with an actor's box."""
-    found: list[Any] = host.stage.wire(host.stage.get(number))[3]
-    return found
+    return host.stage.box_of(number)
 
 
 def set_location(host: Host, number: int, location: list[float]) -> None:

@@ -85,7 +85,8 @@ K_SLOW_DOWN = 81
 K_HEADLIGHTS = 82
 K_SENSOR_NOISE = 83
 K_SIGHT = 84
-K_ENTITIES = 85
+K_LOOK_BESIDE = 85
+K_ENTITIES = 86
 """First slot after those of the run."""
 
 # An entity's block.

@@ -344,6 +344,10 @@ class State(Columns):
     """Heading of the ego relative to the path's direction."""
     limit_time: list[float] = column(RUN, op.FAR)
     """Time that the last request left, where it was not about an obstacle, s."""
+    used_beside: list[int] = column(RUN)
+    """1 where there was a vehicle in the lane beside that was looked at last."""
+    looks_beside: list[float] = column(RUN, -1.0)
+    """Since when the driver has looked at a lane with traffic beside, s; -1 while he does not."""
     traffic_density: list[float] = column(RUN)
     """Vehicles per kilometre that went the ego's way at the last request."""
     lane_time: list[float] = column(RUN, op.FAR)

@@ -173,13 +173,21 @@ def same_direction(n: RoadTables, road: int, lane: int, s: float, side: int) -> 
 
 @compiled
 def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> int:
-    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured anew."""
+    """Return 1 where the lane of the same direction on a side has a free gap; the way ahead is then measured anew.
+
+    Where there is traffic in it the driver looks at it for a while before he finds one.
+    """
     beside = neighbour_lane(
         n, st.path_road[0], st.path_lane[0], st.path_s[0], side, lane_direction(n, st.path_road[0], st.path_lane[0])
     )
     free = gap_is_free(n, p, st, i, st.path_road[0], beside, st.path_s[0])
     look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
-    return free
+    if st.used_beside[0] == 0:
+        return free
+    if st.looks_beside[0] < 0.0:
+        st.looks_beside[0] = st.clock[0]
+    looked = st.clock[0] - st.looks_beside[0]
+    return free if looked >= p.const[slot.K_LOOK_BESIDE] - 1.0e-6 else 0
 
 
 @compiled
@@ -269,6 +277,7 @@ def evade(p: Program, st: State, i: int, centre: float) -> None:
     st.evade_until[0] = st.odometer[i] + evasion_length(p, st, i)
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
     st.manoeuvre[0] = op.MANOEUVRE_EVADE
+    st.looks_beside[0] = -1.0
     log_event(st, op.EVENT_EVADE, centre)
 
 
@@ -434,6 +443,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
                 return
         begin_braking(st, st.blocked_distance[0])
         return
+    st.looks_beside[0] = -1.0
     threat = moving_threat(p, st, i)
     if threat >= 0:
         if st.style[0] != op.STYLE_BRAKES and st.merging[0] == 0:

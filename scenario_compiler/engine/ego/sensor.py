@@ -303,8 +303,10 @@ def gap_behind_free(p: Program, st: State, i: int) -> int:
 def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int, s: float) -> int:
     """Return 1 where the ego may enter a lane beside it: front by time gap, behind by the time to close up.
 
-    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns anew.
+    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns anew, and
+    whether there is anybody in that lane.
     """
+    st.used_beside[0] = 0
     base = p.entity_const[i]
     front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
     for along in range(1, -2, -2):
@@ -313,6 +315,7 @@ def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: i
             st.on_way[j] = 0
             if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < GAP_HORIZON:
                 measure_on_way(n, p, st, j)
+                st.used_beside[0] = max(st.used_beside[0], in_lane(st, j))
         free = gap_ahead_free(p, st, i, front) if along == 1 else gap_behind_free(p, st, i)
         if free == 0:
             return 0

@@ -203,7 +203,10 @@ def step_manual(n: RoadTables, p: Program, st: State, i: int) -> None:
 
 @compiled
 def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Step the machine once."""
+    """Step the machine once.
+
+    A request or a warning that is ordered while control is handed back waits until the automation drives.
+    """
     state = st.takeover_state[0]
     if state in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING):
         step_automated(n, p, st, i)
@@ -211,6 +214,7 @@ def step_takeover(n: RoadTables, p: Program, st: State, i: int) -> None:
         step_manual(n, p, st, i)
     elif state != op.TAKEOVER_STANDSTILL:
         step_requested(n, p, st, i)
-    st.ordered_request[0] = op.CAUSE_NONE
-    st.ordered_warning[0] = 0
     st.ordered_hand_back[0] = 0
+    if op.TAKEOVER_HAND_BACK not in (state, st.takeover_state[0]):
+        st.ordered_request[0] = op.CAUSE_NONE
+        st.ordered_warning[0] = 0

@@ -138,6 +138,7 @@ def _add_driver(draft: ProgramBuilder) -> None:
     k[slot.K_DRIVER_DECELERATION] = how.deceleration
     k[slot.K_DRIVER_LATERAL] = how.lateral_acceleration
     k[slot.K_SIGHT] = how.sight
+    k[slot.K_LOOK_BESIDE] = how.look_beside
     k[slot.K_PERCEPTION_TIME] = how.perception
     k[slot.K_REACTION_TIME] = how.reaction
     k[slot.K_SDLP] = how.sdlp

@@ -19,7 +19,7 @@ BINS = tuple(k / 10 for k in range(11))
 COUNTED = 100
 """Looks from which a bin counts."""
 
-HIDDEN, OUTPUTS = 16, 3
+HIDDEN, OUTPUTS = 32, 3
 """Hidden units and outputs."""
 
 PENALTY = 2e-4
