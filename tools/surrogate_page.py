@@ -106,7 +106,7 @@ def _rates(name: str) -> tuple[str, float, float]:
         simulation = Simulation(network.tables, program)
         rows, draws = [list(program.const)] * 100, [make_draws(k) for k in range(100)]
         seconds = []
-        for _ in range(5):
+        for _ in range(3):
             began = time.process_time()
             summaries, _ = simulation.sweep(rows, draws, int(plan.duration / plan.step) + 2)
             seconds.append(time.process_time() - began)
