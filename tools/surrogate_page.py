@@ -260,8 +260,8 @@ of deviation {noise} of the confidence's logit in cells of {cell} m, and of {pat
 
 It was fitted to {runs} runs with the camera, on drawn roads and on maps, with drawn wear, weather, noise, failures,
 traffic and speeds. The {judged} runs below took no part: variants of five conflicts of the library on maps that no run
-of the fit was on, drawn roads of other numbers, and lanes of other maps. The same answer is: no request in both, or
-requests within 0.5 s.
+of the fit was on, drawn roads of other numbers, and lanes of other maps. They were looked at while the features were
+chosen, but never fitted to. The same answer is: no request in both, or requests within 0.5 s.
 
 {agreement}
 
