@@ -217,6 +217,7 @@ def compile_study(
         ConfigurationError: The user's configuration file cannot be read.
     """
     from scenario_compiler.source.study import (
+        LATE_PROBE,
         NOBODY_TAKES_OVER,
         UNREADABLE_PART,
         Foil,
@@ -259,6 +260,13 @@ def compile_study(
         done = compiled(condition.scenario, condition)
         if done is not None:
             conditions[condition.name] = condition, done
+    durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
+    for name, duration in durations.items():
+        if study.probe is not None and study.probe.earliest >= duration:
+            message = (
+                f"the probe comes at {study.probe.earliest:g} s at the earliest, but '{name}' lasts {duration:g} s"
+            )
+            sink.add(LATE_PROBE, message, study.probe.place_of("from"))
     practices = () if study.before is None else study.before.steps
     for word in (*practices, *study.foils):
         if isinstance(word, Practice | Foil) and word.target not in others:
