@@ -100,6 +100,7 @@ CODES: dict[str, Code] = {}
 CODE_HOMES = (
     "cli.run",
     "engine.at_first",
+    "engine.program.surrogate",
     "roads.check",
     "roads.parse",
     "roads.xsd",
@@ -160,11 +161,10 @@ class Diagnostic:
 MANY_FINDINGS = Code(
     "SC307",
     "many-findings",
-    "The file has so many faults of one kind that the rest of them is counted and not listed: 100 of each kind are "
-    "shown."
-    '\n\n    <lane id="-1" typ="driving">...</lane>     in each of 2000 lanes: 1900 are counted'
-    "\n\nSo many equal faults mostly have one cause, in the program that wrote the file or in the version that its "
-    "header names. Mend that, and check the file again.",
+    "The file has too many faults of one kind to list: 100 of each kind are shown, the others are only counted.\n\n"
+    '    <lane id="-1" typ="driving">...</lane>     in each of 2000 lanes: 1900 are counted\n\n'
+    "So many equal faults usually have one cause, in the program that wrote the file or in the version in its header. "
+    "Correct that, and check the file again.",
     Severity.WARNING,
 )
 

@@ -28,17 +28,17 @@ MALFORMED = Code(
     "SC102",
     "malformed-xml",
     "The file is not well-formed XML, so nothing in it can be read: a tag is not closed, a quote is missing, a "
-    "character is not allowed, or the encoding is not the one that the first line declares. The place is where the "
-    "parser gave up; the fault often lies a little before it."
-    '\n\n    <ego speed="10><start>...</start></ego>     a quote is missing after 10',
+    "character is not allowed, or the encoding is not the one that the first line declares. The message names the "
+    "place at which the parser stopped; the mistake is often shortly before it.\n\n"
+    '    <ego speed="10><start>...</start></ego>     a quote is missing after 10',
 )
 FORBIDDEN = Code(
     "SC103",
     "forbidden-xml",
-    "The file declares entities or a document type, or is so large that no scenario or road file can be meant. "
-    "Entities can read other files and expand without bound, no scenario or road file needs them, and they are never "
-    "resolved. Remove the <!DOCTYPE ...> declaration."
-    '\n\n    <!DOCTYPE scenarios [<!ENTITY start SYSTEM "start.xml">]>     <include> brings in a file',
+    "The file declares entities or a document type, or is too large for a scenario or road file. Entities can read "
+    "other files and expand without limit. No scenario or road file needs them, and they are never resolved. Remove "
+    "the <!DOCTYPE ...> declaration.\n\n"
+    '    <!DOCTYPE scenarios [<!ENTITY start SYSTEM "start.xml">]>     use <include>',
 )
 
 MAX_ATTRIBUTES = 1000

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 UNCHECKED = Code(
     "SC117",
     "unchecked-file",
-    "Checking the file failed for a reason that lies in this program or the machine, not in the file: a fault of the "
-    "program, or no memory left. The other files were checked.\n\n"
+    "The file could not be checked because of this program or the machine, not because of the file: a fault of the "
+    "program, or not enough memory. The other files were checked.\n\n"
     "    the file could not be checked: MemoryError\n\n"
     "Check the file alone; if that fails too, please report it with the file.",
 )

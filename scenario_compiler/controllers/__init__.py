@@ -49,18 +49,18 @@ CONTROLLERS: dict[str, str] = {
 BAD_PROPERTY = Code(
     "SC504",
     "bad-controller-property",
-    "A <property> of the controller is not one of its parameters, or its value is not one the parameter takes. The "
-    "controller's `Params` model says which there are."
-    '\n\n    <controller model="lane_detection"><property name="look_ahed" value="9"/></controller>',
+    "A <property> of the controller is not one of its parameters, or has an invalid value. The controller's `Params` "
+    "model defines the parameters.\n\n"
+    '    <controller model="lane_detection"><property name="look_ahed" value="9"/></controller>',
 )
 UNTRUSTED_CONTROLLER = Code(
     "SC507",
     "untrusted-controller",
-    "The scenario names code of its author's own as its controller or lane detector. Reading a file never runs code "
-    "that it names, so `validate`, `compile`, `export`, `preview` and `list` check the spelling of the name alone, and "
-    "not the controller's properties; `run` and `sweep` refuse to run it. Read the code, then say that you trust it: "
-    "by naming a class, a module, a Python file or the scenario's file with --trust, or for good with the class, "
-    "module or absolute path of the Python file in the list `trust` of your configuration file, "
+    "The scenario names custom code as its controller or lane detector. Reading a file never runs code that it names. "
+    "`validate`, `compile`, `export`, `preview` and `list` therefore check only the form of the name, not the "
+    "controller's properties; `run` and `sweep` refuse to run it. Read the code. To trust it once, name the class, "
+    "the module, the Python file or the scenario's file with --trust. To trust it permanently, add the class, the "
+    "module or the absolute path of the Python file to the list `trust` of your configuration file, "
     "`~/.config/scenario-compiler/config.toml` (see docs/commands.md).\n\n"
     "    scenario-compiler run conflict.xml --trust our_lab.steering:Mine\n"
     '    trust = ["our_lab.steering:Mine"]     in config.toml',

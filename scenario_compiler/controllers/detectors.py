@@ -23,18 +23,18 @@ DetectorMaker: TypeAlias = "Callable[[Camera], LaneDetector]"
 UNKNOWN_DETECTOR = Code(
     "SC527",
     "unknown-detector",
-    "The scenario names a lane detector that is neither one of ours nor a class of your own that can be found, as "
-    "`package.module:Class` or `file.py:Class`, and has a method `detect`. Where modules and files are looked for is "
-    "said for controllers (SC503)."
-    '\n\n    <controller><detector model="clasical"/></controller>     classical, learned, package.module:Class or '
+    "The scenario names a lane detector that is neither a built-in one nor a class with a method `detect` that can be "
+    "found as `package.module:Class` or `file.py:Class`. The search for modules and files is the same as for "
+    "controllers (SC503).\n\n"
+    '    <controller><detector model="clasical"/></controller>     classical, learned, package.module:Class or '
     "file.py:Class",
 )
 IDLE_DETECTOR = Code(
     "SC528",
     "idle-detector",
-    "The controller looks for no lane, so that the detector is ignored. `lane_detection` uses one, and so does a "
-    "controller of your own that derives from it or that sets `uses_detector`."
-    '\n\n    <controller model="mine.py:Straight"><detector model="learned"/></controller>',
+    "The controller does not use a lane detector, so the detector is ignored. `lane_detection` uses one, as do your "
+    "own controllers that derive from it or set `uses_detector`.\n\n"
+    '    <controller model="mine.py:Straight"><detector model="learned"/></controller>',
     Severity.WARNING,
 )
 DETECTOR = Kind(

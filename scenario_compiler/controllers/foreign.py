@@ -30,21 +30,22 @@ if TYPE_CHECKING:
 UNKNOWN_CONTROLLER = Code(
     "SC503",
     "unknown-controller",
-    "The scenario names a controller that is neither one of ours nor a class of your own that can be found, as "
-    "`package.module:Class` or `file.py:Class`, and derives from ControllerModel. A module must be importable where "
-    "the command runs (set PYTHONPATH); one that the command line names may lie beside the scenario. The path of a "
-    "Python file starts from the current folder on the command line, and from the scenario's folder in a scenario."
-    '\n\n    <controller model="lane_detecton"/>     lane_detection, package.module:Class or file.py:Class',
+    "The scenario names a controller that is neither a built-in one nor a class derived from ControllerModel that can "
+    "be found as `package.module:Class` or `file.py:Class`. A module must be importable where the command runs (set "
+    "PYTHONPATH); a module named on the command line may also be in the scenario's folder. The path of a Python file "
+    "starts from the current folder on the command line, and from the scenario's folder in a scenario.\n\n"
+    '    <controller model="lane_detecton"/>     lane_detection, package.module:Class or file.py:Class',
 )
 CONTROLLER_FAILED = Code(
     "SC521",
     "controller-failed",
-    "A controller or a lane detector of your own raised an exception, ended the program, or gave an answer that is not "
-    "a `Control` or a `LaneResult` of finite numbers: when its module was imported, when it was made, or at a step of "
-    "the run. The place is the line of its code. The run ends there, and the recording up to there is kept.\n\n"
+    "A controller or a lane detector of your own raised an exception, ended the program, or gave an answer that is "
+    "not a `Control` or a `LaneResult` of finite numbers: when its module was imported, when it was created, or in a "
+    "step of the run. The message names the line of its code. The run ends there, and the recording up to that step "
+    "is kept.\n\n"
     "    controller 'steering:Mine', steering.py:31: FileNotFoundError: [Errno 2] No such file or directory: "
     "'model.onnx'\n\n"
-    "Mend the code. A property that a controller's `Params` declare as a `pathlib.Path` starts from the scenario's "
+    "Correct the code. A property that a controller's `Params` declare as a `pathlib.Path` starts from the scenario's "
     "folder.",
 )
 

@@ -114,7 +114,8 @@ line. The run ends there with the stop reason
 ## What it gets
 
 `control(sensor_data, speed, vehicle)` is called every `control_every` steps; `speed` is the vehicle's own in m/s.
-With `--perception ideal` no picture is drawn and no controller is asked.
+With `--perception ideal` and `--perception surrogate` no picture is drawn and no controller is asked; [surrogate
+perception](perception-surrogate.md) stands for `lane_detection` alone.
 '''
 
 _METHODS = """## What else it may do

@@ -8,71 +8,72 @@ UNKNOWN_PARAMETER = Code(
     "An expression uses a name that no <parameter> of the same scenario or template declares:\n\n"
     '    <parameter name="distance" type="length" default="120"/>\n'
     '    <ahead_of entity="ego" distance="$distanse"/>\n\n'
-    "Inside a template only the template's own parameters are known; pass a scenario's parameter on in the <use>.",
+    "A template can only use its own parameters. Pass a scenario's parameter to it in the <use>.",
 )
 UNKNOWN_ARGUMENT = Code(
     "SC211",
     "unknown-argument",
-    "`--set name=value` names a parameter that the scenario does not declare, so it would change nothing. The message "
-    "lists or guesses what can be set; `<parameter name=... type=... default=.../>` in the scenario declares more."
-    "\n\n    scenario-compiler run paint.xml --set sped=30     the scenario declares `speed`",
+    "`--set name=value` names a parameter that the scenario does not declare, so it would have no effect. The message "
+    "lists the parameters, or suggests one. To declare another one, write `<parameter name=... type=... "
+    "default=.../>` in the scenario.\n\n"
+    "    scenario-compiler run paint.xml --set sped=30     the scenario declares `speed`",
 )
 UNKNOWN_SCENARIO = Code(
     "SC212",
     "unknown-scenario",
-    "FILE#name asks for a scenario that the file does not hold. Correct the name; without one, a file's only scenario "
-    "is taken."
-    "\n\n    scenario-compiler run variants.xml#obstacle_crosing     the scenario is called obstacle_crossing",
+    "FILE#name names a scenario that the file does not contain. Correct the name. Without a name, the only scenario "
+    "of a file is used.\n\n"
+    "    scenario-compiler run variants.xml#obstacle_crosing     the file contains obstacle_crossing",
 )
 UNKNOWN_TEMPLATE = Code(
     "SC213",
     "unknown-template",
-    "A <use> names a template that neither this file, nor the files that it includes, nor the library's templates "
-    "hold:\n\n"
+    "A <use> names a template that is neither in this file, nor in the files that it includes, nor in the "
+    "library:\n\n"
     '    <include file="our_templates.xml"/>\n'
     '    <use template="blocked_lane" distance="150"/>\n\n'
-    "Correct the name, or include the file that holds the template.",
+    "Correct the name, or include the file that contains the template.",
 )
 MISSING_PARAMETER = Code(
     "SC214",
     "missing-parameter",
-    "A parameter without a default gets no value. In a <use>, write it as an attribute; for a scenario, give it on the "
-    "command line with --set name=value, or give its <parameter> a default."
-    '\n\n    <template name="parked"><parameter name="distance" type="length"/>...</template>'
-    '\n    <use template="parked"/>     write distance="80"',
+    "A parameter has neither a value nor a default. In a <use>, write it as an attribute. For a scenario, set it on "
+    "the command line with --set name=value, or give its <parameter> a default.\n\n"
+    '    <template name="parked"><parameter name="distance" type="length"/>...</template>\n'
+    '    <use template="parked"/>     write distance="80"',
 )
 TEMPLATE_CYCLE = Code(
     "SC215",
     "template-cycle",
-    "A template uses itself, directly or through others, so its expansion would never end. The chain of uses is shown. "
-    "Take one <use> out of the circle."
-    '\n\n    <template name="jam"><use template="queue"/></template>'
-    '\n    <template name="queue"><use template="jam"/></template>',
+    "A template uses itself, directly or through others, so its expansion would never end. The message shows the "
+    "chain of uses. Remove one <use> from the cycle.\n\n"
+    '    <template name="jam"><use template="queue"/></template>\n'
+    '    <template name="queue"><use template="jam"/></template>',
 )
 DUPLICATE_NAME = Code(
     "SC216",
     "duplicate-name",
-    "Two things of one kind have the same name, so a reference to it would be a guess: scenarios or templates of a "
-    "file, parameters of one scenario or template, uses, entries of a catalog. Rename one of them."
-    '\n\n    <static id="van">...</static>'
-    '\n    <static id="van">...</static>     which one would `ahead_of entity="van"` mean?',
+    "Two things of one kind have the same name, so a reference to that name is ambiguous. This concerns entities, "
+    "scenarios or templates of a file, parameters of one scenario or template, uses, and entries of a catalog. Rename "
+    "one of them.\n\n"
+    '    <static id="van">...</static>\n'
+    '    <static id="van">...</static>     which one would `ahead_of entity="van"` mean?',
 )
 UNKNOWN_VEHICLE = Code(
     "SC217",
     "unknown-vehicle",
-    "`model` names a vehicle that no catalog holds; without its dimensions nothing can be checked or drawn. The "
-    "library's vehicles are in library/catalogs/vehicles.xml, under CARLA's blueprint ids. A file of your own adds "
-    "more:\n\n"
+    "`model` names a vehicle that is in no catalog, so its dimensions are unknown. The library's vehicles are in "
+    "library/catalogs/vehicles.xml, under CARLA's blueprint ids. A catalog of your own can add more:\n\n"
     '    <catalog version="1"><vehicle name="vehicle.our.shuttle" length="4.7" .../></catalog>\n'
     '    <include file="our_vehicles.xml"/>     in <scenarios>',
 )
 UNKNOWN_DRIVER = Code(
     "SC218",
     "unknown-driver",
-    "`preset` names a driver that no catalog holds. The library's drivers are in library/catalogs/drivers.xml; an "
-    "included <catalog> adds more, and <driver_model mu=... sigma=.../> in the <takeover> writes one in place. A "
-    "driver that has been renamed is refused by its old name, and the hint says the new one."
-    '\n\n    <driver preset="study_mean"/>     the catalog has `study_means`',
+    "`preset` names a driver that is in no catalog. The library's drivers are in library/catalogs/drivers.xml; an "
+    "included <catalog> adds more, and <driver_model mu=... sigma=.../> in the <takeover> describes one directly. The "
+    "old name of a renamed driver is an error, and the hint gives the new name.\n\n"
+    '    <driver preset="study_mean"/>     the catalog has `study_means`',
 )
 UNKNOWN_WEATHER = Code(
     "SC219",
@@ -84,17 +85,17 @@ UNKNOWN_WEATHER = Code(
 UNUSABLE_INCLUDE = Code(
     "SC220",
     "unusable-include",
-    "An <include> names a file that cannot be read or that holds neither templates nor a catalog. A relative path is "
-    "tried from the folder of the file that includes, whole and then by its bare name."
-    '\n\n    <include file="templates/ours.xml"/>     from the folder of the file that says so',
+    "An <include> names a file that cannot be read or that contains neither templates nor a catalog. A relative path "
+    "starts from the folder of the including file; if it does not exist, the bare file name is tried there.\n\n"
+    '    <include file="templates/ours.xml"/>     relative to the including file\'s folder',
 )
 DEEP_INCLUDE = Code(
     "SC232",
     "deep-include",
-    "A file is included through so many others, each of which includes the next, that it is not followed any further; "
-    "what lies beyond is not known here. Files that include each other in a circle are read once and are no fault.\n\n"
+    "The chain of includes is too long, so its remaining files are not read. Files that include each other in a cycle "
+    "are read once; that is not an error.\n\n"
     '    <include file="b.xml"/>     in a.xml, and in b.xml c.xml, and so on through more than 30 files\n\n'
-    "Include the files that are needed side by side.",
+    "Include the required files directly.",
 )
 RESERVED_NAME = Code(
     "SC221",
@@ -168,34 +169,34 @@ NOT_ALLOWABLE = Code(
 UNKNOWN_CODE = Code(
     "SC227",
     "unknown-code",
-    "An <allow> names a code that no warning or note has, so nothing is kept quiet by it:\n\n"
+    "An <allow> names a code that no warning or note has, so it has no effect:\n\n"
     '    <allow code="SC999"/>     SC401, an event that never fires, was meant\n\n'
-    "Correct the number. It stands behind the word `warning` of what is to be kept quiet, and "
-    "`scenario-compiler explain SC401` says what a code means.",
+    "Correct the code. A warning shows its code after the word `warning`; `scenario-compiler explain SC401` explains "
+    "a code.",
     Severity.WARNING,
 )
 NO_START = Code(
     "SC240",
     "aisa-no-start",
-    "A scenario in the AISA toolkit's form has no waypoint named `start`, so nobody knows where the ego vehicle "
-    "begins. The toolkit's own `lanesdefault` is such a scenario. Add waypoints:\n\n"
+    "A scenario in the AISA toolkit's form has no waypoint named `start`, so the start of the ego vehicle is unknown. "
+    "The toolkit's own `lanesdefault` is such a scenario. Add waypoints:\n\n"
     '    <waypoint name="start" x="151.4" y="-91.5" z="0.3" yaw="90" pitch="0" roll="0"/>\n'
     '    <waypoint name="dest" x="151.4" y="-11.5" z="0.3" yaw="90" pitch="0" roll="0"/>',
 )
 NOT_EXECUTED = Code(
     "SC241",
     "aisa-not-executed",
-    "The AISA toolkit reads <object> elements, npc_vehicles and npc_pedestrians and then never uses them. They are "
-    "left out here too, so that the scenario means what it means there."
-    '\n\n    <object type="vehicle" .../>     is read by the toolkit, and never placed',
+    "The AISA toolkit reads <object> elements, npc_vehicles and npc_pedestrians and then never uses them. This "
+    "program ignores them too, so that the scenario has the same meaning as in the toolkit.\n\n"
+    '    <object type="vehicle" .../>     the toolkit reads it, but never places it',
     Severity.NOTE,
 )
 MAPS_OWN_WEATHER = Code(
     "SC242",
     "aisa-weather",
-    "The WeatherId leaves the weather to the map, which is read as a clear noon. WeatherId counts CARLA's presets in "
+    "The WeatherId leaves the weather to the map; here that means a clear noon. WeatherId counts CARLA's presets in "
     "alphabetical order, where 6 is Default and 10 is HardRainSunset; the paper on the toolkit names HardRainSunset "
-    "for vanishinglanes_weather, which ships with 6. `--set WeatherId=10` runs what the paper means."
-    '\n\n    <WeatherId value="6"/>     leaves the weather to the map',
+    "for vanishinglanes_weather, which ships with 6. `--set WeatherId=10` runs the weather named in the paper.\n\n"
+    '    <WeatherId value="6"/>     leaves the weather to the map',
     Severity.NOTE,
 )

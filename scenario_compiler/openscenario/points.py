@@ -43,8 +43,8 @@ from scenario_compiler.vocabulary.word import Word
 TILT = Code(
     "SC780",
     "tilt-from-road",
-    "A position gives pitch or roll. Vehicles of this world stand on the road, which gives both: the numbers have no "
-    "effect.\n\n"
+    "A position gives pitch or roll. In this world the road determines the pitch and roll of a vehicle, so the "
+    "numbers have no effect.\n\n"
     '    <Orientation type="relative" h="0" p="0.1"/>\n\n'
     "Leave them out, or change the road's elevation.",
     Severity.WARNING,
@@ -52,10 +52,10 @@ TILT = Code(
 POSITION_NOT_HERE = Code(
     "SC781",
     "position-not-here",
-    "A position on a route or a trajectory stands where another route or trajectory, a synchronisation or the place of "
-    "a new entity is described. There a position has to be on the map, in the world or beside an entity:\n\n"
+    "A position on a route or trajectory is used inside another route or trajectory, in a synchronisation, or for a "
+    "new entity. There, a position must be on the map, in the world or relative to an entity:\n\n"
     "    <Vertex><Position><TrajectoryPosition .../></Position></Vertex>\n\n"
-    "Write a LanePositionWord, RoadPosition, WorldPosition or one of the relative positions.",
+    "Write a LanePosition, RoadPosition, WorldPosition or one of the relative positions.",
     Severity.WARNING,
 )
 

@@ -60,23 +60,23 @@ UNKNOWN_LANE = Code(
 BEYOND_ROAD = Code(
     "SC373",
     "beyond-road",
-    "A position lies before the begin or behind the end of its road. s is measured along the road's reference line "
-    "from 0 to the road's length."
-    '\n\n    <lane road="3" lane="-1" s="900"/>     road 3 is 400 m long',
+    "A position is before the begin or beyond the end of its road. s is measured along the road's reference line from "
+    "0 to the road's length.\n\n"
+    '    <lane road="3" lane="-1" s="900"/>     road 3 is 400 m long',
 )
 OFF_ROAD = Code(
     "SC374",
     "off-road",
     "A position in the world lies on no lane of the map, so nothing can drive there. Check the frame: CARLA's y axis "
-    'points the other way than OpenDRIVE\'s (`frame="carla"`), and maps of different releases differ.'
-    '\n\n    <world x="151.4" y="-91.5" frame="carla"/>     y has the other sign in OpenDRIVE\'s axes',
+    'points in the opposite direction to OpenDRIVE\'s (`frame="carla"`). Maps of different releases also differ.\n\n'
+    '    <world x="151.4" y="-91.5" frame="carla"/>     y has the opposite sign in OpenDRIVE\'s axes',
 )
 LANE_ENDS_EARLY = Code(
     "SC375",
     "lane-ends-early",
-    "A position ahead of an entity lies beyond the end of the lane that the entity drives on. Shorten the distance, or "
-    "start the entity on a road that goes on."
-    '\n\n    <ahead_of entity="ego" distance="800"/>     the ego vehicle\'s lane ends after 420 m',
+    "A position ahead of an entity is beyond the end of the entity's lane. Shorten the distance, or start the entity "
+    "on a longer road.\n\n"
+    '    <ahead_of entity="ego" distance="800"/>     the ego vehicle\'s lane ends after 420 m',
 )
 UNKNOWN_SPAWN_POINT = Code(
     "SC376",
@@ -86,22 +86,22 @@ UNKNOWN_SPAWN_POINT = Code(
     '    <spawn_points><point name="bridge"><lane road="3" lane="-1" s="20"/></point></spawn_points>\n'
     '    <start><spawn_point name="bridge"/></start>\n'
     '    <start><numbered_spawn_point index="0"/></start>\n\n'
-    "`scenario-compiler map info FILE` shows those of a map.",
+    "`scenario-compiler map info FILE` lists the spawn points of a map.",
 )
 NO_RANDOM_PLACE = Code(
     "SC382",
     "no-random-place",
-    "A <random> position leaves no stretch of any lane to choose from: the roads have no lane of that kind or id, or "
-    "`s_from` and `s_to` lie outside of them. Widen the choice:\n\n"
+    "No lane matches a <random> position: the roads have no lane of that kind or id, or `s_from` and `s_to` are "
+    "outside the roads. Allow more roads or lanes:\n\n"
     '    <random on="sidewalk" roads="1 2"/>',
 )
 RANDOM_HERE = Code(
     "SC383",
     "random-position-here",
-    "A random position stands where only a fixed one makes sense: as a destination, in a condition or an action, or as "
-    "the start of an ego vehicle that has a destination (its route would differ from run to run). Give the draw a "
-    '`seed`, as in <random_spawn_point seed="3"/>, or write a fixed position.'
-    '\n\n    <destination><random on="driving"/></destination>     would differ from run to run',
+    "A random position is used where only a fixed one is allowed: as a destination, in a condition or an action, or "
+    "as the start of an ego vehicle that has a destination (its route would differ from run to run). Add a `seed`, as "
+    'in <random_spawn_point seed="3"/>, or write a fixed position.\n\n'
+    '    <destination><random on="driving"/></destination>     would differ from run to run',
 )
 NO_VALUE = Code(
     "SC377",
@@ -113,9 +113,9 @@ NO_VALUE = Code(
 NOT_ON_EARTH = Code(
     "SC385",
     "map-without-projection",
-    "A position is given by latitude and longitude, but the map does not say how it is projected, or not by a "
-    "transverse Mercator projection (`+proj=tmerc` or `+proj=utm` in the `geoReference` of its header). Write the "
-    "position in the map's own axes instead:\n\n"
+    "A position is given by latitude and longitude, but the map does not specify its projection, or the projection is "
+    "not a transverse Mercator projection (`+proj=tmerc` or `+proj=utm` in the `geoReference` of its header). Write "
+    "the position in the map's own axes instead:\n\n"
     '    <geographic latitude="49.0069" longitude="8.4037"/>\n'
     '    <free x="120.5" y="-33.2" heading="90"/>',
 )

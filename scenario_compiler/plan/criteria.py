@@ -10,10 +10,10 @@ from scenario_compiler.vocabulary.takeover import Takeover
 UNFULFILLABLE = Code(
     "SC404",
     "criterion-never-met",
-    "A criterion can never be fulfilled, so every run fails: the ego vehicle is to reach a destination and has none, "
-    "or a request is to have a cause that the takeover policy does not switch on."
-    '\n\n    <ego speed="10"> <start>...</start> </ego>     <destination>...</destination> is missing inside'
-    "\n    <criteria><reach_destination/></criteria>",
+    "A criterion can never be met, so every run fails: the ego vehicle must reach a destination but has none, or a "
+    "request must have a cause that the takeover policy does not enable.\n\n"
+    '    <ego speed="10"> <start>...</start> </ego>     <destination>...</destination> is missing inside\n'
+    "    <criteria><reach_destination/></criteria>",
     Severity.WARNING,
 )
 

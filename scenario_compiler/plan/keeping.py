@@ -22,24 +22,25 @@ from scenario_compiler.vocabulary.word import Number
 NAME_TAKEN = Code(
     "SC287",
     "traffic-name-taken",
-    "An action on traffic and something else of the scenario have one name, so that their vehicles would too."
-    '\n\n    <traffic id="flow" vehicles="20"/>'
-    '\n    <do><traffic_swarm traffic="flow" .../></do>     give one of them another name',
+    "An action on traffic has the same name as another part of the scenario, so their vehicles would have the same "
+    "names.\n\n"
+    '    <traffic id="flow" vehicles="20"/>\n'
+    '    <do><traffic_swarm traffic="flow" .../></do>     give one of them another name',
 )
 NO_VEHICLE = Code(
     "SC288",
     "no-vehicle-of-category",
-    "Traffic is to be of a category that none of the scenario's vehicles is of. A file finds them in the library's "
-    "catalogs; a scenario made in Python brings them along."
-    '\n\n    <traffic_swarm ...><kind category="bus"/></traffic_swarm>     no catalog has a bus',
+    "Traffic has a category for which the scenario has no vehicle. A file uses the vehicles of the library's "
+    "catalogs; a scenario built in Python must include them.\n\n"
+    '    <traffic_swarm ...><kind category="bus"/></traffic_swarm>     no catalog has a bus',
 )
 
 LESS_TRAFFIC = Code(
     "SC289",
     "less-traffic-than-asked",
-    "A swarm is to have more vehicles than are made, or a source makes none. The greatest swarm has 500 vehicles."
-    '\n\n    <TrafficSwarmAction numberOfVehicles="5000" .../>     500 are made'
-    '\n    <TrafficSourceAction rate="0" .../>     write how many appear in a second',
+    "A swarm has more vehicles than the limit, or a source creates none. The greatest swarm has 500 vehicles.\n\n"
+    '    <TrafficSwarmAction numberOfVehicles="5000" .../>     the limit is 500\n'
+    '    <TrafficSourceAction rate="0" .../>     write the number of vehicles per second',
     Severity.WARNING,
 )
 

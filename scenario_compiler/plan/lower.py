@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Place, Severity
 from scenario_compiler.document import Origin
@@ -44,7 +43,7 @@ from scenario_compiler.vocabulary.positions import (
     WorldPosition,
 )
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
-from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry, Perception
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import parameters_in, replaced
@@ -53,32 +52,30 @@ from scenario_compiler.vocabulary.word import Word
 POSITION_CYCLE = Code(
     "SC230",
     "position-cycle",
-    "The starts of entities depend on each other in a circle: each is `ahead_of` the next. One of them needs a "
-    "position of its own."
-    '\n\n    <static id="a"><at><ahead_of entity="b" distance="5"/></at></static>'
-    '\n    <static id="b"><at><ahead_of entity="a" distance="5"/></at></static>',
+    "The start positions of entities depend on each other in a cycle: each is `ahead_of` the next. Give one of them "
+    "an independent position.\n\n"
+    '    <static id="a"><at><ahead_of entity="b" distance="5"/></at></static>\n'
+    '    <static id="b"><at><ahead_of entity="a" distance="5"/></at></static>',
 )
 NO_ROUTE = Code(
     "SC379",
     "no-route",
-    "No way over the map's lanes leads from the start to the destination: the run would never end there. Check the "
-    "direction of travel of both lanes."
-    '\n\n    <start><lane road="3" lane="-1" s="20"/></start>'
-    '\n    <destination><lane road="3" lane="1" s="90"/></destination>     the lane of those who come towards',
+    "No route along the map's lanes leads from the start to the destination, so the ego vehicle can never reach it. "
+    "Check the direction of travel of both lanes.\n\n"
+    '    <start><lane road="3" lane="-1" s="20"/></start>\n'
+    '    <destination><lane road="3" lane="1" s="90"/></destination>     the oncoming lane',
 )
 NO_DURATION = Code(
     "SC601",
     "no-duration",
-    "The scenario says neither how long it lasts nor what stops it, so it ends after 60 s. Give the scenario a "
-    "`duration`, or pass --duration."
-    '\n\n    <scenario name="paint_fades" map="highway_loop" duration="30">',
+    "The scenario has neither a duration nor a stop trigger, so it ends after 60 s. Give the scenario a `duration`, "
+    "or pass --duration.\n\n"
+    '    <scenario name="paint_fades" map="highway_loop" duration="30">',
     Severity.WARNING,
 )
 
 DEFAULT_DURATION = 60.0
 """Length of a run that says nothing of its end, s."""
-
-Perception = Literal["camera", "ideal"]
 
 
 @dataclass

@@ -27,18 +27,18 @@ MAP_OF_RUN = "map.xodr"
 UNKNOWN_MAP = Code(
     "SC204",
     "unknown-map",
-    "There is no OpenDRIVE file of that name on the map search path: the folder of the scenario's file, the folders of "
-    "--maps, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, and the maps that come along. "
-    "CARLA's towns are not among those: they are part of a CARLA installation (set CARLA_ROOT), and "
-    "`open(name, 'w').write(world.get_map().to_opendrive())` saves one from a running server."
-    '\n\n    <scenario map="highway_lop" ...>     the map that comes along is called highway_loop',
+    "There is no OpenDRIVE file of that name on the map search path: the folder of the scenario's file, the folders "
+    "of --maps, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, and the packaged maps. "
+    "CARLA's towns are not packaged: they are part of a CARLA installation (set CARLA_ROOT), and `open(name, "
+    "'w').write(world.get_map().to_opendrive())` saves one from a running server.\n\n"
+    '    <scenario map="highway_lop" ...>     the packaged map is called highway_loop',
 )
 CHANGED_MAP = Code(
     "SC231",
     "changed-map",
-    "The map has changed since the plan was compiled, so the plan's positions may no longer lie where they did. "
-    "Compile the scenario again."
-    "\n\n    scenario-compiler compile conflict.xml -o plan.json     binds the positions to the map as it is now",
+    "The map has changed since the plan was compiled, so the plan's positions may no longer be correct. Compile the "
+    "scenario again.\n\n"
+    "    scenario-compiler compile conflict.xml -o plan.json     binds the positions to the map as it is now",
 )
 
 

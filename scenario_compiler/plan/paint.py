@@ -11,9 +11,10 @@ from scenario_compiler.vocabulary.word import number_value
 EMPTY_STRETCH = Code(
     "SC388",
     "empty-stretch",
-    "A stretch of paint ends before it begins, so it is not what was meant. `from` and `to` are measured along the "
-    "road's reference line, whichever way its lanes go; of a line beside an entity, from the entity to where it faces."
-    '\n\n    <markings road="1" from="200" to="100" quality="0"/>     write from="100" to="200"',
+    "A stretch of paint ends before it begins. `from` and `to` are measured along the road's reference line, "
+    "independent of the direction of its lanes. For a line beside an entity they are measured from the entity in the "
+    "direction that it faces.\n\n"
+    '    <markings road="1" from="200" to="100" quality="0"/>     write from="100" to="200"',
     Severity.WARNING,
 )
 

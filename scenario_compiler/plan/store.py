@@ -20,8 +20,8 @@ UNDECLARED = Code(
     "SC132",
     "undeclared-in-plan",
     "An expression in a plan names a parameter that the plan does not declare, so it has no value. Plans are written "
-    "by `compile`; one that was changed by hand or by a program must declare what it uses."
-    '\n\n    "speed": {"expr": "$v"}     and no parameter of the name v in "parameters"',
+    "by `compile`; a plan that was changed by hand or by a program must declare the parameters that it uses.\n\n"
+    '    "speed": {"expr": "$v"}     and no parameter v in "parameters"',
 )
 BAD_PLAN = Code(
     "SC130",

@@ -1,4 +1,4 @@
-"""Why the engine broke a run off, in words: which entity, which quantity, what value, and when."""
+"""Why the engine broke a run off, in words: the entity, the quantity, its value, and the time."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from scenario_compiler.recording.names import FAULTS
 BROKE_OFF = Code(
     "SC523",
     "run-broke-off",
-    "The run could not go on, and ended before its time: a position, a heading or a speed became infinite, NaN, or so "
-    "large that nothing more can be computed from it; or a place that is known only while the scenario runs lies on no "
-    "lane. The message says of which entity, which quantity and what value. The rows before are kept.\n\n"
+    "The run could not go on and ended early. Either a position, heading or speed became infinite, NaN, or too large "
+    "to compute with; or a place that is known only during the run lies on no lane. The message names the entity, the "
+    "quantity and its value. The rows up to that time are kept.\n\n"
     "    'lead' has the speed inf m/s at 3.05 s\n\n"
-    "Look at what acts on that entity at that time: a speed, an acceleration or a position that depends on a parameter "
-    "or on another entity.",
+    "Check the actions on that entity at that time: a speed, an acceleration or a position that depends on a "
+    "parameter or on another entity.",
 )
 
 QUANTITIES = {
@@ -28,10 +28,12 @@ QUANTITIES = {
     "v": ("speed", "m/s"),
     "steer": ("steering angle", "rad"),
 }
-"""Columns that the engine keeps finite, in the order in which they are looked at: what each is called, and its unit."""
+"""Columns that the engine keeps finite, in the order in which they are checked, with the name of each quantity and its
+unit.
+"""
 
 OF_ENTITIES = (op.FAULT_NOT_FINITE, op.FAULT_OFF_ROAD_START, op.FAULT_NO_ROOM)
-"""Fault codes that are about an entity."""
+"""Fault codes that concern an entity."""
 
 
 def break_off_text(code: int, at: int, entities: Sequence[str], values: Mapping[str, float], t: float) -> str:
@@ -39,7 +41,7 @@ def break_off_text(code: int, at: int, entities: Sequence[str], values: Mapping[
 
     Args:
         code: The engine's fault code; 0 for none.
-        at: What the fault is about: for the codes OF_ENTITIES, the number of the entity.
+        at: Subject of the fault: for the codes OF_ENTITIES, the number of the entity.
         entities: The entities' ids.
         values: That entity's values of QUANTITIES at the end.
         t: Time of the end, s.

@@ -22,15 +22,15 @@ class EventRow(BaseModel):
 
     t: float = Field(description="Time, s.")
     kind: EventKind = Field(description="What happened.", json_schema_extra={"enum": [*EVENT_TEXTS]})
-    entity: str = Field(default="", description="Id of the entity concerned; at a collision, of the one that was hit.")
+    entity: str = Field(default="", description="Id of the entity concerned; for a collision, of the other entity.")
     cause: str = Field(
-        default="", description="Why: the cause of a warning or request, the kind of a failure, who stopped."
+        default="", description="Cause: of a warning or request, the kind of a failure, or who stopped the vehicle."
     )
     message: str = Field(
         default="",
-        description="The message to the driver, an event of the storyboard or an entity by name, or a sentence.",
+        description="The message to the driver, the name of a storyboard event or an entity, or a sentence.",
     )
-    value: float | None = Field(default=None, description="A number that belongs to it, SI unit.")
+    value: float | None = Field(default=None, description="A number that belongs to the event, in its SI unit.")
 
     @field_validator("kind")
     @classmethod
@@ -41,7 +41,7 @@ class EventRow(BaseModel):
 
 
 def write_events(events: Iterable[EventRow], path: Path) -> None:
-    """Write events.csv: one row an event, in order; an absent value is an empty cell."""
+    """Write events.csv with one row per event, in order; an absent value is an empty cell."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(EventRow.model_fields)

@@ -1,8 +1,8 @@
 """Measures of a run: each is declared once in `MEASURES`, with its definition, unit and source.
 
 A measure is computed in two ways with the same result: from `Traces`, the arrays of recordings with any leading axes
-for runs, and from `RunTotals`, what the engine added up while it ran. Both return one number a run, NaN where it is not
-defined. The definition that a number was made by goes into every file that holds the number.
+for runs, and from `RunTotals`, which the engine adds up during the run. Both return one number per run, NaN where the
+measure is not defined. Every file that contains the number also contains its definition.
 """
 
 from __future__ import annotations
@@ -76,10 +76,10 @@ class Measure:
         unit: SI unit.
         definition: How it is computed.
         undefined: When it has no value.
-        compute: The function, from Traces (...) to an array (...).
-        total: The same from RunTotals.
-        source: Where the definition comes from; empty for our own.
-        of_takeover: It is about the takeover, so that a run without an automated vehicle does not have it.
+        compute: Function from Traces (...) to an array (...).
+        total: The same measure, computed from RunTotals.
+        source: Source of the definition; empty for our own.
+        of_takeover: Whether it concerns the takeover, so that a run without an automated vehicle does not have it.
     """
 
     name: str
@@ -93,7 +93,7 @@ class Measure:
 
 
 def total(name: str) -> Callable[[RunTotals], Floats]:
-    """Return what reads a measure that is a column of the engine's totals."""
+    """Return a function that reads a measure from a column of the engine's totals."""
 
     def of_runs(totals: RunTotals) -> Floats:
         return totals.column(name)
@@ -127,7 +127,7 @@ def _first_brake_total(totals: RunTotals) -> Floats:
 
 
 def limit_distance(traces: Traces) -> Floats:
-    """Distance at the request to the place that the request is about."""
+    """Distance at the request to the place that caused it."""
     return distance_to_limit(
         cause_of_request(traces),
         _at_request(traces, traces.blocked_distance),
@@ -142,7 +142,7 @@ def _limit_distance_total(totals: RunTotals) -> Floats:
 
 
 def distance_to_limit(cause: Floats, blocked: Floats, ends: Floats) -> Floats:
-    """Return the distance to the place that a request is about, m, by the code of its cause; NaN for other causes."""
+    """Return the distance to the place that caused a request, m, by the code of the cause; NaN for other causes."""
     return np.where(cause == CAUSE_PATH_BLOCKED, blocked, np.where(cause == CAUSE_LANE_ENDS, ends, np.nan))
 
 
@@ -181,7 +181,7 @@ def time_to_limit(cause: Floats, distance: Floats, speed: Floats, towards: Float
 
 
 def request_lead(traces: Traces) -> Floats:
-    """Time from the request to what it came before."""
+    """Time from the request to the event that it preceded."""
     return after_request(traces, np.fmin(first_departure(traces), traces.times["collision"]))
 
 
@@ -190,9 +190,9 @@ def _request_lead_total(totals: RunTotals) -> Floats:
 
 
 def _at_request(traces: Traces, values: Floats) -> Floats:
-    """Return a run's column (..., n) in the first row behind the request that has a cause, NaN without one.
+    """Return a run's column (..., n) in the first row after the request that has a cause, NaN without one.
 
-    What the request found out is in the rows behind it: that of its time was recorded before.
+    The row at the time of the request was recorded before the request; its findings are in the rows after it.
     """
     return _in_first(traces.behind(traces.times["request"]) & (traces.cause != CAUSE_NONE), values)
 
@@ -208,7 +208,7 @@ def _in_first(rows: Booleans, values: Floats) -> Floats:
 
 
 def takeover_buffer(traces: Traces) -> Floats:
-    """What is left of the time budget when the driver responds."""
+    """Remaining time budget when the driver responds."""
     return whole_steps(traces, time_budget(traces) - takeover_time(traces))
 
 
@@ -217,7 +217,7 @@ def _takeover_buffer_total(totals: RunTotals) -> Floats:
 
 
 def minimum_time_to_collision(traces: Traces) -> Floats:
-    """Least time to collision of the run."""
+    """Least time to collision in the run."""
     return least_time_to_collision(traces)
 
 
@@ -257,7 +257,7 @@ def _greatest(values: Floats, where: Booleans) -> Floats:
 
 
 def minimum_confidence(traces: Traces) -> Floats:
-    """Least lane confidence, of the better side."""
+    """Least lane confidence, each time of the better side."""
     better = np.fmax(traces.confidence_left, traces.confidence_right)
     return np.asarray(np.fmin.reduce(better, axis=-1, initial=np.nan))
 
@@ -294,7 +294,7 @@ def _time_of(kind: EventKind, what: str) -> Measure:
 
 
 def measures_of(plan: Plan) -> tuple[Measure, ...]:
-    """Return the measures that runs of a plan have: none without an entity, those of the takeover with an ego only."""
+    """Return the measures of a plan's runs: none without an entity; those of the takeover only with an ego."""
     if not plan.entities:
         return ()
     return tuple(one for one in MEASURES if plan.controller is not None or not one.of_takeover)
@@ -304,8 +304,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "takeover_time",
         "s",
-        "Time from the request to the driver's response: the first input by which the driver takes over control.",
-        "no request, or no response to it",
+        "Time from the request to the driver's response, which is the first input by which the driver takes over "
+        "control.",
+        "there was no request, or no response to it",
         takeover_time,
         takeover_time,
     ),
@@ -313,7 +314,7 @@ MEASURES: tuple[Measure, ...] = (
         "eyes_on_time",
         "s",
         "Time from the request until the driver's eyes are on the road.",
-        "no request, or a driver who never answers",
+        "there was no request, or the driver never responded",
         eyes_on_time,
         eyes_on_time,
     ),
@@ -321,16 +322,16 @@ MEASURES: tuple[Measure, ...] = (
         "hands_on_time",
         "s",
         "Time from the request until the driver's hands are on the wheel.",
-        "no request, or a driver who never answers",
+        "there was no request, or the driver never responded",
         hands_on_time,
         hands_on_time,
     ),
     Measure(
         "steering_time",
         "s",
-        "Time from the request to the first row from the response on in which the steering wheel has been turned "
-        "since the response by more than `steering` of <inputs>: 2 degrees, with a steering ratio of 16, by default.",
-        "no response, or no steering after it",
+        "Time from the request to the first row, from the response on, in which the steering wheel has turned since "
+        "the response by more than `steering` of <inputs>. The default is 2 degrees, with a steering ratio of 16.",
+        "there was no response, or no steering after it",
         steering_time,
         steering_total,
         "after Gold et al. 2013, not verified",
@@ -338,9 +339,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "braking_time",
         "s",
-        "Time from the request to the first row from the response on in which the brake is pressed by more than "
-        "`brake` of <inputs>: 10 % by default.",
-        "no response, or no braking after it",
+        "Time from the request to the first row, from the response on, in which the brake is pressed by more than "
+        "`brake` of <inputs>. The default is 10 %.",
+        "there was no response, or no braking after it",
         braking_time,
         braking_total,
         "after Gold et al. 2013, not verified",
@@ -348,8 +349,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "input_time",
         "s",
-        "Time from the request to the first steering or braking: the lesser of steering_time and braking_time.",
-        "no response, or no input after it",
+        "Time from the request to the first steering or braking: the smaller of steering_time and braking_time.",
+        "there was no response, or no input after it",
         input_time,
         input_total,
         "after Gold et al. 2013, not verified",
@@ -357,22 +358,23 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "first_brake_time",
         "s",
-        "Time from the request to the first row, of those that the driver drives from the response until control is "
-        f"handed back, in which the brake is pressed by more than {BRAKING:.0%}.",
-        "no response, or no braking after it",
+        f"Time from the request to the first row in which the brake is pressed by more than {BRAKING:.0%}. Only "
+        "rows in which the driver drives count, from the response until control is handed back.",
+        "there was no response, or no braking after it",
         first_brake_time,
         _first_brake_total,
     ),
     Measure(
         "time_budget",
         "s",
-        "Distance to the limit at the request over the speed then, to the nearest whole step: the time until the limit "
-        "is reached at unchanged speed. The limit is where the path is blocked or the lane ends; of lane confidence, "
-        "where neither side has paint that is seen well enough, up to 60 m ahead. The speed of what comes towards the "
-        "vehicle and blocks its path is added. Of other causes, and where no such end is in sight, it is the time "
-        "until a side of the vehicle would be beyond its lane with its speed and its steering angle unchanged, if "
-        f"that is less than {HORIZON:g} s.",
-        "no request, or one whose limit would not be reached",
+        "Time until a limit is reached at unchanged speed: the distance to the limit at the request, divided "
+        "by the speed at that moment, to the nearest whole step. For a blocked path or the end of the lane, "
+        "the limit is that place; the speed of an obstacle that comes towards the vehicle is added. For lane "
+        "confidence, the limit is the place, up to 60 m ahead, from which on neither side has sufficiently "
+        "visible paint. For other causes, and where no such place is in sight, it is the time until a side of "
+        "the vehicle would leave its lane at unchanged speed and steering angle, if that is less than "
+        f"{HORIZON:g} s.",
+        "there was no request, or its limit would not be reached",
         time_budget,
         _time_budget_total,
         "lead time, Eriksson and Stanton 2017",
@@ -380,8 +382,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "takeover_buffer",
         "s",
-        "Time budget less takeover time; negative when the driver answered after the limit would have been reached.",
-        "no time budget or no takeover time",
+        "Time budget minus takeover time. It is negative if the driver responded after the limit would have been "
+        "reached.",
+        "there is no time budget or no takeover time",
         takeover_buffer,
         _takeover_buffer_total,
         "arXiv 2507.22262",
@@ -389,35 +392,36 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "request_lead",
         "s",
-        "Time from the request to the first collision, or to the first row from the request on in a lane departure, "
-        "whichever was first: how early the request was for what came of it.",
-        "no request, or neither came",
+        "Time from the request to the first collision, or to the first row of a lane departure after the request, "
+        "whichever came first. It shows how early the request was.",
+        "there was no request, or neither event followed",
         request_lead,
         _request_lead_total,
     ),
     Measure(
         "limit_distance",
         "m",
-        "Distance at the request from the front bumper to where the path is blocked or the lane ends, along the lane.",
-        "no request, or one that is not about a place ahead",
+        "Distance at the request from the front bumper to the obstacle or the end of the lane, along the lane.",
+        "there was no request, or it was not caused by a place ahead",
         limit_distance,
         _limit_distance_total,
     ),
     Measure(
         "traffic_density",
         "1/km",
-        "Vehicles that go the vehicle's way at 2 m/s or more at the first request, on all lanes from 500 m behind to "
-        "500 m ahead, for each kilometre of the road there.",
-        "no request",
+        "Vehicles per kilometre of road at the first request that drive in the vehicle's direction at 2 m/s or more, "
+        "on all lanes from 500 m behind to 500 m ahead.",
+        "there was no request",
         traffic_density,
         total("request_density"),
     ),
     Measure(
         "minimum_time_to_collision",
         "s",
-        "Least over the run of gap over closing speed to any entity whose box lies across the path ahead: as wide as "
-        "the vehicle, with the curvature it drives at that moment, which is known from the second row on. The gap is "
-        f"to the part of the box within the path; 0 while boxes overlap. {HORIZON:g} s or more counts as none.",
+        "Least time to collision over the run: gap divided by closing speed, to any entity whose box overlaps "
+        "the path ahead. The path is as wide as the vehicle and has the curvature that it drives at that "
+        "moment, which is known from the second row on. The gap is measured to the part of the box within the "
+        f"path; it is 0 while boxes overlap. Values of {HORIZON:g} s or more are ignored.",
         f"nothing in the path would ever be reached within {HORIZON:g} s",
         minimum_time_to_collision,
         total("least_time_to_collision"),
@@ -426,10 +430,10 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "minimum_lane_time_to_collision",
         "s",
-        "Least of gap over closing speed along the lane, to any entity ahead that the automation, or the driver who "
-        "drives, sees and that lies across the width of the vehicle at its place in the lane, whatever it steers: the "
-        "time to an obstacle until the vehicle has moved aside. Measured at control steps, up to the first collision. "
-        f"{HORIZON:g} s or more counts as none.",
+        "Least time to collision along the lane: gap divided by closing speed, to any entity ahead that overlaps the "
+        "width of the vehicle at its lateral position in the lane, whatever it steers: the time to an obstacle until "
+        "the vehicle has moved aside. Only entities that the automation, or the driver who drives, sees count. It is "
+        f"measured at control steps, up to the first collision. Values of {HORIZON:g} s or more are ignored.",
         f"nothing ahead would ever be reached within {HORIZON:g} s",
         minimum_lane_time_to_collision,
         total("least_lane_time"),
@@ -439,8 +443,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "minimum_time_headway",
         "s",
-        "Least over the run of gap over the vehicle's own speed to any entity whose box lies across the path ahead, as "
-        f"for the time to collision; 0 while boxes overlap. {HORIZON:g} s or more counts as none.",
+        "Least time headway over the run: gap divided by the vehicle's own speed, to any entity whose box "
+        "overlaps the path ahead, defined as for the time to collision. It is 0 while boxes overlap. Values of "
+        f"{HORIZON:g} s or more are ignored.",
         f"nothing in the path was within {HORIZON:g} s",
         least_headway,
         total("least_headway"),
@@ -450,10 +455,11 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "maximum_drac",
         "m/s2",
-        "Greatest over the run of the square of the closing speed over twice the gap, to any entity that would be "
-        f"reached within {HORIZON:g} s, as for the time to collision: the constant deceleration that would just do. At "
-        f"most {STEEPEST:g} m/s², which it is while boxes overlap.",
-        "nothing in the path was closed in on",
+        "Greatest value over the run of the squared closing speed divided by twice the gap, which is the "
+        "constant deceleration that would just avoid a crash. It applies to any entity that would be reached "
+        f"within {HORIZON:g} s, as for the time to collision. It is at most {STEEPEST:g} m/s², the value while "
+        "boxes overlap.",
+        "the vehicle never approached anything in the path",
         greatest_drac,
         lambda totals: drac_of_room(totals.column("least_room")),
         "deceleration rate to avoid a crash (DRAC)",
@@ -462,11 +468,12 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "minimum_post_encroachment_time",
         "s",
-        "Least over the run of the time between one vehicle's leaving a place and the other's coming there, of the "
-        "vehicle and any entity that has moved: the time between its box and that of the other which overlap, of rows "
-        f"that are at most {APART:g} s apart. 0 while boxes overlap at one time. What is followed on one way has one "
-        f"too: its time gap. {LONGEST:g} s or more counts as none.",
-        f"no place that both came to within {LONGEST:g} s",
+        "Least time between the moment at which one vehicle leaves a place and the moment at which the other "
+        "one reaches it, over the run, for the vehicle and any entity that has moved. It is the time between "
+        f"overlapping boxes of both in rows at most {APART:g} s apart, and 0 if the boxes overlap at the same "
+        f"time. An entity that is followed on the same way has one too: its time gap. Values of {LONGEST:g} s "
+        "or more are ignored.",
+        f"no place was reached by both within {LONGEST:g} s",
         least_encroachment,
         least_encroachment_total,
         "post-encroachment time (PET), Allen, Shin and Cooper 1978",
@@ -475,8 +482,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "minimum_distance",
         "m",
-        "Least distance in the plane between the vehicle's box and another entity's over the run; 0 when they overlap.",
-        "no other entity",
+        "Least distance in the plane between the vehicle's box and another entity's box over the run; 0 when they "
+        "overlap.",
+        "there is no other entity",
         minimum_distance,
         total("least_distance"),
         of_takeover=False,
@@ -485,7 +493,7 @@ MEASURES: tuple[Measure, ...] = (
         "maximum_longitudinal_acceleration",
         "m/s2",
         "Greatest absolute acceleration along the heading from the request to the end or the first collision.",
-        "no request",
+        "there was no request",
         maximum_longitudinal_acceleration,
         total("greatest_longitudinal"),
         "J. Adv. Transp. 2020/6173150, table 2",
@@ -495,7 +503,7 @@ MEASURES: tuple[Measure, ...] = (
         "m/s2",
         "Greatest absolute product of squared speed and driven curvature at the rear axle from the request to the end "
         "or the first collision.",
-        "no request",
+        "there was no request",
         maximum_lateral_acceleration,
         total("greatest_lateral"),
         "J. Adv. Transp. 2020/6173150, table 2",
@@ -504,7 +512,7 @@ MEASURES: tuple[Measure, ...] = (
         "lane_position_deviation",
         "m",
         f"Standard deviation (n - 1) of the lateral position in the lane over the {SETTLING:g} s after the response.",
-        f"no response, a lane change, or a run that ends within {SETTLING:g} s of it",
+        f"there was no response or there was a lane change, or the run ended within {SETTLING:g} s of the response",
         lane_position_deviation,
         total("settling_deviation"),
         "standard deviation of lateral position (SDLP)",
@@ -512,8 +520,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "settled_lane_position_deviation",
         "m",
-        f"The same from {SETTLING:g} s to {SETTLED:g} s after the response.",
-        f"no response, a lane change in that time, or a run that ends within {SETTLED:g} s of the response",
+        f"Standard deviation (n - 1) of the lateral position in the lane from {SETTLING:g} s to {SETTLED:g} s "
+        "after the response.",
+        f"there was no response, a lane change in that time, or the run ended within {SETTLED:g} s of the response",
         settled_deviation,
         total("settled_deviation"),
         "standard deviation of lateral position (SDLP)",
@@ -521,10 +530,11 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "stabilisation_time",
         "s",
-        f"Time from the request until lane keeping is stable: to the begin of the first window of {WINDOW:g} s, of "
-        "those one after the other from the response on while the driver drives, from which on the standard deviation "
-        f"of the lateral position is at most {BAND:g} m in all of them. A change of lane counts as motion.",
-        f"no response, no such window, or the driver drove for less than {WINDOW:g} s",
+        "Time from the request until lane keeping is stable. From the response on, the time in which the "
+        f"driver drives is divided into consecutive windows of {WINDOW:g} s. Lane keeping is stable from the "
+        "begin of the first window from which on the standard deviation of the lateral position is at most "
+        f"{BAND:g} m in every window. A lane change counts as motion.",
+        f"there was no response or no such window, or the driver drove for less than {WINDOW:g} s",
         stabilisation_time,
         stabilisation_time_total,
         "after Merat et al. 2014, whose criterion is not verified",
@@ -532,17 +542,18 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "maximum_lateral_offset",
         "m",
-        "Greatest absolute distance of the reference point from the centre of the lane that it was in at the request, "
-        "from the request on; rows off every lane are left out.",
-        "no request",
+        "Greatest absolute distance, from the request on, of the reference point from the centre of the lane in which "
+        "it was at the request. Rows off every lane are ignored.",
+        "there was no request",
         maximum_lateral_offset,
         total("greatest_offset_after"),
     ),
     Measure(
         "steering_reversal_rate",
         "1/min",
-        "Reversals of the steering wheel a minute, by at least 3 degrees after a low-pass of 0.6 Hz (Butterworth, "
-        "second order, forwards), in the rows that the driver drives from the response until control is handed back.",
+        "Reversals of the steering wheel per minute, of at least 3 degrees after a low-pass filter of 0.6 Hz "
+        "(Butterworth, second order, forwards). Only rows in which the driver drives count, from the response until "
+        "control is handed back.",
         f"the driver drove for less than {LEAST:g} s",
         coarse_rate,
         coarse_total,
@@ -551,7 +562,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "fine_steering_reversal_rate",
         "1/min",
-        "The same by at least 0.1 degrees after a low-pass of 2 Hz.",
+        "Reversals of the steering wheel per minute, as above, but of at least 0.1 degrees after a low-pass filter of "
+        "2 Hz.",
         f"the driver drove for less than {LEAST:g} s",
         fine_rate,
         fine_total,
@@ -561,7 +573,7 @@ MEASURES: tuple[Measure, ...] = (
         "lateral_offset_at_response",
         "m",
         "Distance of the reference point to the left of the centre of the lane at the request, in the direction of "
-        "travel, in the row of the response; negative to the right.",
+        "travel, in the row of the response. It is negative to the right.",
         "no response",
         lateral_offset_at_response,
         total("offset_at_response"),
@@ -569,7 +581,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "heading_error_at_response",
         "rad",
-        "Heading of the vehicle against its lane's direction in the row of the response, positive to the left.",
+        "Heading of the vehicle relative to its lane's direction in the row of the response, positive to the left.",
         "no response",
         heading_error_at_response,
         total("heading_at_response"),
@@ -577,9 +589,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "lane_departures",
         "1",
-        "Number of times that the vehicle came out of its lane: that a corner of its box passed an edge of the lane "
-        "that its reference point is in, or the point left every lane, until the box is within one lane again. A "
-        "change of lane is one of them.",
+        "Number of lane departures. One begins when a corner of the box passes an edge of the lane that contains the "
+        "reference point, or when this point leaves every lane; it ends when the box is within one lane again. A lane "
+        "change counts as one.",
         "never",
         lane_departures,
         lane_departures_total,
@@ -587,27 +599,28 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "longest_lane_departure",
         "s",
-        "Number of rows of the longest lane departure times the step.",
-        "no lane departure",
+        "Duration of the longest lane departure: its number of rows times the step.",
+        "there was no lane departure",
         longest_departure,
         longest_departure_total,
     ),
     Measure(
         "deepest_lane_departure",
         "m",
-        "Greatest distance of a corner of the box, in lane departures, beyond the edge of the lane that it had left, "
-        "as wide as that was there; rows off every lane are left out.",
-        "no lane departure",
+        "Greatest distance of a corner of the box beyond the edge of the lane that it left, in lane departures, with "
+        "the lane's width at that place. Rows off every lane are ignored.",
+        "there was no lane departure",
         deepest_departure,
         total("deepest_departure"),
     ),
     Measure(
         "minimum_time_to_lane_crossing",
         "s",
-        "Least over the rows from the request on of the distance from the outermost corner of the box to the lane's "
-        "edge, on the side that the vehicle moves to, over its speed across the lane: the speed times the sine of the "
-        f"heading against the lane. 0 in a lane departure. {HORIZON:g} s or more counts as none.",
-        f"no request, or no edge would have been crossed within {HORIZON:g} s",
+        "Least time to line crossing over the rows from the request on: the distance from the outermost corner "
+        "of the box to the lane's edge, on the side to which the vehicle moves, divided by its lateral speed. "
+        "The lateral speed is the speed times the sine of the heading relative to the lane. It is 0 in a lane "
+        f"departure. Values of {HORIZON:g} s or more are ignored.",
+        f"there was no request, or no edge would have been crossed within {HORIZON:g} s",
         least_time_to_crossing,
         total("least_crossing"),
         "time to line crossing (TLC), after SAE J2944, not verified",
@@ -615,8 +628,8 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "mean_time_to_lane_crossing",
         "s",
-        "Mean of the same over the rows that have one.",
-        f"no request, or no edge would have been crossed within {HORIZON:g} s",
+        "Mean time to line crossing over the rows from the request on that have one.",
+        f"there was no request, or no edge would have been crossed within {HORIZON:g} s",
         mean_time_to_crossing,
         mean_time_to_crossing_total,
         "time to line crossing (TLC), after SAE J2944, not verified",
@@ -624,17 +637,17 @@ MEASURES: tuple[Measure, ...] = (
     Measure(
         "time_off_road",
         "s",
-        "Time that the reference point was off the road: off every lane, or on one that is neither for motor traffic "
-        "nor a shoulder or a parking lane: the number of such rows times the step.",
-        "it was on the road throughout",
+        "Time for which the reference point was off the road: off every lane, or on a lane that is neither for motor "
+        "traffic nor a shoulder or parking lane. It is the number of such rows times the step.",
+        "the vehicle was on the road throughout",
         time_off_road,
         time_off_road_total,
     ),
     Measure(
         "time_off_lanes",
         "s",
-        "Time that the reference point was off every lane: the number of such rows times the step.",
-        "it was on a lane throughout",
+        "Time for which the reference point was off every lane: the number of such rows times the step.",
+        "the vehicle was on a lane throughout",
         time_off_lanes,
         time_off_lanes_total,
         of_takeover=False,
@@ -669,7 +682,7 @@ MEASURES: tuple[Measure, ...] = (
         "requests",
         "1",
         "Number of takeover requests in the run.",
-        "no request",
+        "there was no request",
         requests,
         total("requests"),
     ),
@@ -680,5 +693,6 @@ MEASURES: tuple[Measure, ...] = (
     _time_of("minimum_risk", "minimum-risk manoeuvre"),
     _time_of("standstill", "standstill"),
     _time_of("collision", "collision"),
+    _time_of("outside_domain", "look outside the domain of surrogate perception"),
 )
 """All measures, in the order in which they are shown."""

@@ -1,4 +1,4 @@
-"""The names that a recording and its files use for the engine's integer codes."""
+"""The names that stand for the engine's integer codes in a recording and its files."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ StopReason = Literal[
     "", "duration", "trigger", "destination", "standstill", "collision", "error", "world_lost",
     "controller_failed", "user",
 ]  # fmt: skip
-"""Why a run ended; empty while it goes on, `user` when a person or a program ended it."""
+"""Why a run ended; empty while it goes on, `user` if a person or a program ended it."""
 
 BROKEN_OFF: frozenset[StopReason] = frozenset({"error", "world_lost", "controller_failed"})
-"""Reasons of runs that could not go on."""
+"""Reasons for which a run could not go on."""
 
 TAKEOVER_STATES: dict[int, StateName] = {
     opcodes.TAKEOVER_AUTOMATED: "automated",
@@ -54,19 +54,19 @@ EVENT_TEXTS: dict[EventKind, str] = {
     **{entry.told.event: entry.told.text for entry in ACTIONS if entry.told is not None},
     "world_collision": "The world's own physics reports a collision of the ego vehicle with `entity`.",
     "lane_invasion": "The world's own sensor reports that the ego vehicle crosses a mark; `message` is its type.",
-    "message_over": "The reason of a message has ended, and with it the message: `message`; `cause` is the modality.",
-    "message_given": "By what the page gave the driver a message of the modality `cause`: `message` is `file` (a "
-    "recorded sound), `browser` (its speech synthesis), `text` (shown, since it could not be spoken), `gamepad`, "
-    "`phone`, or `none`.",
-    "person_left": "The page of the person at the wheel is gone: the vehicle stops if they were driving.",
-    "person_back": "The page of the person at the wheel is there again.",
-    "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` says why.",
-    "stop": "The run ends; `message` is the reason.",
+    "message_over": "The message has ended, together with its reason: `message` is its text, `cause` its modality.",
+    "message_given": "How the page gave the driver a message of the modality `cause`: `message` is `file` (a recorded "
+    "sound), `browser` (its speech synthesis), `text` (shown, because it could not be spoken), `gamepad`, `phone`, or "
+    "`none`.",
+    "person_left": "The page of the person at the wheel was closed. The vehicle stops if that person was driving.",
+    "person_back": "The page of the person at the wheel is open again.",
+    "broken_off": "The run cannot go on: `cause` is a diagnostic code, `message` gives the reason.",
+    "stop": "The run ends; `message` is the stop reason.",
 }
-"""Every kind of event, and what it tells: the engine's own, its actions', the worlds', and the loop's."""
+"""Every kind of event, and its meaning: the engine's events, its actions', the worlds' and the loop's."""
 
 SOURCES: dict[int, str] = {0: "automation", 1: "driver model", 2: "person", 3: "minimum-risk manoeuvre"}
-"""Who commands the automated vehicle."""
+"""The source of the automated vehicle's commands."""
 
 WISHES: dict[int, Literal["", "take_over", "hand_back", "leave", "request"]] = {
     opcodes.WISH_NONE: "",
@@ -75,7 +75,7 @@ WISHES: dict[int, Literal["", "take_over", "hand_back", "leave", "request"]] = {
     opcodes.WISH_LEAVE: "leave",
     opcodes.WISH_REQUEST: "request",
 }
-"""What a person at the wheel wants of the automation."""
+"""What a person at the wheel wants the automation to do."""
 
 CODES: dict[str, Mapping[int, str]] = {
     "state": TAKEOVER_STATES,
@@ -83,7 +83,7 @@ CODES: dict[str, Mapping[int, str]] = {
     "source": SOURCES,
     "wish": WISHES,
 }
-"""Names of the codes of a kind of column."""
+"""Names of the codes of one kind of column."""
 
 FAILURES: dict[int, FailureKind] = {
     opcodes.FAILURE_NOISE: "noise",
@@ -118,15 +118,15 @@ FAULTS: dict[int, str] = {
     opcodes.FAULT_UNKNOWN_ACTION: "the program holds an unknown action",
     opcodes.FAULT_UNKNOWN_SHAPE: "the program holds an unknown transition shape",
     opcodes.FAULT_UNKNOWN_MOTION: "the program holds an unknown kind of motion",
-    opcodes.FAULT_DELAY_OVERFLOW: "a delayed condition changes too often to be remembered",
+    opcodes.FAULT_DELAY_OVERFLOW: "a delayed condition changes too often for its history to be stored",
     opcodes.FAULT_UNKNOWN_RULE: "the program holds an unknown comparison",
     opcodes.FAULT_UNKNOWN_EDGE: "the program holds an unknown condition edge",
-    opcodes.FAULT_NO_ROOM: "there is no free place left to draw for it",
+    opcodes.FAULT_NO_ROOM: "no free place is left for a random position",
 }
 """What a run's fault code means."""
 
 StandingPlace = Literal["", "own_lane", "other_lane", "shoulder", "off_road"]
-"""Where a vehicle stands that has been stopped; empty where it was not."""
+"""Where a stopped vehicle stands; empty if it was not stopped."""
 
 STANDING_PLACES: dict[int, StandingPlace] = {
     opcodes.STANDS_NOWHERE: "",
@@ -137,7 +137,7 @@ STANDING_PLACES: dict[int, StandingPlace] = {
 }
 
 BY_HAND = "driver"
-"""Cause of a standstill that a driver brought about: the takeover's state stays as it was."""
+"""Cause of a standstill that a driver brought about; the takeover's state does not change."""
 
 STATE_AFTER: dict[EventKind, StateName] = {
     "activation": "automated",

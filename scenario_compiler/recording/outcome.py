@@ -37,25 +37,25 @@ class _Part(BaseModel):
 
 
 class Interval(_Part):
-    """A stretch of time in one state of the takeover."""
+    """An interval of time in one state of the takeover."""
 
     state: StateName = Field(description="The state.")
-    begin: float = Field(description="When it began, s.")
-    end: float = Field(description="When it ended, s.")
+    begin: float = Field(description="Begin, s.")
+    end: float = Field(description="End, s.")
 
 
 class MeasureValue(_Part):
     """A measure of the run."""
 
-    value: float | None = Field(description="The number, null where the measure is not defined.")
+    value: float | None = Field(description="The value; null if the measure is not defined.")
     unit: str = Field(description="SI unit.")
     definition: str = Field(description="How it is computed.")
-    source: str = Field(default="", description="Where the definition comes from; empty for our own.")
-    undefined: str = Field(default="", description="Why there is no number.")
+    source: str = Field(default="", description="Source of the definition; empty for our own.")
+    undefined: str = Field(default="", description="Why the value is null.")
 
 
 class Outcome(_Part):
-    """What came of a run."""
+    """The outcome of a run."""
 
     format: Literal["scenario-compiler/outcome/1"] = Field(
         default="scenario-compiler/outcome/1", description="Version of this format."
@@ -65,31 +65,33 @@ class Outcome(_Part):
     seed: int = Field(description="Seed of the run.")
     variant: int = Field(default=0, description="Index of the variant in a sweep.")
     result: Literal["pass", "fail", "error"] = Field(
-        description="pass when all criteria hold; error when the run broke off."
+        description="pass if all criteria are met; error if the run broke off."
     )
     resolution: Resolution = Field(
         description="How the first request ended: "
         + "; ".join(f"{name}: {meaning}" for name, meaning in MEANINGS.items())
         + "."
     )
-    cause: str = Field(default="", description="Cause of the first request; empty without one.")
-    collision_with: str | None = Field(default=None, description="Id of the first entity that was hit.")
+    cause: str = Field(default="", description="Cause of the first request; empty without a request.")
+    collision_with: str | None = Field(
+        default=None, description="Id of the first entity with which the ego vehicle collided."
+    )
     stands: StandingPlace = Field(
         default="",
         description="Where the vehicle stands after a minimum-risk manoeuvre or a driver's stop: own_lane, other_lane, "
-        "shoulder, off_road; empty where it was not stopped.",
+        "shoulder, off_road; empty if it was not stopped.",
     )
     stop_reason: StopReason = Field(description="Why the run ended.")
     error: int = Field(default=0, description="The engine's fault code; 0 for none.")
     duration: float = Field(description="Time of the last row, s.")
-    criteria: tuple[CriterionResult, ...] = Field(description="How the run fares by each criterion of the plan.")
+    criteria: tuple[CriterionResult, ...] = Field(description="Results of the plan's criteria.")
     timeline: tuple[Interval, ...] = Field(
-        description="The takeover's states, one after the other; none without an automated vehicle."
+        description="The takeover's states in order; empty without an automated vehicle."
     )
     takeovers: tuple[Takeover, ...] = Field(default=(), description="All takeovers, one for each request.")
     measures: dict[str, MeasureValue] = Field(description="The measures by name, each with the definition used.")
-    trajectory_hash: str = Field(description="SHA-256 of the trajectories: equal runs have equal hashes.")
-    versions: dict[str, str] = Field(description="Versions of what the result depends on.")
+    trajectory_hash: str = Field(description="SHA-256 of the trajectories: identical runs have identical hashes.")
+    versions: dict[str, str] = Field(description="Versions of the software on which the result depends.")
 
 
 def judge(plan: Plan, recording: Recording) -> Outcome:
@@ -125,7 +127,7 @@ def judge(plan: Plan, recording: Recording) -> Outcome:
 
 
 def standing_place(recording: Recording) -> StandingPlace:
-    """Return where the vehicle stands at the end of a run that a standstill ended, empty for any other end."""
+    """Return where the vehicle stands if the run ended with a standstill, else empty."""
     stops = [event for event in recording.events if event.kind == "standstill"]
     if recording.stop_reason not in ("standstill", "duration") or not stops:
         return ""
@@ -152,7 +154,7 @@ def measure_run(traces: Traces, measures: Sequence[Measure] = MEASURES) -> dict[
 
 
 def timeline(recording: Recording) -> tuple[Interval, ...]:
-    """Return the takeover's states from the first row to the last, as the events begin them."""
+    """Return the takeover's states from the first row to the last; events mark their begins."""
     if not len(recording.t):
         return ()
     begin, end = float(recording.t[0]), float(recording.t[-1])
@@ -172,7 +174,7 @@ def timeline(recording: Recording) -> tuple[Interval, ...]:
 
 
 class OutcomeError(ValueError):
-    """The file is no outcome that can be read."""
+    """The file is not a readable outcome."""
 
 
 def write_outcome(outcome: Outcome, path: Path) -> None:
@@ -182,8 +184,8 @@ def write_outcome(outcome: Outcome, path: Path) -> None:
 
 
 def read_outcome(path: Path) -> Outcome:
-    """Read an outcome back; OutcomeError when the file holds none."""
+    """Read an outcome back; raises OutcomeError if the file does not contain one."""
     try:
         return Outcome.model_validate_json(read_file(path))
     except ValidationError as problem:
-        raise OutcomeError(f"{path} is no outcome: {problem}") from problem
+        raise OutcomeError(f"{path} is not an outcome: {problem}") from problem

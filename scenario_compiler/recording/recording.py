@@ -1,4 +1,4 @@
-"""The recording: everything that happened in one run, as arrays, and the builder that takes it down."""
+"""The recording: everything that happened in one run, as arrays, and the builder that writes it."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CODES, EventKind, StopReason
 from scenario_compiler.vocabulary.driver import ReferenceName
+from scenario_compiler.vocabulary.sensors import Perception
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,7 +27,7 @@ Booleans: TypeAlias = NDArray[np.bool_]
 
 
 class Header(BaseModel):
-    """What a recording is of."""
+    """The origin of a recording."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -39,20 +40,21 @@ class Header(BaseModel):
     )
     avoided: dict[ReferenceName, bool] = Field(
         default={},
-        description="Whether each reference driver that a criterion names has no collision, driving from the start.",
+        description="Whether each reference driver of a criterion avoids a collision when it drives from the start.",
     )
     step: float = Field(description="Length of a time step, s.")
     entities: tuple[str, ...] = Field(
         description="Ids of the entities in document order, an automated ego vehicle first."
     )
-    perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
-    world: str = Field(default="kinematic", description="Name of the world that the run took place in.")
+    perception: Perception = Field(description="Source of the lane confidence.")
+    world: str = Field(default="kinematic", description="Name of the world in which the run took place.")
     versions: dict[str, str] = Field(
-        default={}, description="Versions of what the result depends on: this package, Python, libraries, the world."
+        default={},
+        description="Versions of the software on which the result depends: this package, Python, libraries, the world.",
     )
     processor: str = Field(
         default="",
-        description="Architecture of the processor and those of its features by which libraries choose their code.",
+        description="Architecture of the processor, and the features by which libraries choose their code.",
     )
 
 
@@ -62,7 +64,7 @@ class Frame:
 
     Attributes:
         t: Time, s.
-        label: What it shows the moment of: an event's kind, such as "request".
+        label: The moment that it shows: an event's kind, such as "request".
         png: The picture as a PNG file.
     """
 
@@ -104,18 +106,18 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """One run: n rows (t = 0 and one a step) of m entities in OpenDRIVE axes; an automated ego vehicle is entity 0.
+    """One run: n rows (t = 0 and one per step) of m entities in OpenDRIVE axes; an automated ego vehicle is entity 0.
 
-    The point of an entity is its reference point: the rear axle's centre on the ground. Rows where an entity
-    is absent hold NaN, 0 or -1; `present` tells. Two recordings are equal when all their content is, NaN equal
-    to NaN.
+    The position of an entity is that of its reference point: the rear axle's centre on the ground. Rows in which an
+    entity is absent contain NaN, 0 or -1; `present` marks them. Two recordings are equal if their whole contents are
+    equal; NaN equals NaN.
 
     Attributes:
-        header: What it is of.
-        roads: Ids of the roads that `road` counts.
-        events: What happened, ordered by time.
+        header: Origin of the recording.
+        roads: Ids of the roads; `road` is an index into them.
+        events: Events, ordered by time.
         frames: First-person pictures, ordered by time.
-        stop_reason: Why it ended.
+        stop_reason: Why the run ended.
         error: The engine's fault code; 0 for none.
     """
 
@@ -123,7 +125,7 @@ class Recording:
     roads: tuple[str, ...]
     t: Annotated[Floats, Column("run", "s", "Time.", trajectory=True)]
     present: Annotated[
-        Booleans, Column("entity", "", "The entity is in the world.", kind="flag", nothing=0, trajectory=True)
+        Booleans, Column("entity", "", "Whether the entity is in the world.", kind="flag", nothing=0, trajectory=True)
     ]
     x: Annotated[Floats, Column("entity", "m", "x.", trajectory=True)]
     y: Annotated[Floats, Column("entity", "m", "y.", trajectory=True)]
@@ -132,7 +134,7 @@ class Recording:
     v: Annotated[Floats, Column("entity", "m/s", "Speed, signed along the heading.", trajectory=True)]
     a: Annotated[Floats, Column("entity", "m/s2", "Acceleration along the heading.", trajectory=True)]
     road: Annotated[
-        Integers, Column("entity", "", "Road; none off every road.", kind="road", nothing=-1, trajectory=True)
+        Integers, Column("entity", "", "Road; no road if off every road.", kind="road", nothing=-1, trajectory=True)
     ]
     lane: Annotated[
         Integers,
@@ -149,14 +151,21 @@ class Recording:
     brake: Annotated[Floats, Column("entity", "1", "Brake, 0 to 1.")]
 
     takeover_state: Annotated[Integers, Column("run", "", "State of the takeover.", kind="state", nothing=0)]
-    control: Annotated[Integers, Column("run", "", "Who commands the automated vehicle.", kind="source", nothing=0)]
+    control: Annotated[
+        Integers, Column("run", "", "The source of the automated vehicle's commands.", kind="source", nothing=0)
+    ]
     person_throttle: Annotated[Floats, Column("run", "1", "Throttle of the person at the wheel, 0 to 1.")]
     person_brake: Annotated[Floats, Column("run", "1", "Brake of the person at the wheel, 0 to 1.")]
     person_steer: Annotated[
-        Floats, Column("run", "1", "Steering of the person, -1 to 1 of the greatest angle, positive to the left.")
+        Floats,
+        Column(
+            "run",
+            "1",
+            "Steering of the person at the wheel, as a share of the greatest angle, -1 to 1, positive to the left.",
+        ),
     ]
     person_wish: Annotated[
-        Integers, Column("run", "", "What the person wants of the automation.", kind="wish", nothing=0)
+        Integers, Column("run", "", "What the person wants the automation to do.", kind="wish", nothing=0)
     ]
     cause: Annotated[Integers, Column("run", "", "Cause of the present warning or request.", kind="cause", nothing=0)]
     confidence_left: Annotated[Floats, Column("run", "1", "Lane confidence on the left, 0 to 1.")]
@@ -165,37 +174,49 @@ class Recording:
     sigma: Annotated[Floats, Column("run", "grey levels", "Standard deviation of the camera's noise.")]
     blocked_distance: Annotated[
         Floats,
-        Column("run", "m", "Distance from the front bumper to where the path is blocked, along the lane.", far=True),
+        Column(
+            "run",
+            "m",
+            "Distance from the front bumper to the place at which the path is blocked, along the lane.",
+            far=True,
+        ),
     ]
     blocked_speed: Annotated[
         Floats,
         Column(
             "run",
             "m/s",
-            "Speed at which what blocks the path comes towards the vehicle along the lane; 0 for what does not.",
+            "Speed at which the obstacle in the path comes towards the vehicle along the lane; 0 if it does not.",
             nothing=0.0,
         ),
     ]
     lane_end_distance: Annotated[Floats, Column("run", "m", "Distance to the end of the ego vehicle's lane.", far=True)]
     limit_time: Annotated[
         Floats,
-        Column("run", "s", "Time budget of the last request, where that was not about an obstacle.", far=True),
+        Column("run", "s", "Time budget of the last request, if it was not about an obstacle.", far=True),
     ]
     traffic_density: Annotated[
         Floats,
-        Column("run", "1/km", "Vehicles that went the ego vehicle's way at the last request.", nothing=0.0),
+        Column("run", "1/km", "Density of vehicles in the ego vehicle's direction at the last request.", nothing=0.0),
     ]
     lane_time_to_collision: Annotated[
         Floats,
-        Column("run", "s", "Least time to collision along the lane at the vehicle's place in it.", far=True),
+        Column("run", "s", "Least time to collision along the lane at the vehicle's lateral position.", far=True),
     ]
     lane_width: Annotated[Floats, Column("run", "m", "Width of the ego vehicle's lane; 0 off the lanes.")]
     lane_heading: Annotated[
-        Floats, Column("run", "rad", "Heading of the ego vehicle against its lane's direction, positive to the left.")
+        Floats,
+        Column("run", "rad", "Heading of the ego vehicle relative to its lane's direction, positive to the left."),
     ]
     on_road: Annotated[
         Booleans,
-        Column("run", "", "It is on a lane for motor traffic, a shoulder or a parking lane.", kind="flag", nothing=0),
+        Column(
+            "run",
+            "",
+            "Whether the ego vehicle is on a lane for motor traffic, a shoulder or a parking lane.",
+            kind="flag",
+            nothing=0,
+        ),
     ]
     left_y0: Annotated[Floats, Column("run", "m", "Detected left boundary: distance to the left at the camera.")]
     left_slope: Annotated[Floats, Column("run", "1", "Detected left boundary: slope at the camera.")]
@@ -211,7 +232,7 @@ class Recording:
 
     @cached_property
     def trajectory_hash(self) -> str:
-        """SHA-256 over names, entities and roads and the little-endian bytes of the trajectory's columns."""
+        """SHA-256 of names, entities and roads and of the little-endian bytes of the trajectory's columns."""
         digest = hashlib.sha256()
         for text in (*self.header.entities, "", *self.roads):
             digest.update(text.encode() + b"\0")
@@ -223,10 +244,10 @@ class Recording:
         return digest.hexdigest()
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return the rows as a pandas DataFrame: one an entity present and step, entities in document order.
+        """Return the rows as a pandas DataFrame: one row per step for each entity that is present, in document order.
 
-        Columns are those of recording.parquet, in SI units; the run's own stand in the first entity's rows and are
-        NaN in the others. Codes and roads are names.
+        The columns are those of recording.parquet, in SI units. Values of the run are in the first entity's rows and
+        NaN in the others. Codes and roads appear by name.
         """
         import pandas as pd
 
@@ -240,7 +261,7 @@ class Recording:
         return pd.DataFrame(made)
 
     def _named(self, column: Column, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values with names in place of codes and roads."""
+        """Return values with names instead of codes and roads."""
         if column.kind == "road":
             return np.asarray(np.array([*self.roads, None], object)[values])
         if column.kind in CODES:
@@ -249,7 +270,7 @@ class Recording:
         return values
 
     def __eq__(self, other: object) -> bool:
-        """Compare everything, bit for bit but for NaN."""
+        """Compare everything bit for bit, except that NaN equals NaN."""
         if not isinstance(other, Recording):
             return NotImplemented
         plain = ("header", "roads", "events", "frames", "stop_reason", "error")
@@ -267,19 +288,18 @@ def _named_columns() -> tuple[Column, ...]:
 
 
 COLUMNS: tuple[Column, ...] = _named_columns()
-"""All columns in order, as `Recording` declares them."""
+"""All columns, in the order in which `Recording` declares them."""
 
 
 class RecordingBuilder:
-    """Takes down a run.
+    """Builds the recording of a run.
 
-    The columns are bound once and are live: each `append` copies what they hold then. An entity's column is a
-    sequence of one value an entity, a run's column of one value. `road` holds indices into `road_ids`, as the
-    engine counts them.
+    The columns are bound once; each `append` copies their present values. An entity's column is a sequence with one
+    value per entity; a run's column has one value. `road` contains indices into `road_ids`, as in the engine.
     """
 
     def __init__(self, header: Header, road_ids: Sequence[str], columns: Mapping[str, Sequence[float]]) -> None:
-        """Bind the columns; one not named is recorded as empty, an unknown one raises ValueError."""
+        """Bind the columns. A column that is not named is recorded as empty; an unknown one raises ValueError."""
         known = {column.name: column for column in COLUMNS if column.name != "t"}
         if unknown := sorted(set(columns) - set(known)):
             raise ValueError(f"not columns of a recording: {', '.join(unknown)}")
@@ -296,7 +316,7 @@ class RecordingBuilder:
         self._live = [(self._rows[name].extend, values) for name, values in columns.items()]
 
     def append(self, t: float) -> None:
-        """Take down one row from what the columns hold now."""
+        """Record one row from the present values of the columns."""
         self._t.append(t)
         for extend, values in self._live:
             extend(values)
@@ -311,23 +331,23 @@ class RecordingBuilder:
         message: str = "",
         value: float | None = None,
     ) -> None:
-        """Take down an event."""
+        """Record an event."""
         self._events.append(EventRow(t=t, kind=kind, entity=entity, cause=cause, message=message, value=value))
 
     def add(self, row: EventRow) -> None:
-        """Take down an event as it is."""
+        """Record an existing event."""
         self._events.append(row)
 
     def events_since(self, count: int) -> list[EventRow]:
-        """Return the events that were taken down after the first `count`."""
+        """Return the events that were recorded after the first `count`."""
         return self._events[count:]
 
     def frame(self, t: float, label: str, png: bytes) -> None:
-        """Take down a first-person picture."""
+        """Record a first-person picture."""
         self._frames.append(Frame(t, label, png))
 
     def finish(self, stop_reason: StopReason, error: int = 0) -> Recording:
-        """Return the recording of all rows so far; events of one instant stay as they came."""
+        """Return the recording of all rows so far; events with the same time keep their order."""
         arrays = {column.name: self._array(column) for column in COLUMNS}
         absent = ~arrays["present"]
         for column in COLUMNS:

@@ -1,4 +1,4 @@
-"""The trajectories as CSV, for and from other programs."""
+"""Trajectories as CSV, for exchange with other programs."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _NUMBERS = ("x", "y", "h", "v", "s", "off")
 
 
 class TrajectoryError(ValueError):
-    """The file holds no trajectories."""
+    """The file does not contain trajectories."""
 
 
 def write_trajectory(recording: Recording, path: Path) -> None:
-    """Write one row an entity present and step, entities in document order.
+    """Write one row per step for each entity that is present, in document order.
 
-    Units: s, m, rad in [0, 2 pi), m/s; OpenDRIVE axes; off every road `road,lane,s,off` is `-1,0,0,0`. Numbers
-    are the shortest decimals that read back to the same bits.
+    Units: s, m, rad in [0, 2 pi), m/s; OpenDRIVE axes; off every road `road,lane,s,off` is `-1,0,0,0`. Numbers are the
+    shortest decimals that read back to the same bits.
     """
     names = [text_cell(name) for name in recording.header.entities]
     roads = [text_cell(road) for road in (*recording.roads, "-1")]
@@ -45,10 +45,10 @@ def write_trajectory(recording: Recording, path: Path) -> None:
 
 
 def read_trajectory(path: Path) -> Recording:
-    """Read trajectories as `write_trajectory` writes them: a recording without plan and events.
+    """Read trajectories in the format of `write_trajectory`: a recording without plan and events.
 
     Raises:
-        TrajectoryError: The file holds none.
+        TrajectoryError: The file does not contain trajectories.
         OSError: It cannot be read.
     """
     rows: dict[float, dict[str, dict[str, str]]] = {}
@@ -56,12 +56,12 @@ def read_trajectory(path: Path) -> Recording:
         text = io.StringIO(read_file(path).decode(), newline="")
         for row in csv.DictReader(text, strict=True):
             if None in row.values():
-                raise ValueError(f"the row of {row['t']} s is not whole")
+                raise ValueError(f"the row of {row['t']} s is incomplete")
             row["road"] = cell_text(row["road"])
             rows.setdefault(_finite(row["t"]), {})[cell_text(row["name"])] = row
         return _recorded(path.stem, rows)
     except (csv.Error, KeyError, TypeError, ValueError, OverflowError) as problem:
-        raise TrajectoryError(f"{path} holds no trajectories: {problem!r}") from problem
+        raise TrajectoryError(f"{path} does not contain trajectories: {problem!r}") from problem
 
 
 def _recorded(name: str, rows: dict[float, dict[str, dict[str, str]]]) -> Recording:
@@ -92,5 +92,5 @@ def _recorded(name: str, rows: dict[float, dict[str, dict[str, str]]]) -> Record
 def _finite(text: str) -> float:
     number = float(text)
     if not math.isfinite(number):
-        raise ValueError(f"{text} is no finite number")
+        raise ValueError(f"{text} is not a finite number")
     return number

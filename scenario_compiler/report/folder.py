@@ -1,6 +1,6 @@
 """The run folder: plan.json, map.xodr, recording.parquet, events.csv, outcome.json, report.html.
 
-It holds all that its report is written from, so that `report DIR` works from any folder and on another machine.
+It contains everything that its report needs, so `report DIR` works from any folder and on another machine.
 """
 
 from __future__ import annotations
@@ -22,14 +22,15 @@ RUN_FILES = ("plan.json", MAP_OF_RUN, "recording.parquet", "events.csv", "outcom
 
 
 def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
-    """Write all files of a run, making the folder when there is none; equal runs give equal bytes.
+    """Write all files of a run; create the folder if there is none. Identical runs give identical bytes.
 
     Args:
         run: The run.
         folder: Its folder.
-        report: Write report.html too.
+        report: Whether to write report.html.
 
-    A map that has changed or gone since it was read is left out: the result of a long run is not lost for it.
+    If the map has changed or is missing since it was read, map.xodr is left out, so that the result of a long run is
+    not lost.
 
     Raises:
         OSError: They cannot be written.
@@ -47,7 +48,7 @@ def write_run_folder(run: Run, folder: Path, *, report: bool = True) -> None:
 
 
 def _map_of(run: Run) -> bytes | None:
-    """Return the content of the map that the run took place on; None when it is no longer there as it was."""
+    """Return the content of the map of the run; None if the file has changed or is missing."""
     try:
         content = read_file(run.network.path, MAX_BYTES)
     except OSError:

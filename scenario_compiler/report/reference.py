@@ -1,4 +1,4 @@
-"""The page on the run folder (docs/run-folder.md), made from the declarations of what its files hold."""
+"""The page on the run folder (docs/run-folder.md), generated from the declarations of its files."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ STOPS: Mapping[StopReason, str] = {
     "duration": "The scenario's duration, or `--duration`, was reached.",
     "trigger": "The storyboard's stop trigger, or an action that ends the run.",
     "destination": "The automated vehicle reached its destination.",
-    "standstill": "It has stood for a while after a minimum-risk manoeuvre, or a driver's stop.",
-    "collision": "It has stood for a while after a collision.",
-    "error": "The engine broke off; an event `broken_off` says which entity, which quantity and what value.",
-    "world_lost": "The world could not go on, such as a server that ended; the event `broken_off` says why.",
-    "controller_failed": "The controller failed; the event `broken_off` says where.",
-    "user": "A person or a program ended it.",
-    "": "Unknown: a trajectory of another program.",
+    "standstill": "The automated vehicle stood for a while after a minimum-risk manoeuvre or a driver's stop.",
+    "collision": "The automated vehicle stood for a while after a collision.",
+    "error": "The engine broke the run off; the event `broken_off` names the entity, the quantity and its value.",
+    "world_lost": "The world failed, for example because a server ended; the event `broken_off` gives the reason.",
+    "controller_failed": "The controller failed; the event `broken_off` names the place.",
+    "user": "A person or a program ended the run.",
+    "": "Unknown: the trajectory is another program's.",
 }
-"""What each reason of an end means."""
+"""Meaning of each stop reason."""
 
 TRAJECTORY_UNITS: Mapping[str, str] = {
     "t": "s",
@@ -40,69 +40,69 @@ TRAJECTORY_UNITS: Mapping[str, str] = {
     "s": "m, along the road's reference line",
     "off": "m, left of the lane's centre in the road's s direction",
 }
-"""What the columns of a trajectory's CSV file hold."""
+"""Content of the columns of a trajectory's CSV file."""
 
 _HEAD = """# The run folder
 
-Made from the program's own declarations by `make generate`. `scenario-compiler run FILE -o DIR` writes:
+`make generate` writes this page from the program's own declarations. `scenario-compiler run FILE -o DIR` writes:
 
-| file | holds |
+| file | content |
 |---|---|
-| `plan.json` | what was run: `run DIR/plan.json` runs it again |
-| `map.xodr` | the road file, with which the folder is whole on another machine; left out if it changed during the run |
-| `recording.parquet` | everything that moved or was measured, row by row |
-| `events.csv` | what happened, and when |
+| `plan.json` | the plan that was run; `run DIR/plan.json` repeats the run |
+| `map.xodr` | the road file, so that the folder is complete on another machine; left out if it changed during the run |
+| `recording.parquet` | all motion and measurements, row by row |
+| `events.csv` | the events with their times |
 | `outcome.json` | criteria, the takeover's timeline, measures with their definitions |
-| `report.html` | all of it for a reader, with pictures; in one file (`report DIR` writes it again) |
+| `report.html` | the report with pictures, in one file; `report DIR` writes it again |
 
-The folder holds all of these or none of them. Cells of events.csv that a spreadsheet would take for a formula begin
-with an apostrophe. The same plan and seed give the same bytes, on one platform and set of versions. JSON schemas are in
-`schemas/`: `plan.schema.json`, `events.schema.json`, `outcome.schema.json`. From Python: `read_recording` of
-`scenario_compiler.recording.store` gives the `Recording` that `run` returned, `read_outcome` of
-`scenario_compiler.recording.outcome` its `Outcome`.
+The folder contains all of these files or none of them. If a spreadsheet would interpret a cell of events.csv as a
+formula, the cell begins with an apostrophe. The same plan and seed give the same bytes, on one platform and set of
+versions. JSON schemas are in `schemas/`: `plan.schema.json`, `events.schema.json`, `outcome.schema.json`. In Python,
+`read_recording` of `scenario_compiler.recording.store` returns the `Recording` that `run` returned, and `read_outcome`
+of `scenario_compiler.recording.outcome` returns its `Outcome`.
 
 ## Units, axes, times
 
-Everything is in SI units and radians. Axes are those of the road file (OpenDRIVE): x and y as it says, z up, headings
-from the x axis to the left. CARLA's are (x, -y, z), with yaw = -heading in degrees.
+All quantities are in SI units and radians. The axes are those of the road file (OpenDRIVE): x and y as in the file, z
+up, headings counter-clockwise from the x axis. CARLA's coordinates are (x, -y, z), with yaw = -heading in degrees.
 
-**The point** of an entity is its reference point: the middle of the rear axle, on the ground. The middle of the box
-lies `vehicle.center` metres (plan.json) ahead of it; CARLA's actors are placed there.
+**Position**: the position of an entity is that of its reference point, the middle of the rear axle, on the ground. The
+middle of the box is `vehicle.center` metres (plan.json) ahead of it; CARLA places its actors there.
 
-**Headings**: a vehicle that starts in a lane faces the lane's direction of travel: along s on negative lanes in
-right-hand traffic, against it (h + pi) on positive ones, and the other way round in left-hand traffic. What is placed
-by road, s and t faces along s.
+**Heading**: a vehicle that starts in a lane faces the lane's direction of travel. In right-hand traffic this is along s
+on negative lanes and against s (h + pi) on positive lanes; in left-hand traffic it is the opposite. An entity that is
+placed by road, s and t faces along s.
 
-**Times**: t is the number of steps times their length; events.csv and the timeline are rounded
-to the nanosecond. The first row, t = 0, is the state after the init actions. There is one row a step and entity that is
-present, entities in document order, an automated vehicle first. Where the stop trigger is true, that row is the last; a
-duration D ends with the first row of t >= D - 1e-6 s.
+**Time**: t is the number of steps times their length. Times in events.csv and the timeline are rounded to the
+nanosecond. The first row, t = 0, is the state after the init actions. There is one row per step for each entity that is
+present, with entities in document order and an automated vehicle first. The row in which the stop trigger is true is
+the last; with a duration D, the last row is the first with t >= D - 1e-6 s.
 """
 
-_OF_RECORDING = """A row an entity and step. What is of the run, not of an entity, stands in the rows of the first
-entity, is null in the others, and means nothing without an automated vehicle. NaN stands for a number that there is
-none of.
+_OF_RECORDING = """There is one row per entity and step. Values of the run, which belong to no entity, are in the rows
+of the first entity and null in the others; without an automated vehicle they have no meaning. A number that does not
+exist is NaN.
 """
 
-_OF_METADATA = """The file's metadata has, as JSON under `scenario-compiler`: `columns` (units and descriptions),
-`events`, `stop_reason`, `error`, `trajectory_hash` and `header`; and the first-person pictures, as PNG in base64, under
-`frame.0`, `frame.1`, ... The header holds:
+_OF_METADATA = """The file's metadata contains the following as JSON under `scenario-compiler`: `columns` (units and
+descriptions), `events`, `stop_reason`, `error`, `trajectory_hash` and `header`. It also contains the first-person
+pictures, as PNG in base64, under `frame.0`, `frame.1`, ... The header contains:
 """
 
-_OF_EVENTS = """Where nothing else is said, `entity` is the automated vehicle, or the first entity; what concerns none,
-as messages and the stop do, has an empty one.
+_OF_EVENTS = """Unless stated otherwise, `entity` is the automated vehicle, or the first entity. It is empty for
+events that concern no entity, such as messages and the stop.
 """
 
-_OF_MEASURES = """The `value` of a measure is null where it is not defined, and `undefined` says why. A run without an
-automated vehicle has only those that are not about a takeover. commonroad-crime 0.4.5 finds the same times to collision
-and decelerations to avoid a crash within 1 % on five recordings, and on five others post-encroachment times that are
-shorter by two steps, as it counts between the steps outside the conflict area
+_OF_MEASURES = """The `value` of a measure is null if it is not defined; `undefined` gives the reason. A run without
+an automated vehicle has only the measures that do not concern a takeover. On five recordings, commonroad-crime 0.4.5
+finds the same times to collision and decelerations to avoid a crash within 1 %. On five others, its post-encroachment
+times are shorter by two steps, because it measures between steps in which the vehicles are outside the conflict area
 (`tests/recording/test_against_commonroad.py`). The measures are:
 """
 
-_OF_TRAJECTORIES = """`run --trajectory FILE.csv` writes a row an entity present and step, for and from other programs:
-`compare` reads it. Numbers are the shortest decimals that read back to the same bits. Off every road,
-`road,lane,s,off` is `-1,0,0,0`.
+_OF_TRAJECTORIES = """`run --trajectory FILE.csv` writes one row per step for each entity that is present, for
+exchange with other programs; `compare` reads it. Numbers are the shortest decimals that read back to the same bits.
+Off every road, `road,lane,s,off` is `-1,0,0,0`.
 """
 
 
@@ -112,25 +112,25 @@ def run_folder_page() -> str:
         _HEAD,
         "## plan.json\n",
         _fields(Plan),
-        "Positions are bound: `road`, `lane`, `s` and `offset`, in whatever way the author wrote them.\n",
+        "Positions are bound to `road`, `lane`, `s` and `offset`, however the author wrote them.\n",
         "## recording.parquet\n",
         _OF_RECORDING,
-        _table(("column", "unit", "of", "holds"), _recorded()),
+        _table(("column", "unit", "of", "content"), _recorded()),
         _OF_METADATA,
         _fields(Header),
         "## events.csv\n",
         _fields(EventRow, "column"),
-        _table(("kind", "tells"), ((f"`{kind}`", text) for kind, text in EVENT_TEXTS.items())),
+        _table(("kind", "meaning"), ((f"`{kind}`", text) for kind, text in EVENT_TEXTS.items())),
         _OF_EVENTS,
         "## outcome.json\n",
         _fields(Outcome),
-        _table(("stop_reason", "means"), ((f"`{reason}`", text) for reason, text in STOPS.items() if reason)),
-        f"A part of the timeline has {_names(Interval)}; a measure has {_names(MeasureValue)}.\n",
+        _table(("stop_reason", "meaning"), ((f"`{reason}`", text) for reason, text in STOPS.items() if reason)),
+        f"An interval of the timeline has {_names(Interval)}; a measure has {_names(MeasureValue)}.\n",
         _OF_MEASURES,
         _table(("measure", "unit", "definition"), ((f"`{one.name}`", one.unit, one.definition) for one in MEASURES)),
         "## Trajectories\n",
         _OF_TRAJECTORIES,
-        _table(("column", "holds"), ((f"`{name}`", TRAJECTORY_UNITS[name]) for name in TRAJECTORY_COLUMNS)),
+        _table(("column", "content"), ((f"`{name}`", TRAJECTORY_UNITS[name]) for name in TRAJECTORY_COLUMNS)),
     ]
     return "\n".join(parts)
 
@@ -147,7 +147,7 @@ def _recorded() -> Iterable[tuple[str, str, str, str]]:
 
 def _fields(model: type[BaseModel], head: str = "key") -> str:
     fields = model.model_fields.items()
-    return _table((head, "holds"), ((f"`{name}`", field.description or "") for name, field in fields))
+    return _table((head, "content"), ((f"`{name}`", field.description or "") for name, field in fields))
 
 
 def _names(model: type[BaseModel]) -> str:

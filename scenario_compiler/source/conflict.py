@@ -1,7 +1,7 @@
-"""The conflict language's own file: the words around the vocabulary's, and reading a file into them.
+"""The files of the conflict language: the words around the vocabulary's, and how a file is read into them.
 
-A file is read shallowly: names, parameters and includes. What a scenario or a template holds is read when it is
-expanded, because an attribute's text has a meaning only once its parameters have values.
+Reading is shallow: names, parameters and includes. The contents of a scenario or template are read when it is expanded,
+because the text of an attribute has no value before its parameters have values.
 """
 
 from __future__ import annotations
@@ -46,15 +46,15 @@ from scenario_compiler.vocabulary.word import (
 
 
 class Include(Word):
-    """Bring in the templates of another file, or the vehicles and drivers of a catalog."""
+    """Include the templates of another file, or the vehicles and drivers of a catalog."""
 
     word: Literal["include"] = "include"
 
-    file: str = attribute("Path of the file, from this file's folder.")
+    file: str = attribute("Path of the file, relative to this file's folder.")
 
 
 class Allow(Word):
-    """Keep quiet about warnings and notes of one kind that this file, or what it uses, gives rise to."""
+    """Suppress one kind of warnings and notes about this file and what it uses."""
 
     word: Literal["allow"] = "allow"
 
@@ -62,13 +62,14 @@ class Allow(Word):
 
 
 class Use(Word):
-    """Put what a template holds in this place. The other attributes are the template's parameters."""
+    """Insert the contents of a template here. All other attributes are parameters of the template."""
 
     word: Literal["use"] = "use"
 
     template: str = attribute("Name of the template.", names="template")
     id: str = attribute(
-        "Name of this use: prefix of the ids of what it brings. The template's name and a number when left out.",
+        "Name of this use, which prefixes the ids of the inserted entities. If left out, the template's name and a "
+        "number.",
         default="",
         defines="part",
         pattern=f"({ENTITY_ID})?",
@@ -77,76 +78,76 @@ class Use(Word):
 
 
 class EntityWhen(Word):
-    """Something an entity does once, as soon as all conditions are true."""
+    """Actions that an entity performs once, as soon as all conditions are true."""
 
     word: Literal["when"] = "when"
 
-    entity: str = attribute("Id of the entity that does it; the ego vehicle when left out.", default="", names="entity")
+    entity: str = attribute("Id of the entity; the ego vehicle if left out.", default="", names="entity")
     name: str = same_as(When, "name")
     conditions: tuple[Condition | AnyOf, ...] = same_as(When, "conditions")
     do: Do = same_as(When, "do")
 
 
 class Else(Word):
-    """What stands there when the test of the `<if>` is false."""
+    """The contents to insert when the test of the `<if>` is false."""
 
     word: Literal["else"] = "else"
 
-    items: tuple[Any, ...] = child("What is put on the road, and what happens there.", default=())
+    items: tuple[Any, ...] = child("The contents.", default=())
 
 
 class If(Word):
-    """Put what it holds in this place when a test is true, else what its `<else>` holds."""
+    """Insert the contents if a test is true; otherwise insert the contents of `<else>`."""
 
     word: Literal["if"] = "if"
 
-    test: bool = attribute("What decides, such as ${$lanes > 2}; it is decided once, before the run.")
-    items: tuple[Any, ...] = child("What is put there when the test is true.", default=())
-    otherwise: Else | None = child("What is put there when it is false.", default=None)
+    test: bool = attribute("The test, such as ${$lanes > 2}. It is evaluated once, before the run.")
+    items: tuple[Any, ...] = child("Contents to insert if the test is true.", default=())
+    otherwise: Else | None = child("Contents to insert if it is false.", default=None)
 
 
 MOST_ROUNDS = 1000
-"""Greatest number of rounds of a <repeat> or <for>."""
+"""Greatest number of repetitions of a <repeat> or <for>."""
 
 
 class Repeat(Word):
-    """Put what it holds in this place a number of times. Ids in round 2 of a repeat `queue` begin with `queue.2.`."""
+    """Insert the contents several times. In a repeat named `queue`, ids of round 2 begin with `queue.2.`."""
 
     word: Literal["repeat"] = "repeat"
 
-    count: int = attribute("Number of rounds.", minimum=0, maximum=MOST_ROUNDS)
+    count: int = attribute("Number of repetitions.", minimum=0, maximum=MOST_ROUNDS)
     variable: str = attribute(
-        "Name of a parameter that holds the number of the round, counted from 0.",
+        "Name of a parameter that contains the number of the round, counted from 0.",
         name="as",
         default="index",
         defines="parameter",
         pattern=IDENTIFIER,
     )
     id: str = attribute(
-        "Name of this repeat: prefix of the ids of what it brings. `repeat` and a number when left out.",
+        "Name of this repeat, which prefixes the ids of the inserted entities. If left out, `repeat` and a number.",
         default="",
         defines="part",
         pattern=f"({ENTITY_ID})?",
     )
-    items: tuple[Any, ...] = child("What is put there in each round.", default=())
+    items: tuple[Any, ...] = child("Contents to insert in each round.", default=())
 
 
 class For(Word):
-    """Put what it holds in this place once for each of some values. Ids of the first begin with `for1.1.`."""
+    """Insert the contents once for each of several values. Ids of the first round begin with `for1.1.`."""
 
     word: Literal["for"] = "for"
 
     variable: str = attribute(
-        "Name of a parameter that holds the value.", name="each", defines="parameter", pattern=IDENTIFIER
+        "Name of a parameter that contains the value.", name="each", defines="parameter", pattern=IDENTIFIER
     )
-    values: tuple[str, ...] = attribute("The values: numbers or names with spaces between.", name="in", separated=True)
+    values: tuple[str, ...] = attribute("The values: numbers or names, separated by spaces.", name="in", separated=True)
     id: str = attribute(
-        "Name of this loop: prefix of the ids of what it brings. `for` and a number when left out.",
+        "Name of this loop, which prefixes the ids of the inserted entities. If left out, `for` and a number.",
         default="",
         defines="part",
         pattern=f"({ENTITY_ID})?",
     )
-    items: tuple[Any, ...] = child("What is put there for each value.", default=())
+    items: tuple[Any, ...] = child("Contents to insert for each value.", default=())
 
 
 Paint = Markings | SecondaryMarkings | LineBeside
@@ -158,23 +159,23 @@ for _word in (Else, If, Repeat, For):  # they hold items and are items: told her
 
 
 DEEPEST_INCLUDE = 30
-"""Most files that an included file is included through; real libraries need three."""
+"""Greatest depth of nested includes; real libraries need three."""
 
 
 class TemplateElement(Word):
-    """A part of a scenario with a name and parameters, to be used in many. Ids inside it are its own."""
+    """A reusable part of a scenario with a name and parameters. Its ids are local to each use."""
 
     word: Literal["template"] = "template"
 
-    name: str = attribute("Name that <use template=...> gives.", defines="template", pattern=IDENTIFIER)
-    summary: str = attribute("One sentence: what it puts on the road.", default="")
-    source: str = attribute("Where the situation comes from.", default="")
+    name: str = attribute("Name by which <use template=...> refers to it.", defines="template", pattern=IDENTIFIER)
+    summary: str = attribute("Summary of its contents in one sentence.", default="")
+    source: str = attribute("Publication or observation that describes the situation.", default="")
     parameters: tuple[Parameter, ...] = child("Its parameters.", default=())
-    items: tuple[Item, ...] = child("What it puts on the road, and what happens there.", default=())
+    items: tuple[Item, ...] = child("Entities and events of the template.", default=())
 
 
 class ScenarioElement(Word):
-    """A whole conflict: a map, an ego vehicle, what is on the road, the takeover policy and the criteria."""
+    """A whole conflict: a map, an ego vehicle, other entities and events, the takeover policy and the criteria."""
 
     word: Literal["scenario"] = "scenario"
 
@@ -194,15 +195,15 @@ class ScenarioElement(Word):
     vary: Vary | None = same_as(Scenario, "vary")
     classifications: tuple[Classification, ...] = same_as(Scenario, "classifications")
     weather_numbers: Weather | None = child(
-        "The weather by its numbers; it goes before the attribute `weather`.", default=None
+        "The weather as numbers; takes precedence over the attribute `weather`.", default=None
     )
     spawn_points: SpawnPoints | None = same_as(Scenario, "spawn_points")
     ego: Ego = child("The automated vehicle.")
-    items: tuple[Item, ...] = child("What is on the road, and what happens there.", default=())
+    items: tuple[Item, ...] = child("Other entities, and events.", default=())
     variables: tuple[Variable, ...] = same_as(Scenario, "variables")
     signal_controllers: tuple[SignalController, ...] = same_as(Scenario, "signal_controllers")
     takeover: Takeover = same_as(Scenario, "takeover")
-    criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=(), wrapper="criteria")
+    criteria: tuple[Criterion, ...] = child("Criteria by which the run is judged.", default=(), wrapper="criteria")
 
 
 class LibraryElement(Word):
@@ -219,12 +220,12 @@ class LibraryElement(Word):
 
 @dataclass(frozen=True)
 class Part:
-    """A scenario or template as its file holds it.
+    """A scenario or template in its file.
 
     Attributes:
         document: The file.
         element: The element.
-        within: The include that brought the file in.
+        within: The include through which the file was read.
     """
 
     document: Document
@@ -237,7 +238,7 @@ class Part:
         return str(self.element.get("name", ""))
 
     def reading(self, sink: Diagnostics, environment: Environment, within: Place | None = None) -> ReadingContext:
-        """Return how to read it with these meanings of names."""
+        """Return a reader for the element, with these meanings of names."""
         return ReadingContext(self.document, sink, environment, within or self.within)
 
 
@@ -248,11 +249,11 @@ class Library:
     Attributes:
         document: The file.
         scenarios: Its scenarios by name.
-        templates: Its templates and those of its includes by name.
-        own_templates: Names of the templates that stand in the file itself.
+        templates: Its templates and those of its includes, by name.
+        own_templates: Names of the templates in the file itself.
         catalogs: Entries of the catalogs that it includes.
-        allowed: Codes of the warnings that it wants unsaid.
-        complete: Every include and every template's name could be read.
+        allowed: Codes of the warnings that it suppresses.
+        complete: Whether every include and every template's name could be read.
     """
 
     document: Document
@@ -265,7 +266,7 @@ class Library:
 
 
 def read_library(document: Document, sink: Diagnostics) -> Library:
-    """Return what a `<scenarios>` file holds, with what it includes."""
+    """Return the contents of a `<scenarios>` file and of its includes."""
     reading = ReadingContext(document, sink, Environment())
     read_attributes(document.root, LibraryElement, reading)
     includes: list[etree._Element] = []
@@ -292,7 +293,7 @@ def read_library(document: Document, sink: Diagnostics) -> Library:
 
 
 def _allowed(element: etree._Element, reading: ReadingContext) -> Iterator[str]:
-    """Yield the code of an `<allow>`; report one that there is not, or an error, which cannot be allowed."""
+    """Yield the code of an `<allow>`; report a code that does not exist, or an error, which cannot be suppressed."""
     allow = read_word(element, Allow, reading)
     if allow is None:
         return
@@ -301,7 +302,7 @@ def _allowed(element: etree._Element, reading: ReadingContext) -> Iterator[str]:
         hint = did_you_mean(allow.code, all_codes())
         reading.sink.add(names.UNKNOWN_CODE, f"there is no code {allow.code}", allow.place_of("code"), hint=hint)
     elif code.severity is Severity.ERROR:
-        message = f"{code.id} ({code.name}) is an error: it must be mended"
+        message = f"{code.id} ({code.name}) is an error and cannot be allowed: correct it"
         reading.sink.add(names.NOT_ALLOWABLE, message, allow.place_of("code"))
     else:
         yield allow.code
@@ -311,7 +312,7 @@ def _add_part(parts: dict[str, Part], part: Part, reading: ReadingContext) -> No
     if part.name in parts:
         reading.sink.add(
             names.DUPLICATE_NAME,
-            f"a {part.element.tag} named '{part.name}' stands in this file already",
+            f"this file already has a {part.element.tag} named '{part.name}'",
             _name_of(part, reading),
             related=names.first_at(_name_of(parts[part.name], reading)),
         )
@@ -340,7 +341,7 @@ def _bring_in(
         return catalogs
     seen.add(os.path.realpath(path))
     if depth > DEEPEST_INCLUDE:
-        message = f"'{include.file}' is included through {depth} files; at most {DEEPEST_INCLUDE} are followed"
+        message = f"'{include.file}' is included through {depth} files; the limit is {DEEPEST_INCLUDE}"
         reading.sink.add(names.DEEP_INCLUDE, message, place)
         return catalogs.with_a_gap()
     inner = Diagnostics()
@@ -354,7 +355,7 @@ def _bring_in(
     if document.root.tag == CatalogElement.tag():
         return catalogs.extended(read_catalog(inside))
     if document.root.tag != LibraryElement.tag():
-        reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}' holds neither templates nor a catalog", place)
+        reading.sink.add(names.UNUSABLE_INCLUDE, f"'{include.file}' contains neither templates nor a catalog", place)
         return catalogs.with_a_gap()
     for child_element in document.root.iterchildren("template"):
         templates.setdefault(str(child_element.get("name", "")), Part(document, child_element, place))
@@ -364,7 +365,7 @@ def _bring_in(
 
 
 def _find(name: str, folder: Path) -> Path:
-    """Return the path of an included file: whole from the folder, else by its bare name there."""
+    """Return the path of an included file: the whole path from the folder, or its bare name there."""
     whole = folder / name
     bare = folder / Path(name).name
     return bare if not whole.is_file() and bare.is_file() else whole

@@ -1,7 +1,7 @@
-"""The words of the study's own files: what participants go through, and the questionnaires that they answer.
+"""The words of a study's files: the procedure for participants, and questionnaires.
 
-A `<study>` names scenarios, variants of the human-machine interface and settings of parameters; its conditions are all
-combinations of them. Pages and questionnaires are files beside it.
+A `<study>` names scenarios, variants of the human-machine interface and settings of parameters. Its conditions are all
+combinations of these. Pages and questionnaires are separate files.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from scenario_compiler.vocabulary.word import IDENTIFIER, LABEL, Word, attribute
 UNREADABLE_PART = Code(
     "SC260",
     "unreadable-part",
-    "A study names a file that cannot be read: a page of instructions or consent, a questionnaire, or the file of a "
-    "scenario. A relative path starts from the folder of the study. A page is Markdown in UTF-8, a questionnaire a "
-    "file whose first element is <questionnaire>.\n\n"
-    '    <page file="wellcome.md"/>     welcome.md lies beside the study\n\n'
+    "A study names a file that cannot be read: a page of instructions or consent, a questionnaire, or a scenario's "
+    "file. Relative paths start from the folder of the study. A page is Markdown in UTF-8; a questionnaire is a file "
+    "whose first element is <questionnaire>.\n\n"
+    '    <page file="wellcome.md"/>     the study\'s folder contains welcome.md\n\n'
     "Correct the path, or add the file.",
 )
 UNKNOWN_SCALE = Code(
@@ -37,28 +37,28 @@ UNKNOWN_SCALE = Code(
 UNKNOWN_ITEM = Code(
     "SC262",
     "unknown-item",
-    "A score of a questionnaire is made of an item that the questionnaire does not have, or whose answer is not a "
+    "A score of a questionnaire names an item that the questionnaire does not have, or one whose answer is not a "
     "number.\n\n"
     '    <item name="safe" text="I felt safe." scale="agreement"/>\n'
     '    <score name="trust" of="save"/>\n\n'
-    "Correct the name; scores are made of items with a scale and of number items.",
+    "Correct the name. Scores are computed from items with a scale and from number items.",
 )
 EMPTY_RANGE = Code(
     "SC263",
     "empty-range",
-    "The end of a range lies before its begin: a scale or a number item whose greatest answer is not above its least, "
-    "or a probe that would freeze the picture after the latest time that it may.\n\n"
+    "The end of a range is not above its begin: a scale or number item whose greatest answer is not above its least, "
+    "or a probe whose latest time is before its earliest.\n\n"
     '    <probe from="14" to="6">...</probe>     from="6" to="14"\n\n'
     "Exchange the two numbers.",
 )
 UNEVEN_SQUARE = Code(
     "SC264",
     "uneven-square",
-    "The number of participants is no multiple of the rows of the balanced Latin square, so some orders of the "
-    "conditions come more often than others. An even number of conditions gives as many rows, an odd one twice as "
-    "many.\n\n"
+    "The number of participants is not a multiple of the number of rows of the balanced Latin square, so some orders "
+    "of the conditions occur more often than others. An even number of conditions needs as many rows, an odd number "
+    "twice as many.\n\n"
     '    <study participants="10" order="latin_square" ...>     with four conditions: 8 or 12\n\n'
-    "Plan a multiple, or keep the imbalance in mind.",
+    "Plan a multiple of the number of rows, or consider the imbalance in the analysis.",
     Severity.WARNING,
 )
 WRONG_POINTS = Code(
@@ -80,7 +80,7 @@ LATE_PROBE = Code(
 NOBODY_TAKES_OVER = Code(
     "SC265",
     "nobody-takes-over",
-    "A scenario of a study has no automated vehicle, so nobody can take over in it, and it cannot be a trial.\n\n"
+    "A scenario of a study has no automated vehicle. Nobody can take over in it, so it cannot be a trial.\n\n"
     '    <scenario name="passing" target="traffic.xosc"/>     a storyboard without an automated ego\n\n'
     "Name a scenario with a controller, such as a conflict of the library.",
 )
@@ -92,31 +92,31 @@ class SetParameter(Word):
     word: Literal["set"] = "set"
 
     parameter: str = attribute("Name of the scenario's parameter.", pattern=IDENTIFIER)
-    to: str = attribute("Its value, as the scenario's file would write it.")
+    to: str = attribute("Its value, written as in the scenario's file.")
 
 
 class StudyScenario(Word):
-    """A scenario that participants meet: the first factor of the conditions."""
+    """A scenario of the study: a level of the first factor of the conditions."""
 
     word: Literal["scenario"] = "scenario"
 
     name: str = attribute("Name in the data.", pattern=LABEL)
-    target: str = attribute("FILE#name, from the folder of the study, or the name of a conflict of the library.")
+    target: str = attribute("FILE#name, relative to the folder of the study, or the name of a conflict in the library.")
 
 
 class Hmi(Word):
-    """A variant of the human-machine interface: the second factor. Its messages stand in place of the scenario's."""
+    """A variant of the human-machine interface: a level of the second factor. It replaces the scenario's messages."""
 
     word: Literal["hmi"] = "hmi"
 
     name: str = attribute("Name in the data.", pattern=LABEL)
     messages: tuple[Message, ...] = child(
-        "How the automation tells the driver; without messages the driver gets none.", default=()
+        "How the automation informs the driver. Without messages the driver is not informed.", default=()
     )
 
 
 class Setting(Word):
-    """Values of parameters: the third factor."""
+    """Values of parameters: a level of the third factor."""
 
     word: Literal["setting"] = "setting"
 
@@ -125,11 +125,11 @@ class Setting(Word):
 
 
 class Consent(Word):
-    """A page of consent; who does not agree goes no further, and nothing else is recorded of them."""
+    """A consent page. Participants who do not agree cannot continue, and nothing else is recorded for them."""
 
     word: Literal["consent"] = "consent"
 
-    file: str = attribute("Markdown file, from the folder of the study.")
+    file: str = attribute("Markdown file, relative to the folder of the study.")
 
 
 class InstructionPage(Word):
@@ -137,56 +137,56 @@ class InstructionPage(Word):
 
     word: Literal["page"] = "page"
 
-    file: str = attribute("Markdown file, from the folder of the study.")
+    file: str = attribute("Markdown file, relative to the folder of the study.")
 
 
 class Ask(Word):
-    """A questionnaire is answered."""
+    """A questionnaire for the participant."""
 
     word: Literal["ask"] = "ask"
 
-    file: str = attribute("File of the questionnaire, from the folder of the study.")
+    file: str = attribute("File of the questionnaire, relative to the folder of the study.")
 
 
 class Practice(Word):
-    """A trial to learn by; it is recorded and marked, and stands in no comparison."""
+    """A practice trial. It is recorded and marked, and excluded from comparisons."""
 
     word: Literal["practice"] = "practice"
 
-    target: str = attribute("FILE#name, from the folder of the study, or the name of a conflict of the library.")
+    target: str = attribute("FILE#name, relative to the folder of the study, or the name of a conflict in the library.")
 
 
 class Before(Word):
-    """What a participant goes through before the trials."""
+    """The procedure before the trials."""
 
     word: Literal["before"] = "before"
 
-    steps: tuple[Consent | InstructionPage | Ask | Practice, ...] = child("Step by step.", default=())
+    steps: tuple[Consent | InstructionPage | Ask | Practice, ...] = child("Steps, in order.", default=())
 
 
 class AfterEach(Word):
-    """What a participant answers after each trial that is neither practice nor foil."""
+    """The procedure after each trial that is neither practice nor a foil."""
 
     word: Literal["after_each"] = "after_each"
 
-    steps: tuple[Ask, ...] = child("Step by step.", default=())
+    steps: tuple[Ask, ...] = child("Steps, in order.", default=())
 
 
 class After(Word):
-    """What a participant goes through after the trials."""
+    """The procedure after the trials."""
 
     word: Literal["after"] = "after"
 
-    steps: tuple[InstructionPage | Ask, ...] = child("Step by step.", default=())
+    steps: tuple[InstructionPage | Ask, ...] = child("Steps, in order.", default=())
 
 
 class Foil(Word):
-    """A trial in which what is expected does not happen, at places among the others that are drawn."""
+    """A trial in which the expected event does not happen. Its place among the other trials is drawn at random."""
 
     word: Literal["foil"] = "foil"
 
-    target: str = attribute("FILE#name, from the folder of the study, or the name of a conflict of the library.")
-    count: int = attribute("How many there are in a session.", default=1, minimum=1, maximum=100)
+    target: str = attribute("FILE#name, relative to the folder of the study, or the name of a conflict in the library.")
+    count: int = attribute("Number of such trials in a session.", default=1, minimum=1, maximum=100)
 
 
 class Break(Word):
@@ -194,27 +194,27 @@ class Break(Word):
 
     word: Literal["break"] = "break"
 
-    every: int = attribute("Number of trials after which it comes.", minimum=1, maximum=1000)
+    every: int = attribute("Number of trials between two pauses.", minimum=1, maximum=1000)
     least: float = attribute("Least duration, s.", default=0.0, quantity="time", minimum=0, maximum=3600)
-    file: str = attribute("Markdown file of what is said, from the folder of the study.", default="")
+    file: str = attribute("Markdown file with the text of the pause, relative to the folder of the study.", default="")
 
 
 QueryAbout = Literal["speed", "vehicles", "control", "blocked"]
-"""What a query of a probe asks of the situation: the speed in km/h, how many vehicles are within 100 m, who drives
-(`automation` or `me`), whether something blocks the path (`yes` or `no`).
+"""Subjects of a probe's query: the speed in km/h, the number of vehicles within 100 m, who drives (`automation` or
+`me`), whether something blocks the path (`yes` or `no`).
 """
 
 
 class Query(Word):
-    """A question on the situation, whose true answer is read from the frozen state."""
+    """A question about the situation. Its true answer is read from the frozen state."""
 
     word: Literal["query"] = "query"
 
     name: str = attribute("Name in the data.", pattern=IDENTIFIER)
-    about: QueryAbout = attribute("What is asked: its true answer is known.")
+    about: QueryAbout = attribute("Subject of the question, whose true answer is known.")
     text: str = attribute("The question as the participant reads it.")
     tolerance: float = attribute(
-        "speed, vehicles: greatest distance from the true number that still counts as right.",
+        "speed, vehicles: greatest deviation from the true number that counts as correct.",
         default=0.0,
         minimum=0,
     )
@@ -223,75 +223,81 @@ class Query(Word):
 class Probe(Word):
     """A freeze probe: the run stops unannounced, the picture is blanked, and the participant answers from memory.
 
-    The method is SAGAT's (Endsley 1988): answers are compared with the true state. The moment is drawn anew for each
-    trial.
+    The method is SAGAT (Endsley 1988): answers are compared with the true state. The moment is drawn separately for
+    each trial.
     """
 
     word: Literal["probe"] = "probe"
 
     earliest: float = attribute("Earliest time of the freeze in the trial, s.", name="from", quantity="time", minimum=0)
-    latest: float = attribute("Latest time, s.", name="to", quantity="time", minimum=0)
+    latest: float = attribute("Latest time of the freeze, s.", name="to", quantity="time", minimum=0)
     share: float = attribute(
-        "Share of the trials that are probed, drawn for each.", default=1.0, quantity="fraction", minimum=0, maximum=1
+        "Share of the trials with a probe, drawn for each trial.",
+        default=1.0,
+        quantity="fraction",
+        minimum=0,
+        maximum=1,
     )
     queries: tuple[Query, ...] = child("The questions.")
 
 
 class SearchTask(Word):
-    """A visual secondary task beside the trials: find the one larger circle among others and press on it.
+    """A visual secondary task during the trials: find the one larger circle among the others and press on it.
 
-    It is of the kind of the surrogate reference task of ISO/TS 14198, not the standard's own.
+    It resembles the surrogate reference task of ISO/TS 14198, but is not the standard's own task.
     """
 
     word: Literal["search_task"] = "search_task"
 
     items: int = attribute("Number of circles.", default=24, minimum=4, maximum=60)
     ratio: float = attribute(
-        "Diameter of the larger circle over that of the others.", default=1.5, minimum=1.1, maximum=3
+        "Ratio of the larger circle's diameter to that of the others.", default=1.5, minimum=1.1, maximum=3
     )
 
 
 Order = Literal["latin_square", "random"]
-"""How conditions are ordered: by the rows of a balanced Latin square (Williams 1949), or drawn by the seed."""
+"""Order of the conditions: by the rows of a balanced Latin square (Williams 1949), or at random by the seed."""
 
 
 class StudyElement(Word):
-    """A study: its conditions, and what each participant goes through.
+    """A study: its conditions, and the procedure for each participant.
 
-    The conditions are all combinations of scenarios, variants of the interface and settings; each participant meets
-    every one of them, `repetitions` times in a session.
+    The conditions are all combinations of scenarios, variants of the interface and settings. Each participant meets
+    every condition `repetitions` times in a session.
     """
 
     word: Literal["study"] = "study"
 
     version: Literal["1"] = attribute("Version of the language.")
-    name: str = attribute("Name in the data: the task of BIDS.", pattern=LABEL)
-    summary: str = attribute("One sentence: what is studied.", default="")
+    name: str = attribute("Name in the data: the task name in BIDS.", pattern=LABEL)
+    summary: str = attribute("Subject of the study in one sentence.", default="")
     participants: int = attribute("Number of participants.", minimum=1, maximum=9999)
-    sessions: int = attribute("Number of sessions of each.", default=1, minimum=1, maximum=99)
-    repetitions: int = attribute("How often each condition is met in a session.", default=1, minimum=1, maximum=100)
-    order: Order = attribute("How the conditions are ordered.", default="latin_square")
-    seed: int = attribute("Seed of all that is drawn.", default=1, minimum=0)
-    language: Language = attribute("Language of the pages' own words.", default="en")
-    before: Before | None = child("What comes before the trials.", default=None)
+    sessions: int = attribute("Number of sessions of each participant.", default=1, minimum=1, maximum=99)
+    repetitions: int = attribute(
+        "Number of times that each condition occurs in a session.", default=1, minimum=1, maximum=100
+    )
+    order: Order = attribute("Order of the conditions.", default="latin_square")
+    seed: int = attribute("Seed of all random draws.", default=1, minimum=0)
+    language: Language = attribute("Language of the built-in texts of the pages.", default="en")
+    before: Before | None = child("Procedure before the trials.", default=None)
     scenarios: tuple[StudyScenario, ...] = child("The scenarios.")
-    hmis: tuple[Hmi, ...] = child("Variants of the interface; the scenarios' own without.", default=())
-    settings: tuple[Setting, ...] = child("Settings of parameters; the scenarios' defaults without.", default=())
-    foils: tuple[Foil, ...] = child("Trials in which nothing happens.", default=())
+    hmis: tuple[Hmi, ...] = child("Variants of the interface; if left out, the scenarios' own messages.", default=())
+    settings: tuple[Setting, ...] = child("Settings of parameters; if left out, the scenarios' defaults.", default=())
+    foils: tuple[Foil, ...] = child("Trials in which the expected event does not happen.", default=())
     pause: Break | None = child("Pauses between trials.", default=None)
-    probe: Probe | None = child("Questions on the situation in a frozen run.", default=None)
+    probe: Probe | None = child("Questions about the situation in a frozen run.", default=None)
     task: SearchTask | None = child("A secondary task.", default=None)
-    after_each: AfterEach | None = child("What comes after each trial.", default=None)
-    after: After | None = child("What comes after the trials.", default=None)
+    after_each: AfterEach | None = child("Procedure after each trial.", default=None)
+    after: After | None = child("Procedure after the trials.", default=None)
 
 
 class ScaleLabel(Word):
-    """What a point of a scale is called."""
+    """The label of a point on a scale."""
 
     word: Literal["label"] = "label"
 
     at: int = attribute("The point.")
-    text: str = attribute("What it is called.")
+    text: str = attribute("Text of the label.")
 
 
 class Scale(Word):
@@ -299,14 +305,14 @@ class Scale(Word):
 
     word: Literal["scale"] = "scale"
 
-    name: str = attribute("Name that items give.", pattern=IDENTIFIER)
+    name: str = attribute("Name by which items refer to the scale.", pattern=IDENTIFIER)
     least: int = attribute("Least answer.", name="from")
     most: int = attribute("Greatest answer.", name="to")
-    labels: tuple[ScaleLabel, ...] = child("What its points are called.", default=())
+    labels: tuple[ScaleLabel, ...] = child("Labels of its points.", default=())
 
 
 class ScaleItem(Word):
-    """A statement or question that is answered on a scale."""
+    """A statement or question with an answer on a scale."""
 
     word: Literal["item"] = "item"
 
@@ -317,7 +323,7 @@ class ScaleItem(Word):
 
 
 class NumberItem(Word):
-    """A question that is answered with a number."""
+    """A question with a number as its answer."""
 
     word: Literal["number_item"] = "number_item"
 
@@ -329,16 +335,16 @@ class NumberItem(Word):
 
 
 class Option(Word):
-    """An answer that can be chosen."""
+    """A possible answer."""
 
     word: Literal["option"] = "option"
 
-    value: str = attribute("What stands in the data.", pattern="[A-Za-z0-9_]+")
+    value: str = attribute("Value in the data.", pattern="[A-Za-z0-9_]+")
     text: str = attribute("What the participant reads.")
 
 
 class ChoiceItem(Word):
-    """A question with answers to choose one from."""
+    """A question with a choice of answers."""
 
     word: Literal["choice_item"] = "choice_item"
 
@@ -348,7 +354,7 @@ class ChoiceItem(Word):
 
 
 class TextItem(Word):
-    """A question that is answered in words; it may be left empty."""
+    """A question with a free text as its answer, which may be empty."""
 
     word: Literal["text_item"] = "text_item"
 
@@ -357,7 +363,7 @@ class TextItem(Word):
 
 
 class Score(Word):
-    """A number that is made of the answers to several items."""
+    """A number computed from the answers to several items."""
 
     word: Literal["score"] = "score"
 
@@ -370,7 +376,10 @@ Item = ScaleItem | NumberItem | ChoiceItem | TextItem
 
 
 class QuestionnaireElement(Word):
-    """A questionnaire: scales, items and scores. None comes along: write your own, or those that you may use."""
+    """A questionnaire: scales, items and scores.
+
+    No questionnaire is included: write your own, or use one that you have the right to use.
+    """
 
     word: Literal["questionnaire"] = "questionnaire"
 
@@ -384,12 +393,12 @@ class QuestionnaireElement(Word):
     scores: tuple[Score, ...] = child("Scores.", default=())
 
     def scale_of(self, item: ScaleItem) -> Scale:
-        """Return the scale on which an item is answered."""
+        """Return the scale of an item."""
         return next(one for one in self.scales if one.name == item.scale)
 
 
 STUDIES = (StudyElement, QuestionnaireElement)
-"""First elements of the files of studies."""
+"""First elements of a study's files."""
 
 
 @dataclass(frozen=True)
@@ -410,7 +419,7 @@ class Condition:
 
     @property
     def levels(self) -> dict[str, str]:
-        """The name of its level by factor, of the factors that the study has."""
+        """The names of the levels by factor, for the factors that the study has."""
         found = {"scenario": self.scenario.name}
         found |= {"hmi": self.hmi.name} if self.hmi is not None else {}
         return found | ({"setting": self.setting.name} if self.setting is not None else {})
@@ -425,12 +434,12 @@ def conditions_of(study: StudyElement) -> tuple[Condition, ...]:
 
 
 def square_rows(count: int) -> int:
-    """Return the number of rows of a balanced Latin square for so many conditions."""
+    """Return the number of rows of a balanced Latin square for a number of conditions."""
     return count if count % 2 == 0 or count == 1 else 2 * count
 
 
 def located(target: str, folder: Path) -> str:
-    """Return a FILE#name of a study as it is found from anywhere; a bare name is that of a conflict of the library."""
+    """Return a study's FILE#name with the study's folder before it; a bare name is a conflict of the library."""
     path, mark, name = target.partition("#")
     if not re.fullmatch(IDENTIFIER, target):
         return f"{folder / path}{mark}{name}"

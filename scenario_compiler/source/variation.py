@@ -13,12 +13,12 @@ from scenario_compiler.vocabulary.variation import Axis, Choice, Constraint, Gri
 BAD_VARIATION = Code(
     "SC250",
     "bad-variation",
-    "A <vary> describes a distribution that there cannot be, gives a parameter values outside its limits or not of its "
-    "type, or varies one twice:\n\n"
+    "A <vary> contains an invalid distribution, gives a parameter values of the wrong type or outside its limits, or "
+    "varies a parameter twice:\n\n"
     '    <parameter name="gap" type="time" default="2" min="1" max="4"/>\n'
     '    <vary><uniform parameter="gap" least="0.5" greatest="3"/></vary>     0.5 is below the least value, 1\n\n'
-    "Correct the numbers, or widen the parameter's limits. An integer takes whole numbers, a text or a boolean what a "
-    "<choice> lists.",
+    "Correct the numbers, or widen the parameter's limits. An integer needs whole numbers; a text or a boolean needs "
+    "a <choice>.",
 )
 
 

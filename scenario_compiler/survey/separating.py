@@ -17,7 +17,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, Severity
 from scenario_compiler.files import split_target
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.outcome import Outcome, judge
 from scenario_compiler.report.wording import CAUSE_WORDS, outcome_words
@@ -27,6 +26,7 @@ from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.source.expansion import catalog_driver
 from scenario_compiler.vocabulary.driver import Driver, DriverModel
+from scenario_compiler.vocabulary.sensors import Perception
 
 SEED = 1
 """Seed of all runs."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from scenario_compiler.files import split_target
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.survey.separating import ATTENTIVE, DRIVERS, SEED, SLOW, Driven, Separated
+from scenario_compiler.vocabulary.sensors import Perception
 
 SEEN_BY: dict[Perception, str] = {"ideal": "ideal perception", "camera": "the camera"}
 TITLE = "# Drivers that the library separates"

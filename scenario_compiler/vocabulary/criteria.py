@@ -1,4 +1,4 @@
-"""Criteria: what a run is judged by."""
+"""Criteria by which a run is judged."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -18,7 +18,7 @@ class NoCollision(Word):
 class StayOnRoad(Word):
     """The ego vehicle's reference point stays on a lane.
 
-    An automated vehicle is judged by this whether it is written or not, unless `required` is false.
+    This criterion always applies to an automated vehicle, even if it is not written, unless `required` is false.
     """
 
     word: Literal["stay_on_road"] = "stay_on_road"
@@ -41,7 +41,7 @@ class MinimumTimeToCollision(Word):
 
 
 class TakeoverWithin(Word):
-    """The driver responds to the first request in time. A run without a request fulfils it."""
+    """The driver responds to the first request in time. A run without a request meets this criterion."""
 
     word: Literal["takeover_within"] = "takeover_within"
 
@@ -53,7 +53,7 @@ class Requested(Word):
 
     word: Literal["requested"] = "requested"
 
-    cause: RequestCause | None = attribute("Cause of the first request; any when left out.", default=None)
+    cause: RequestCause | None = attribute("Cause of the first request; any cause if left out.", default=None)
 
 
 class NoMinimumRisk(Word):
@@ -63,20 +63,20 @@ class NoMinimumRisk(Word):
 
 
 class MakesProgress(Word):
-    """The automated vehicle never stands without a reason for as long as the cause `no_progress` allows (5 s).
+    """The automated vehicle never stands still without a reason for the time that the cause `no_progress` allows (5 s).
 
-    Reasons are a leader that moves or a queue behind one, a red signal, a stop that an action orders, and a
-    minimum-risk stop.
+    Reasons are a moving leader or a queue behind one, a red signal, a stop ordered by an action, and a minimum-risk
+    stop.
     """
 
     word: Literal["makes_progress"] = "makes_progress"
 
 
 class NoObstruction(Word):
-    """The automated vehicle never comes to a standstill in a lane for driving in which nothing ahead holds it.
+    """The automated vehicle never stops in a driving lane unless something ahead holds it.
 
-    An object, the end of the lane or a red signal at most 30 m ahead holds it. A stop that obstructs a lane is one by a
-    minimum-risk manoeuvre or by the driver.
+    An object, the end of the lane or a red signal at most 30 m ahead holds it. Only stops by a minimum-risk manoeuvre
+    or by the driver count as obstructing a lane.
     """
 
     word: Literal["no_obstruction"] = "no_obstruction"
@@ -91,7 +91,7 @@ class MaximumLateralOffset(Word):
 
 
 class NoAvoidableCollision(Word):
-    """The ego vehicle has no collision that a reference driver, in its place from the start, would have avoided."""
+    """The ego vehicle has no collision that a reference driver in its place from the start would have avoided."""
 
     word: Literal["no_avoidable_collision"] = "no_avoidable_collision"
 
@@ -114,5 +114,5 @@ Criterion = (
 
 
 def references_in(criteria: Iterable[Criterion]) -> tuple[ReferenceName, ...]:
-    """Return the reference drivers that criteria name, each once, in order."""
+    """Return the reference drivers that the criteria name, each once, in order."""
     return tuple(dict.fromkeys(one.by for one in criteria if isinstance(one, NoAvoidableCollision)))

@@ -1,4 +1,4 @@
-"""Entities: the ego vehicle, static and dynamic actors, groups of them, traffic, and the vehicles they are."""
+"""Entities: the ego vehicle, static and dynamic actors, groups of them, traffic, and their vehicle models."""
 
 from typing import Literal
 
@@ -11,21 +11,21 @@ from scenario_compiler.vocabulary.word import ENTITY_ID, Number, Word, attribute
 Category = Literal[
     "car", "van", "truck", "bus", "motorbike", "bicycle", "pedestrian", "cone", "barrier", "sign", "prop"
 ]  # fmt: skip
-"""What an entity is: how it is drawn, and what background traffic is made of."""
+"""Category of an entity: decides how it is drawn and which models background traffic draws."""
 
 
 class Vehicle(Word):
-    """A kind of vehicle, person or thing: the catalog's entry.
+    """A vehicle, pedestrian or object model: an entry of the catalog.
 
-    The reference point is on the ground: a vehicle's rear axle, anything else's middle.
+    The reference point is on the ground: under the rear axle of a vehicle, under the middle of anything else.
     """
 
     word: Literal["vehicle"] = "vehicle"
 
     name: str = attribute("CARLA blueprint id.", defines="vehicle")
-    category: Category = attribute("What it is.", default="car")
-    summary: str = attribute("What it is.", default="")
-    source: str = attribute("Where the numbers come from.", default="")
+    category: Category = attribute("Category of the model.", default="car")
+    summary: str = attribute("Short description.", default="")
+    source: str = attribute("Source of the numbers.", default="")
     length: float = attribute("Length of the box, m.", quantity="length", minimum=0, exclusive=True)
     width: float = attribute("Width of the box, m.", quantity="length", minimum=0, exclusive=True)
     height: float = attribute("Height of the box, m.", quantity="length", minimum=0, exclusive=True)
@@ -40,20 +40,20 @@ class Vehicle(Word):
     )
     max_speed: float = attribute("Top speed, m/s.", default=60.0, quantity="speed", minimum=0)
     pitch_gradient: float = attribute(
-        "How far the body pitches when the vehicle brakes or accelerates, degrees per m/s2: on springs with a "
-        "ride frequency f, with the centre of gravity at a height h and a wheelbase b, it is h / (pi f b)**2 rad less "
-        "what anti-dive takes. 0.55 m, 1.2 Hz and 2.65 m give 0.32 degrees, of which the default leaves two thirds.",
+        "How far the body pitches when the vehicle brakes or accelerates, degrees per m/s2. On springs with a ride "
+        "frequency f, a centre of gravity at height h and a wheelbase b, it is h / (pi f b)**2 rad, reduced by "
+        "anti-dive. For 0.55 m, 1.2 Hz and 2.65 m this is 0.32 degrees; the default is two thirds of that.",
         default=0.2,
         minimum=0,
         maximum=2,
     )
     hitch: float | None = attribute(
-        "Distance from the rear axle forward to where a trailer is hitched, m; mostly negative.",
+        "Distance from the rear axle forward to the hitch for a trailer, m; usually negative.",
         default=None,
         quantity="length",
     )
     coupler: float | None = attribute(
-        "Distance from the rear axle forward to where a trailer is coupled to what draws it, m.",
+        "Distance from the rear axle forward to the point at which this trailer is coupled to the towing vehicle, m.",
         default=None,
         quantity="length",
     )
@@ -69,31 +69,30 @@ class Property(Word):
 
 
 class Detector(Word):
-    """What finds the lane in the camera's image for the controller `lane_detection`."""
+    """The detector that finds the lane in the camera's image for the controller `lane_detection`."""
 
     word: Literal["detector"] = "detector"
 
     model: str = attribute(
-        "Name of a lane detector, or `package.module:Class` or `file.py:Class` of your own.",
+        "Name of a lane detector, or your own as `package.module:Class` or `file.py:Class`.",
         default="classical",
         names="detector",
     )
 
 
 class Controller(Word):
-    """What drives the ego vehicle between control steps."""
+    """The controller that drives the ego vehicle between control steps."""
 
     word: Literal["controller"] = "controller"
 
     model: str = attribute(
-        "Name of a controller, or `package.module:Class` or `file.py:Class` of your own.",
+        "Name of a controller, or your own as `package.module:Class` or `file.py:Class`.",
         default="lane_detection",
         names="controller",
     )
     properties: tuple[Property, ...] = child("Its parameters.", default=())
     detector: Detector | None = child(
-        "What finds the lane in the image, for `lane_detection` and controllers that derive from it; the classical "
-        "detector when left out.",
+        "The lane detector, for `lane_detection` and controllers derived from it; the classical detector if left out.",
         default=None,
     )
 
@@ -104,26 +103,27 @@ class Ego(Word):
     word: Literal["ego"] = "ego"
 
     id: str = attribute("Id of the entity.", default="ego", defines="entity", pattern=ENTITY_ID)
-    model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
+    model: str = attribute("Model from the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     desired_speed: Number | None = attribute(
-        "Speed that the automation aims for, m/s; the speed at the start when left out.",
+        "Speed that the automation aims for, m/s; the speed at the start if left out.",
         default=None,
         quantity="speed",
         minimum=0,
         exclusive=True,
     )
-    start: Position = child("Where it starts.", wrapper="start")
-    destination: Position | None = child("Where the run ends.", default=None, wrapper="destination")
-    camera: Camera = child("Its forward camera.", default_factory=Camera.model_construct)
+    start: Position = child("Start position.", wrapper="start")
+    destination: Position | None = child("Destination: the run ends here.", default=None, wrapper="destination")
+    camera: Camera = child("The forward camera.", default_factory=Camera.model_construct)
     forward_sensor: ForwardSensor = child(
-        "What it sees objects ahead with.", default_factory=ForwardSensor.model_construct
+        "The sensor that detects objects ahead.", default_factory=ForwardSensor.model_construct
     )
     odometry: Odometry = child(
-        "What it knows of its own motion while it does not see its lane.", default_factory=Odometry.model_construct
+        "Errors of the vehicle's own motion estimate while it does not see its lane.",
+        default_factory=Odometry.model_construct,
     )
-    controller: Controller = child("What drives it.", default_factory=Controller.model_construct)
-    whens: tuple[When, ...] = child("What happens to it.", default=())
+    controller: Controller = child("The controller that drives it.", default_factory=Controller.model_construct)
+    whens: tuple[When, ...] = child("Events of the vehicle.", default=())
 
 
 class Static(Word):
@@ -132,8 +132,8 @@ class Static(Word):
     word: Literal["static"] = "static"
 
     id: str = attribute("Id of the entity.", defines="entity", pattern=ENTITY_ID)
-    model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
-    at: Position = child("Where it stands.", wrapper="at")
+    model: str = attribute("Model from the vehicle catalog.", default="vehicle.audi.tt", names="vehicle")
+    at: Position = child("Position.", wrapper="at")
 
 
 class Follow(Word):
@@ -150,51 +150,52 @@ class Follow(Word):
 
 
 class Dynamic(Word):
-    """An actor that moves: along its lane, at junctions on the way to its destination, or on a path of its own."""
+    """An actor that moves: along its lane, through junctions to its destination, or on a path of its own."""
 
     word: Literal["dynamic"] = "dynamic"
 
     id: str = attribute("Id of the entity.", defines="entity", pattern=ENTITY_ID)
-    model: str = attribute("Vehicle of the vehicle catalog.", default="vehicle.tesla.model3", names="vehicle")
+    model: str = attribute("Model from the vehicle catalog.", default="vehicle.tesla.model3", names="vehicle")
     speed: Number = attribute("Speed at the start, m/s.", default=0.0, quantity="speed", minimum=0)
     start: Position | None = child(
-        "Where it starts; off every road, until an action puts it somewhere, when left out.",
+        "Start position. If left out, the actor is off every road until an action places it.",
         default=None,
         wrapper="start",
     )
     destination: Position | None = child(
-        "Where it is going: at junctions it takes the way there, and drives on beyond.",
+        "Destination: the actor turns towards it at junctions and drives on beyond it.",
         default=None,
         wrapper="destination",
     )
-    follow: Follow | None = child("Follow the vehicle ahead in place of a constant speed.", default=None)
-    path: Path | None = child("The path that it moves on from the start.", default=None)
-    whens: tuple[When, ...] = child("What it does, and when.", default=())
+    follow: Follow | None = child("Follows the vehicle ahead instead of keeping a constant speed.", default=None)
+    path: Path | None = child("Path on which it moves from the start.", default=None)
+    whens: tuple[When, ...] = child("Actions of the actor, with their conditions.", default=())
 
 
 class Row(Word):
-    """Things that stand in a row along a lane: cones, barriers, parked cars. Their ids are the row's and a number."""
+    """Objects in a row along a lane: cones, barriers, parked cars. A member's id is the row's id and a number."""
 
     word: Literal["row"] = "row"
 
-    id: str = attribute("Id of the row: its members are <id>.1, <id>.2 and so on.", defines="entity", pattern=ENTITY_ID)
+    id: str = attribute("Id of the row. Its members are <id>.1, <id>.2 and so on.", defines="entity", pattern=ENTITY_ID)
     model: str = attribute(
-        "What stands in it, of the catalog.", default="static.prop.constructioncone", names="vehicle"
+        "Model of the members, from the vehicle catalog.", default="static.prop.constructioncone", names="vehicle"
     )
     count: int = attribute("Number of members.", minimum=1, maximum=200)
     spacing: float = attribute("Distance between two members along the lane, m.", default=5.0, quantity="length")
     across: float = attribute(
-        "How far the last member stands across from the first, m, positive to the left in the direction of travel.",
+        "Lateral distance from the first member to the last, m, positive to the left in the direction of travel.",
         default=0.0,
         quantity="length",
     )
-    at: Position = child("Where the first member stands.", wrapper="at")
+    at: Position = child("Position of the first member.", wrapper="at")
 
 
 class WorkZone(Word):
-    """Road works: a sign, a taper of cones across the lane, barriers where it closes, cones along the closed stretch.
+    """Road works: a sign, a taper of cones, barriers at its end, and cones along the closed stretch.
 
-    The members' ids are <id>.sign, <id>.taper.1, ..., <id>.barrier.1, ..., <id>.cones.1, ...
+    The taper runs across the lane. The members' ids are <id>.sign, <id>.taper.1, ..., <id>.barrier.1, ...,
+    <id>.cones.1, ...
     """
 
     word: Literal["work_zone"] = "work_zone"
@@ -205,7 +206,7 @@ class WorkZone(Word):
     )
     taper: float = attribute("Length of the taper, m.", default=20.0, quantity="length", minimum=5, maximum=300)
     across: float = attribute(
-        "How far the works reach across from the first cone, m, positive to the left in the direction of travel.",
+        "Lateral extent of the works from the first cone, m, positive to the left in the direction of travel.",
         default=3.2,
         quantity="length",
     )
@@ -213,55 +214,58 @@ class WorkZone(Word):
         "Greatest distance between two cones, m.", default=5.0, quantity="length", minimum=1, maximum=50
     )
     sign_before: float = attribute(
-        "Distance of the sign before the first cone, m; 0 for no sign.",
+        "Distance of the sign before the first cone, m; 0 means no sign.",
         default=30.0,
         quantity="length",
         minimum=0,
         maximum=300,
     )
     line: bool = attribute(
-        "Whether a temporary yellow line runs along the cones of the closed stretch, on the side that stays open.",
+        "Whether a temporary yellow line runs along the cones of the closed stretch, on the open side.",
         default=False,
     )
-    at: Position = child("Where the first cone stands: at the lane's edge.", wrapper="at")
+    at: Position = child("Position of the first cone, at the lane's edge.", wrapper="at")
 
 
 class Traffic(Word):
-    """Background traffic: vehicles that follow, change lanes, turn at junctions and yield, and people on sidewalks.
+    """Background traffic: vehicles that follow, change lanes, turn at junctions and yield, and pedestrians.
 
-    They start at places drawn at random from the run's seed, so each run and each variant of a sweep has its own. A
-    vehicle that leaves the map comes back at another random place.
+    Pedestrians walk on the sidewalks. Start positions are drawn at random from the run's seed, so each run and each
+    variant of a sweep has its own. A vehicle that leaves the map returns at another random place.
     """
 
     word: Literal["traffic"] = "traffic"
 
     id: str = attribute(
-        "Id: the entities are <id>.1, <id>.2 and so on.", default="traffic", defines="traffic", pattern=ENTITY_ID
+        "Id of the traffic. Its entities are <id>.1, <id>.2 and so on.",
+        default="traffic",
+        defines="traffic",
+        pattern=ENTITY_ID,
     )
     vehicles: int = attribute("Number of vehicles.", default=0, minimum=0, maximum=500)
     pedestrians: int = attribute("Number of pedestrians on the sidewalks.", default=0, minimum=0, maximum=500)
     density: float = attribute(
-        "Vehicles per kilometre of driving lane, more than those of `vehicles`.", default=0.0, minimum=0, maximum=100
+        "Vehicles per kilometre of driving lane, in addition to `vehicles`.", default=0.0, minimum=0, maximum=100
     )
     types: tuple[str, ...] = attribute(
-        "What the vehicles are: categories (car, van, truck, bus, motorbike, bicycle) or models of the catalog, drawn "
-        "alike often.",
+        "Categories (car, van, truck, bus, motorbike, bicycle) or catalog models of the vehicles, drawn with equal "
+        "probability.",
         default=("car",),
         separated=True,
     )
     pedestrian_types: tuple[str, ...] = attribute(
-        "What the pedestrians are: the category pedestrian, or models of the catalog.",
+        "Types of the pedestrians: the category pedestrian, or models of the catalog.",
         default=("pedestrian",),
         separated=True,
     )
     roads: tuple[str, ...] = attribute(
-        "Ids of the roads that they start on; all roads outside of junctions when left out.",
+        "Ids of the roads on which they start; all roads outside junctions if left out.",
         default=(),
         names="road",
         separated=True,
     )
     clear: float = attribute(
-        "Least distance between two of them at the start, and to the other entities, m.",
+        "Least distance at the start, m, between two of them and to the other entities.",
         default=20.0,
         quantity="length",
         minimum=8,
@@ -282,8 +286,8 @@ class Traffic(Word):
         maximum=2,
     )
     seed: int | None = attribute(
-        "Seed of models, starts and turns: the same traffic always. Left out, each run and each variant of a sweep has "
-        "its own starts and turns.",
+        "Seed for models, starts and turns. With a seed the traffic is always the same; without one, each run and "
+        "each variant of a sweep has its own starts and turns.",
         default=None,
         minimum=0,
     )

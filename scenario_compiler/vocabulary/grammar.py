@@ -1,6 +1,6 @@
-"""What a word's declaration says about its XML element, worked out once a word: the reader and the XSD both use it.
+"""The XML element of a word, derived once from its declaration for both the reader and the XSD.
 
-An element has attributes in any order and children in the order of the word's fields; where a field takes several
+An element has attributes in any order, and children in the order of the word's fields. Where a field accepts several
 kinds of words, or any number of them, these may be mixed.
 """
 
@@ -22,19 +22,19 @@ from scenario_compiler.vocabulary.word import (
 )
 
 NUMBER = r"[+\-]?([0-9]{1,30}(\.[0-9]{1,30})?|\.[0-9]{1,30})([eE][+\-]?[0-9]{1,2})?"
-"""A number as XML writes it: always finite, no hexadecimal, no infinity, a digit after the point."""
+"""A number as written in XML: always finite, not hexadecimal, with a digit after the point."""
 
 INTEGER = r"[+\-]?[0-9]{1,9}"
-"""A whole number as XML writes it."""
+"""A whole number as written in XML."""
 
 EXPRESSION = r"[$][A-Za-z_][A-Za-z0-9_.]*|[$]\{[ \t\r\n]*[^{} \t\r\n][^{}]*\}"
-"""A parameter, `$name`, or an expression over parameters, `${...}`, in place of a literal; `${}` is not an expression.
+"""A parameter, `$name`, or an expression over parameters, `${...}`, instead of a literal; `${}` is not an expression.
 
-What an expression comes to is no matter of form: a schema takes any for any value, and the reader judges the value.
+The schema accepts any expression for any value, because its value is not a matter of form; the reader checks the value.
 """
 
 AttributeKind = Literal["number", "fixed_number", "integer", "boolean", "choice", "text"]
-"""What an attribute holds. A `number` may stay open in a plan; the other kinds decide structure."""
+"""Kinds of attribute values. A `number` may stay open in a plan; the other kinds determine structure."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +53,14 @@ class AttributeRule:
 
 @dataclass(frozen=True, slots=True)
 class ChildRule:
-    """Children that an element may have at one place of its order.
+    """The children that an element may have at one place of its order.
 
     Attributes:
-        field: The word's field that holds them.
-        wrapper: Tag of the element around them, empty when they stand directly in the parent.
+        field: The word's field that contains them.
+        wrapper: Tag of the element around them; empty if they stand directly in the parent.
         words: Tag to word type, in the order of the declaration.
-        required: At least one must be there.
-        many: Any number may be there.
+        required: At least one is required.
+        many: Any number is allowed.
     """
 
     field: str
@@ -82,8 +82,8 @@ class Grammar:
 
     Attributes:
         attributes: By name, in the order of the declaration.
-        children: In the order in which the file must have them.
-        others: Field that collects attributes of any other name, empty when there may be none.
+        children: In the order required in a file.
+        others: Field that collects attributes with any other name; empty if none are allowed.
     """
 
     attributes: Mapping[str, AttributeRule]
@@ -91,13 +91,13 @@ class Grammar:
     others: str = ""
 
     def attribute_of(self, field: str) -> AttributeRule:
-        """Return the attribute that holds a field of the word."""
+        """Return the attribute that belongs to a field of the word."""
         return next(rule for rule in self.attributes.values() if rule.field == field)
 
 
 @cache
 def grammar_of(word: type[Word]) -> Grammar:
-    """Return what the word's declaration says about its element."""
+    """Return the XML element of a word."""
     attributes: dict[str, AttributeRule] = {}
     children: list[ChildRule] = []
     others = ""
@@ -163,7 +163,7 @@ def _members(annotation: object) -> list[Any]:
 
 
 def limits_text(spelling: AttributeSpelling) -> str:
-    """Return the limits of a number in words, in the unit that XML uses; empty for none."""
+    """Return the limits of a number in words, in the XML unit; empty without limits."""
     parts = []
     if spelling.minimum is not None:
         parts.append(f"{'above' if spelling.exclusive else 'from'} {format_value(float(spelling.minimum))}")
@@ -173,7 +173,7 @@ def limits_text(spelling: AttributeSpelling) -> str:
 
 
 def outside(number: float, limits: AttributeSpelling) -> str:
-    """Return the limit that a number breaks, in words, in the XML unit; empty when it keeps them."""
+    """Return the limit that a number violates, in words, in the XML unit; empty if it violates none."""
     low, high = limits.minimum, limits.maximum
     if low is not None and (number < low or (limits.exclusive and number == low)):
         return f"{'greater than' if limits.exclusive else 'at least'} {format_value(float(low))}"
@@ -183,6 +183,6 @@ def outside(number: float, limits: AttributeSpelling) -> str:
 
 
 def out_of_limits(name: str, number: float, limits: AttributeSpelling) -> str:
-    """Return the sentence on a number that breaks limits, in the XML unit; empty when it keeps them."""
+    """Return a sentence on the limit that a number violates, in the XML unit; empty if it violates none."""
     broken = outside(number, limits)
     return f"{name} is {format_value(float(number))}, but must be {broken}" if broken else ""

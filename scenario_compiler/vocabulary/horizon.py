@@ -1,7 +1,7 @@
-"""A limit that the language and the engine share; apart from the words, because the engine is built without them."""
+"""A limit shared by the language and the engine. It is separate because the engine is built without the words."""
 
 HORIZON = 30.0
-"""Time from which on there is no time to collision, s: nobody keeps speed and path unchanged for so long.
+"""Greatest time to collision, s. Beyond it there is no time to collision: nobody keeps speed and path for so long.
 
-The number is our own choice. Speeds that are almost equal would otherwise give times of hours, which say nothing.
+The number is our own choice. Without it, almost equal speeds would give meaningless times of hours.
 """

@@ -1,4 +1,4 @@
-"""Markings: the road's paint where the scenario overrides the map by stretch, and paint that it adds."""
+"""Markings: stretches on which the scenario overrides the map's paint, and paint that the scenario adds."""
 
 from typing import Literal
 
@@ -8,7 +8,7 @@ MarkColour = Literal["white", "yellow", "orange", "red", "blue"]
 
 
 class Markings(Word):
-    """The marks along a stretch of a road: quality, linear from its begin to its end, colour, and what covers them."""
+    """The paint along a stretch of a road: colour, cover, and a quality that changes linearly from begin to end."""
 
     word: Literal["markings"] = "markings"
 
@@ -18,39 +18,39 @@ class Markings(Word):
     )
     s_to: Number = attribute("End of the stretch along the reference line, m.", name="to", quantity="length", minimum=0)
     lane: int | None = attribute(
-        "Id of the lane on whose outer border the mark lies, 0 for the centre line; all marks when left out.",
+        "Id of the lane whose outer border the mark lies on, 0 for the centre line; all marks if left out.",
         default=None,
     )
     quality: Number | None = attribute(
-        "Quality at the begin: 1 is fresh paint, 0 is no paint. The map's when left out.",
+        "Quality at the begin: 1 is fresh paint, 0 is no paint. The map's quality if left out.",
         default=None,
         quantity="fraction",
         minimum=0,
         maximum=1,
     )
     quality_to: Number | None = attribute(
-        "Quality at the end; the same as at the begin when left out.",
+        "Quality at the end; the same as at the begin if left out.",
         default=None,
         quantity="fraction",
         minimum=0,
         maximum=1,
     )
     coverage: Number = attribute(
-        "Share of the paint that is covered, by leaves, snow or dirt: pieces of 2 m of it are not to be seen.",
+        "Share of the paint that leaves, snow or dirt cover. Covered pieces are 2 m long.",
         default=0.0,
         quantity="fraction",
         minimum=0,
         maximum=1,
     )
     colour: MarkColour | None = attribute(
-        "Colour that the camera sees the marks in; the map's when left out.", default=None
+        "Colour of the marks in the camera's image; the map's colour if left out.", default=None
     )
 
 
 class SecondaryMarkings(Word):
-    """A line painted beside the old marks, such as a temporary one in a work zone; the old marks stay.
+    """A line painted in addition to the old marks, such as a temporary line in a work zone. The old marks stay.
 
-    It matters to the camera alone: with ideal perception a lane is bounded by the map's own marks.
+    Only the camera sees it: with ideal perception, the map's own marks bound a lane.
     """
 
     word: Literal["secondary_markings"] = "secondary_markings"
@@ -61,7 +61,7 @@ class SecondaryMarkings(Word):
     )
     s_to: Number = attribute("End of the line along the reference line, m.", name="to", quantity="length", minimum=0)
     t: Number = attribute(
-        "Distance of the line's middle from the reference line, m, positive to the left of increasing s.",
+        "Distance of the line's middle from the reference line, m, positive to the left in the direction of s.",
         quantity="length",
     )
     colour: MarkColour = attribute("Colour of the line.", default="yellow")
@@ -73,23 +73,23 @@ class SecondaryMarkings(Word):
 
 
 class LineBeside(Word):
-    """A line painted beside where an entity starts, such as the temporary one along a work zone's cones.
+    """A line painted beside an entity's start position, such as the temporary line along a work zone's cones.
 
-    It lies on the road that the entity starts on, along it, and ends with it. It matters to the camera alone.
+    It lies along the road on which the entity starts, and ends where that road ends. Only the camera sees it.
     """
 
     word: Literal["line_beside"] = "line_beside"
 
-    entity: str = attribute("Id of the entity that the line is measured from.", names="entity")
+    entity: str = attribute("Id of the entity from which the line is measured.", names="entity")
     s_from: Number = attribute(
-        "Begin of the line along the road from the entity, m, positive to where it faces.",
+        "Begin of the line, m along the road from the entity, positive in the direction that the entity faces.",
         name="from",
         default=0.0,
         quantity="length",
     )
-    s_to: Number = attribute("End of the line, m, counted likewise.", name="to", quantity="length")
+    s_to: Number = attribute("End of the line, m, measured in the same way.", name="to", quantity="length")
     across: Number = attribute(
-        "Distance of the line's middle from the entity, m, positive to the left of where it faces.",
+        "Distance of the line's middle from the entity, m, positive to the entity's left.",
         default=0.0,
         quantity="length",
     )

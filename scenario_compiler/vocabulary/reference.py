@@ -1,4 +1,4 @@
-"""The language's reference as a page of Markdown, made from the declarations of its words."""
+"""The language's reference as a Markdown page, generated from the declarations of its words."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
@@ -9,18 +9,18 @@ from scenario_compiler.vocabulary.grammar import AttributeRule, ChildRule, gramm
 from scenario_compiler.vocabulary.schema import default_text, words_below
 from scenario_compiler.vocabulary.word import QUANTITIES, Word
 
-_HEAD = """# The language, word by word
-
-Made from the declarations of the language's words: change those, then `make generate`. `schemas/conflict.xsd` says the
-same to an editor.
-
-The children of an element stand in the order in which they are listed. In place of any value, `$name` is a parameter
-and `${...}` an expression over parameters. Numbers are decimal, in the unit that is given. Expressions know
-`+ - * / % ^`, comparisons, `and`, `or`, `not`, brackets, and the functions """
+_HEAD = (
+    "# The language, element by element\n\n"
+    "This page is generated from the declarations of the language's words: change those, then run `make generate`.\n"
+    "`schemas/conflict.xsd` contains the same information for editors.\n\n"
+    "The children of an element must stand in the order in which they are listed. Any value can be replaced by a\n"
+    "parameter, `$name`, or by an expression over parameters, `${...}`. Numbers are decimal, in the given unit.\n"
+    "Expressions support `+ - * / % ^`, comparisons, `and`, `or`, `not`, parentheses, and the functions "
+)
 
 
 LEAST_WORDS, LEAST_PARENTS = 5, 4
-"""How many words must stand in the same places, and how many places that must be, for them to be listed once."""
+"""Words are listed as a group if at least this many words share at least this many parents."""
 
 Examples = Mapping[tuple[str, str], str]
 """Text of an example by the tags of an element and of its parent."""
@@ -28,12 +28,12 @@ Examples = Mapping[tuple[str, str], str]
 
 @dataclass(frozen=True)
 class Group:
-    """Words that stand in the same elements.
+    """Words that may stand in the same elements.
 
     Attributes:
-        name: What one of them is called.
-        words: They, in the page's order.
-        parents: Where they stand.
+        name: Name of one of them.
+        words: The words, in the page's order.
+        parents: The elements that may contain them.
     """
 
     name: str
@@ -47,12 +47,12 @@ class Group:
 
 
 def language_page(roots: Iterable[type[Word]], examples: Examples, head: str = "") -> str:
-    """Return the page on the documents whose first elements are these words, with an example of each element.
+    """Return the page on documents with these first elements, with an example of each element.
 
     Args:
-        roots: The words.
+        roots: The words of the first elements.
         examples: The examples.
-        head: What stands above; what is said of the conflict language when empty.
+        head: Introduction of the page; that of the conflict language if empty.
     """
     words = words_below(tuple(roots))
     found: dict[type[Word], list[type[Word]]] = {word: [] for word in words}
@@ -69,7 +69,7 @@ def language_page(roots: Iterable[type[Word]], examples: Examples, head: str = "
 
 
 def _groups(parents: Mapping[type[Word], tuple[type[Word], ...]]) -> list[Group]:
-    """Return the groups of words that stand in the same many places, which would be listed again with each."""
+    """Return the groups of words that may stand in the same places, if these are many, so that they are listed once."""
     counts = Counter(parents.values())
     found = []
     for places, count in counts.items():
@@ -88,7 +88,7 @@ def _group_section(group: Group) -> Iterator[str]:
     yield ""
     yield f"One of {', '.join(map(_link, group.words))}."
     yield ""
-    yield f"It stands in {', '.join(map(_link, group.parents))}."
+    yield f"Allowed in {', '.join(map(_link, group.parents))}."
     yield ""
 
 
@@ -105,22 +105,22 @@ def _section(
         yield f"It is a {group.link}."
         yield ""
     elif len(parents) > 1:
-        yield f"It stands in {', '.join(map(_link, parents))}."
+        yield f"Allowed in {', '.join(map(_link, parents))}."
         yield ""
     example = next((examples[word.tag(), one] for one in _tags(parents) if (word.tag(), one) in examples), "")
     if example:
         yield from ("```xml", example, "```", "")
     grammar = grammar_of(word)
     if grammar.attributes:
-        yield "| attribute | holds | |"
+        yield "| attribute | value | meaning |"
         yield "|---|---|---|"
         yield from (_attribute(rule) for rule in grammar.attributes.values())
         yield ""
     if grammar.others:
-        yield "Any other attribute gives a parameter of the template its value."
+        yield "Any other attribute sets a parameter of the template."
         yield ""
     if grammar.children:
-        yield "Holds, in this order:"
+        yield "Contains, in this order:"
         yield ""
         yield from (_child(rule, groups) for rule in grammar.children)
         yield ""
@@ -163,7 +163,7 @@ def holds(rule: AttributeRule) -> str:
     if quantity is not None and quantity.unit not in ("", "1"):
         what = f"{what} in {quantity.unit}"
     if spelling.separated:
-        what = f"list of {what}" if rule.kind == "choice" else f"{what}s with spaces between"
+        what = f"list of {what}" if rule.kind == "choice" else f"{what}s separated by spaces"
     limits = [limits_text(spelling)] if limits_text(spelling) else []
     if spelling.names:
         named = spelling.names.replace("_", " ")

@@ -1,4 +1,4 @@
-"""The scenario: what both languages end in once templates, catalogs and structural parameters are gone."""
+"""The scenario: both languages are lowered to it once templates, catalogs and structural parameters are expanded."""
 
 from collections.abc import Iterable, Mapping
 from typing import Literal
@@ -27,14 +27,18 @@ from scenario_compiler.vocabulary.word import (
 
 
 class Classification(Word):
-    """Where the conflict stands in a published taxonomy. What the source does not rate stays empty."""
+    """The place of the conflict in a published taxonomy. Leave out what the source does not rate."""
 
     word: Literal["classification"] = "classification"
 
-    scheme: str = attribute("Short name of the taxonomy: gold2018, r157, euroncap, or one of your own.", names="scheme")
-    number: int | None = attribute("Number of the situation in it.", default=None, minimum=0)
+    scheme: str = attribute(
+        "Short name of the taxonomy: gold2018, r157, euroncap, or a name of your own.", names="scheme"
+    )
+    number: int | None = attribute("Number of the situation in the taxonomy.", default=None, minimum=0)
     situation: str = attribute(
-        "Name of the situation in it, such as 4.2_1 or CCRs, where it has no number.", default="", names="situation"
+        "Name of the situation in the taxonomy, such as 4.2_1 or CCRs, if it has no number.",
+        default="",
+        names="situation",
     )
     urgency: str = attribute("Rated urgency.", default="")
     response: str = attribute("Rated complexity of the driver's response.", default="")
@@ -43,7 +47,7 @@ class Classification(Word):
 
     @property
     def place(self) -> str:
-        """The situation's name or number in the taxonomy, empty without one."""
+        """The situation's name or number in the taxonomy; empty if it has neither."""
         return self.situation or ("" if self.number is None else str(self.number))
 
 
@@ -58,16 +62,22 @@ class Parameter(Word):
 
     word: Literal["parameter"] = "parameter"
 
-    name: str = attribute("Name that `$name` and `--set name=value` use.", defines="parameter", pattern=IDENTIFIER)
-    type: ParameterKind = attribute("What it measures; numbers are in the unit that XML uses for it.")
-    default: str | None = attribute("Value when none is given; without one, each use must give it.", default=None)
+    name: str = attribute(
+        "Name by which `$name` and `--set name=value` refer to the parameter.", defines="parameter", pattern=IDENTIFIER
+    )
+    type: ParameterKind = attribute(
+        "Quantity that the parameter measures. Numbers are in the unit that XML uses for this quantity."
+    )
+    default: str | None = attribute(
+        "Default value. A parameter without a default must be given a value at each use.", default=None
+    )
     min: Number | None = attribute("Least value.", default=None)
     max: Number | None = attribute("Greatest value.", default=None)
-    summary: str = attribute("What it does.", default="")
+    summary: str = attribute("Meaning of the parameter.", default="")
 
     @property
     def limits(self) -> AttributeSpelling:
-        """Its limits, in XML units; a fraction lies between 0 and 1 without saying so."""
+        """The parameter's limits, in XML units; a fraction lies between 0 and 1 unless it declares other limits."""
         low = self.min if isinstance(self.min, float) else None
         high = self.max if isinstance(self.max, float) else None
         if self.type == "fraction":
@@ -75,10 +85,10 @@ class Parameter(Word):
         return AttributeSpelling(minimum=low, maximum=high)
 
     def value(self) -> Value:
-        """Return the default as a value of the parameter's type, numbers in the unit that XML uses.
+        """Return the default as a value of the parameter's type, with numbers in the unit that XML uses.
 
         Raises:
-            ValueError: There is no default, or it is no number where one is due.
+            ValueError: There is no default, or the default is not a number although the type requires one.
         """
         if self.default is None:
             raise ValueError(f"the parameter '{self.name}' has no value")
@@ -95,9 +105,9 @@ def parameter_values(parameters: Iterable[Parameter]) -> dict[str, Value]:
 
 
 class NumberLimit(Word):
-    """What a number that depends on parameters must keep, whatever their values are.
+    """Limits that a number which depends on parameters must respect for all values of the parameters.
 
-    The attribute that holds the number gives its limits, or the template's parameter that it is an argument of.
+    The limits come from the attribute that contains the number, or from the template's parameter to which it is passed.
     """
 
     word: Literal["limit"] = "limit"
@@ -105,11 +115,11 @@ class NumberLimit(Word):
     holder: str = attribute("Name of the attribute or parameter.")
     value: Number = attribute("The number, in the unit that XML uses.")
     least: float | None = attribute("Least value.", default=None)
-    exclusive: bool = attribute("The least value itself is left out.", default=False)
+    exclusive: bool = attribute("Whether the least value itself is excluded.", default=False)
     greatest: float | None = attribute("Greatest value.", default=None)
 
     def fault(self, values: Mapping[str, Value]) -> str:
-        """Return what is wrong with the number at values of the parameters; empty where it is as it must be."""
+        """Return why the number breaks its limits at the given parameter values; empty if it respects them."""
         try:
             number = number_value(self.value, values)
         except ExpressionError as error:
@@ -120,33 +130,35 @@ class NumberLimit(Word):
 
 
 class Scenario(Word):
-    """A whole scenario: a map, an ego vehicle, the other actors, what happens, and how it is judged."""
+    """A whole scenario: a map, an ego vehicle, other actors, events, and criteria."""
 
     word: Literal["scenario"] = "scenario"
 
     name: str = attribute("Name of the scenario.", defines="scenario")
-    summary: str = attribute("One sentence: what happens.", default="")
-    source: str = attribute("Where the situation comes from.", default="")
+    summary: str = attribute("Summary of the events in one sentence.", default="")
+    source: str = attribute("Publication or observation that describes the situation.", default="")
     map: str = attribute("Name or path of the OpenDRIVE map.", names="map")
     duration: float | None = attribute(
-        "When the run ends at the latest, s.", default=None, quantity="time", minimum=0, exclusive=True
+        "Latest end of the run, s.", default=None, quantity="time", minimum=0, exclusive=True
     )
     step: float = attribute("Length of a time step, s.", default=0.05, quantity="time", minimum=0.001, maximum=1)
     control_every: int = attribute("Number of time steps between two control steps.", default=1, minimum=1)
     weather: Weather = child("The weather.")
-    parameters: tuple[Parameter, ...] = child("Parameters that numbers of the scenario use.", default=())
+    parameters: tuple[Parameter, ...] = child("Parameters that the scenario's numbers depend on.", default=())
     limits: tuple[NumberLimit, ...] = child("Limits of the numbers that depend on parameters.", default=())
-    vary: Vary | None = child("How a sweep varies it.", default=None)
-    classifications: tuple[Classification, ...] = child("Its places in published taxonomies.", default=())
-    spawn_points: SpawnPoints | None = child("Spawn points of the scenario's own.", default=None)
+    vary: Vary | None = child("How a sweep varies the scenario.", default=None)
+    classifications: tuple[Classification, ...] = child("Places of the conflict in published taxonomies.", default=())
+    spawn_points: SpawnPoints | None = child("The scenario's own spawn points.", default=None)
     ego: Ego | None = child("The automated vehicle.", default=None)
     actors: tuple[Actor, ...] = child("The other actors, in document order.", default=())
     traffic: tuple[Traffic, ...] = child("Background traffic.", default=())
-    vehicles: tuple[Vehicle, ...] = child("The vehicles that the entities are.", default=())
-    markings: tuple[Markings, ...] = child("Where the paint differs from the map's.", default=())
-    secondary_markings: tuple[SecondaryMarkings | LineBeside, ...] = child("Lines beside the map's paint.", default=())
-    variables: tuple[Variable, ...] = child("Values that change while it runs.", default=())
+    vehicles: tuple[Vehicle, ...] = child("The vehicles that the entities use.", default=())
+    markings: tuple[Markings, ...] = child("Stretches on which the paint differs from the map's.", default=())
+    secondary_markings: tuple[SecondaryMarkings | LineBeside, ...] = child(
+        "Lines painted in addition to the map's.", default=()
+    )
+    variables: tuple[Variable, ...] = child("Values that change during the run.", default=())
     signal_controllers: tuple[SignalController, ...] = child("Controllers of traffic signals.", default=())
     storyboard: Storyboard = child("What happens.", default_factory=Storyboard.model_construct)
     takeover: Takeover = child("The takeover policy.", default_factory=Takeover.model_construct)
-    criteria: tuple[Criterion, ...] = child("What the run is judged by.", default=())
+    criteria: tuple[Criterion, ...] = child("Criteria by which the run is judged.", default=())

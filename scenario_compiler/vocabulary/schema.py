@@ -1,8 +1,7 @@
-"""The XML schema (XSD 1.0) of a language, made from the declarations of its words, with documentation throughout.
+"""The XML schema (XSD 1.0) of a language with documentation, generated from the declarations of its words.
 
-A number is a union of a literal with its limits and an expression; any other value is a union of its own kind and an
-expression. What a word's reader accepts and what the schema accepts is the same, references and the meaning of
-expressions aside.
+A number is a union of a literal with limits and an expression; any other value is a union of its own kind and an
+expression. The reader and the schema accept the same documents, except for references and the values of expressions.
 """
 
 from collections.abc import Iterable, Iterator
@@ -28,7 +27,7 @@ _HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 _NOTHING = """
   <xs:element name="nothing" abstract="true">
     <xs:annotation>
-      <xs:documentation>Never there: where it alone may stand, white space may stand too.</xs:documentation>
+      <xs:documentation>Never present: it allows white space in elements without children.</xs:documentation>
     </xs:annotation>
   </xs:element>
 """
@@ -36,7 +35,7 @@ _NOTHING = """
 _SIMPLE_TYPES = f"""
   <xs:simpleType name="expression">
     <xs:annotation>
-      <xs:documentation>A parameter, $name, or an expression, ${{...}}; what it comes to counts.</xs:documentation>
+      <xs:documentation>A parameter, $name, or an expression, ${{...}}; the reader checks its value.</xs:documentation>
     </xs:annotation>
     <xs:restriction base="xs:token"><xs:pattern value={quoteattr(EXPRESSION)}/></xs:restriction>
   </xs:simpleType>
@@ -56,7 +55,7 @@ _SIMPLE_TYPES = f"""
 
 
 def xsd_of(roots: Iterable[type[Word]]) -> str:
-    """Return the schema of the documents whose first elements are these words."""
+    """Return the schema of documents with these first elements."""
     roots = tuple(roots)
     parts = [_HEAD]
     parts += [f'  <xs:element name="{root.tag()}" type="{root.__name__}"/>\n' for root in roots]
@@ -67,7 +66,7 @@ def xsd_of(roots: Iterable[type[Word]]) -> str:
 
 
 def words_below(roots: Iterable[type[Word]]) -> list[type[Word]]:
-    """Return the words that can stand in documents with these first elements, each once, outermost first."""
+    """Return the words that can occur in documents with these first elements, each once, outermost first."""
     found: dict[type[Word], None] = {}
     waiting = list(roots)
     while waiting:
@@ -191,7 +190,7 @@ def _described(rule: AttributeRule) -> str:
 
 
 def default_text(rule: AttributeRule) -> str:
-    """Return a sentence on the value that an attribute has when it is left out; empty when that says nothing."""
+    """Return a sentence on an attribute's default value; empty if there is none."""
     default: Any = rule.default
     if rule.required or default in (None, "", ()):
         return ""

@@ -1,4 +1,4 @@
-"""Controllers of traffic signals: phases that follow one another, each with the states of its signals."""
+"""Controllers of traffic signals: phases in sequence, each with the states of its signals."""
 
 from typing import Literal
 
@@ -12,8 +12,8 @@ class SignalState(Word):
 
     signal: str = attribute("Id of the signal in the map.", names="signal")
     state: str = attribute(
-        "Its state, by colours (`red`, `red;yellow`, `green`) or lamps from the top (`on;off;off`). Vehicles of "
-        "traffic and the automation stop at red, and at yellow where they can."
+        "State as colours (`red`, `red;yellow`, `green`) or as lamps from the top (`on;off;off`). Background traffic "
+        "and the automation stop at red, and at yellow if they can."
     )
 
 
@@ -23,25 +23,26 @@ class SignalPhase(Word):
     word: Literal["phase"] = "phase"
 
     name: str = attribute("Name of the phase.")
-    duration: Number = attribute("How long it lasts, s.", quantity="time", minimum=0)
+    duration: Number = attribute("Duration, s.", quantity="time", minimum=0)
     state: str = attribute(
-        "State of every signal of the map's controller of this name or id, before those that are named one by one.",
+        "State of every signal of the map's controller with this name or id. States of individually named signals "
+        "take precedence.",
         default="",
     )
     states: tuple[SignalState, ...] = child("States of its signals.", default=())
 
 
 class SignalController(Word):
-    """A controller of traffic signals: it goes through its phases from the start on, again and again."""
+    """A controller of traffic signals: repeats its phases in order from the start of the run."""
 
     word: Literal["signal_controller"] = "signal_controller"
 
     name: str = attribute("Name of the controller.", defines="signal_controller")
     delay: Number = attribute(
-        "How much later than the controller `reference` it begins, s.", default=0.0, quantity="time", minimum=0
+        "Delay of its start relative to the controller `reference`, s.", default=0.0, quantity="time", minimum=0
     )
     reference: str = attribute(
-        "Name of the controller that the delay counts from; the run's start without.",
+        "Name of the controller to which the delay refers; the start of the run if left out.",
         default="",
         names="signal_controller",
     )

@@ -1,4 +1,4 @@
-"""Published taxonomies of situations that `<classification>` names, as far as their tables are public."""
+"""Published taxonomies of situations that `<classification>` can name, as far as their tables are public."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ class Taxonomy:
     """A published list of situations.
 
     Attributes:
-        title: Its name.
-        source: Where the situations come from.
-        situations: What each situation is, by its number or name.
-        whole: The whole list is here; else some situations of the publication are not.
+        title: Name of the list.
+        source: Publication in which the situations appear.
+        situations: Description of each situation, by its number or name.
+        whole: Whether the list is complete; otherwise it lacks some situations of the publication.
     """
 
     title: str
@@ -82,4 +82,4 @@ TAXONOMIES: Mapping[str, Taxonomy] = {
         whole=False,
     ),
 }
-"""Taxonomies by the short names that `scheme` gives."""
+"""Taxonomies by the short names that `scheme` uses."""

@@ -1,4 +1,4 @@
-"""Walks over words: every word below a word, the names in it, and a copy with some words replaced."""
+"""Traversal of words: every word below a word, the names in it, and a copy with some words replaced."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
@@ -18,7 +18,7 @@ def walk(word: Word) -> Iterator[Word]:
 
 
 def parameters_in(word: Word) -> set[str]:
-    """Return the names of the parameters that numbers of a word and the words below it depend on."""
+    """Return the names of the parameters on which numbers of a word and of the words below it depend."""
     found: set[str] = set()
     for inner in walk(word):
         for name in type(inner).model_fields:
@@ -29,7 +29,7 @@ def parameters_in(word: Word) -> set[str]:
 
 
 def replaced(word: AnyWord, replace: Callable[[Word], Word]) -> AnyWord:
-    """Return a copy in which every word below `word` is what `replace` makes of it; origins are kept."""
+    """Return a copy in which each word below `word` is replaced by the result of `replace`. Origins are kept."""
     changes = {name: _replaced_value(getattr(word, name), replace) for name in type(word).model_fields}
     changes = {name: value for name, value in changes.items() if value is not getattr(word, name)}
     return word.model_copy(update=changes) if changes else word

@@ -1,4 +1,4 @@
-"""Variables: values with a name and a type that actions change and conditions read while a scenario runs."""
+"""Variables: typed, named values that actions change and conditions read during a run."""
 
 from datetime import datetime, timezone
 from typing import Literal
@@ -9,21 +9,21 @@ VariableType = Literal["double", "integer", "unsignedInt", "unsignedShort", "boo
 """ASAM's types of parameters and variables."""
 
 NUMBERS: tuple[VariableType, ...] = ("double", "integer", "unsignedInt", "unsignedShort")
-"""The types that one can add to and multiply."""
+"""The types that support addition and multiplication."""
 
 
 class Variable(Word):
-    """A variable, or a parameter that actions change: its value at the start."""
+    """A variable, or a parameter that actions change, with its value at the start."""
 
     word: Literal["variable"] = "variable"
 
-    name: str = attribute("Name that actions and conditions give.", defines="variable")
-    type: VariableType = attribute("What it holds.", default="double")
+    name: str = attribute("Name used by actions and conditions.", defines="variable")
+    type: VariableType = attribute("Type of the value.", default="double")
     value: str = attribute("Its value at the start.", default="")
 
 
 def seconds_of(text: str) -> float:
-    """Return an ISO 8601 date and time as seconds since 1970; without a zone it is taken as universal time.
+    """Return an ISO 8601 date and time as seconds since 1970. Without a time zone it is interpreted as UTC.
 
     Raises:
         ValueError: The text is not a value of that type.
@@ -44,7 +44,7 @@ def seconds_of(text: str) -> float:
 
 
 def number_of(kind: VariableType, text: str) -> float | None:
-    """Return a value of a variable as a number: 0 and 1 for booleans, seconds for dates; None for other text."""
+    """Return a variable's value as a number: 0 or 1 for booleans, seconds for dates, None for any other text."""
     try:
         if kind == "boolean":
             return {"true": 1.0, "1": 1.0, "false": 0.0, "0": 0.0}[text.strip()]

@@ -1,4 +1,4 @@
-"""Variation: which parameters of a scenario a sweep varies, how each is distributed, and what every variant fulfils."""
+"""Variation: the parameters that a sweep varies, their distributions, and the condition that every variant meets."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -14,7 +14,7 @@ class Axis(Word):
     parameter: str = attribute("Name of the parameter.", pattern=IDENTIFIER, names="parameter")
 
     def spelling(self) -> str:
-        """Return NAME=DISTRIBUTION, as `sweep --vary` takes it."""
+        """Return NAME=DISTRIBUTION, as `sweep --vary` expects it."""
         return f"{self.parameter}={self.model_dump().get('word')}({', '.join(self.arguments())})"
 
     def arguments(self) -> Sequence[str]:
@@ -22,18 +22,18 @@ class Axis(Word):
         raise NotImplementedError
 
     def extent(self) -> Sequence[float]:
-        """Return values that are tried or are limits of those that are; none where nothing limits them."""
+        """Return values that are drawn or that limit the drawn values; empty if nothing limits them."""
         return ()
 
     def fault(self) -> tuple[str, str]:
-        """Return the attribute that does not fit the others, and why; two empty texts where all fit."""
+        """Return an attribute that contradicts the others, and the reason; two empty texts if all are consistent."""
         return "", ""
 
 
 class Between(Axis):
-    """An axis with limits that may be left out, but only together."""
+    """A distribution with limits, which are either both given or both left out."""
 
-    least: float | None = attribute("Least value: what is drawn below is drawn again.", default=None)
+    least: float | None = attribute("Least value; smaller values are drawn again.", default=None)
     greatest: float | None = attribute("Greatest value.", default=None)
 
     def _limits(self) -> tuple[float, ...]:
@@ -52,7 +52,7 @@ class Between(Axis):
 
 
 class Uniform(Axis):
-    """Every value between two is as likely as another."""
+    """A uniform distribution: all values between two limits are equally likely."""
 
     word: Literal["uniform"] = "uniform"
 
@@ -68,17 +68,17 @@ class Uniform(Axis):
         return (self.least, self.greatest)
 
     def fault(self) -> tuple[str, str]:
-        """Return whether the limits stand the wrong way round."""
+        """Return whether the limits are in the wrong order."""
         return ("greatest", "greatest must not be below least") if self.greatest < self.least else ("", "")
 
 
 class Normal(Between):
-    """A normal distribution, cut off at limits if there are any."""
+    """A normal distribution, truncated at the limits if they are given."""
 
     word: Literal["normal"] = "normal"
 
-    mean: float = attribute("Mean before it is cut off.")
-    deviation: float = attribute("Standard deviation before it is cut off.", minimum=0, exclusive=True)
+    mean: float = attribute("Mean before truncation.")
+    deviation: float = attribute("Standard deviation before truncation.", minimum=0, exclusive=True)
 
     def arguments(self) -> Sequence[str]:
         """Return mean, deviation and the limits."""
@@ -86,7 +86,7 @@ class Normal(Between):
 
 
 class Lognormal(Between):
-    """A distribution whose logarithm is normal, cut off at limits if there are any."""
+    """A lognormal distribution, truncated at the limits if they are given."""
 
     word: Literal["lognormal"] = "lognormal"
 
@@ -98,13 +98,13 @@ class Lognormal(Between):
         return _texts(self.mu, self.sigma, *self._limits())
 
     def fault(self) -> tuple[str, str]:
-        """Return what is wrong with the limits, which lie above 0."""
+        """Return what is wrong with the limits, which must be above 0."""
         limits = self._limits()
         return ("least", "least must be above 0") if limits and limits[0] <= 0.0 else super().fault()
 
 
 class Triangular(Axis):
-    """Likelier the nearer to a value, and never beyond two limits."""
+    """A triangular distribution between two limits, with the most likely value in between."""
 
     word: Literal["triangular"] = "triangular"
 
@@ -121,13 +121,13 @@ class Triangular(Axis):
         return (self.least, self.greatest)
 
     def fault(self) -> tuple[str, str]:
-        """Return whether the three stand in the wrong order."""
+        """Return whether the three values are in the wrong order."""
         ordered = self.least <= self.likeliest <= self.greatest and self.least < self.greatest
         return ("", "") if ordered else ("likeliest", "likeliest must lie between least and a greater greatest")
 
 
 class Poisson(Axis):
-    """Counts of what happens at a mean rate."""
+    """A Poisson distribution: the number of events at a mean rate."""
 
     word: Literal["poisson"] = "poisson"
 
@@ -139,11 +139,11 @@ class Poisson(Axis):
 
 
 class Histogram(Axis):
-    """Uniform between neighbouring edges, with a weight for each pair."""
+    """A piecewise uniform distribution: between each pair of neighbouring edges, with a weight for each pair."""
 
     word: Literal["histogram"] = "histogram"
 
-    edges: tuple[float, ...] = attribute("Edges, rising, one more than weights.", separated=True)
+    edges: tuple[float, ...] = attribute("Edges in rising order, one more than weights.", separated=True)
     weights: tuple[float, ...] = attribute("Weight between each edge and the next.", separated=True, minimum=0)
 
     def arguments(self) -> Sequence[str]:
@@ -165,29 +165,29 @@ class Histogram(Axis):
 
 
 class Choice(Axis):
-    """One of some values, each as likely as another."""
+    """One of several values, each equally likely."""
 
     word: Literal["choice"] = "choice"
 
-    of: tuple[str, ...] = attribute("The values: numbers or names with spaces between.", separated=True)
+    of: tuple[str, ...] = attribute("The values: numbers or names, separated by spaces.", separated=True)
 
     def arguments(self) -> Sequence[str]:
         """Return the values."""
         return self.of
 
     def fault(self) -> tuple[str, str]:
-        """Return whether a value has a comma, which stands between values where they are listed elsewhere."""
-        return ("of", "values stand with spaces between, without commas") if "," in "".join(self.of) else ("", "")
+        """Return whether a value contains a comma, which separates values in other lists."""
+        return ("of", "values are separated by spaces and contain no commas") if "," in "".join(self.of) else ("", "")
 
 
 class Values(Choice):
-    """Each of some values, in order, with every value of the other axes."""
+    """Each of several values in order, combined with every value of the other axes."""
 
     word: Literal["values"] = "values"  # type: ignore[assignment]  # another word of the same shape
 
 
 class Weighted(Choice):
-    """One of some values, each as likely as its weight says."""
+    """One of several values, with a probability in proportion to its weight."""
 
     word: Literal["weighted"] = "weighted"  # type: ignore[assignment]  # another word of the same shape
 
@@ -207,7 +207,7 @@ class Weighted(Choice):
 
 
 class Grid(Axis):
-    """Each of some values, evenly spaced, with every value of the other axes."""
+    """Evenly spaced values in order, combined with every value of the other axes."""
 
     word: Literal["grid"] = "grid"
 
@@ -225,7 +225,7 @@ class Grid(Axis):
 
 
 class Constraint(Word):
-    """What every variant fulfils: draws that do not are drawn again."""
+    """A condition that every variant must meet. Draws that do not meet it are repeated."""
 
     word: Literal["constraint"] = "constraint"
 
@@ -233,18 +233,20 @@ class Constraint(Word):
 
 
 class Vary(Word):
-    """How a sweep varies the scenario. A run takes the defaults."""
+    """How a sweep varies the scenario. A single run uses the defaults."""
 
     word: Literal["vary"] = "vary"
 
     samples: int | None = attribute(
-        "Number of draws at each listed point, where the command says none; 1 when left out.", default=None, minimum=1
+        "Number of draws at each listed point, if the command does not give one; 1 if left out.",
+        default=None,
+        minimum=1,
     )
-    seed: int | None = attribute("Seed of the draws, where the command says none; 1 when left out.", default=None)
+    seed: int | None = attribute("Seed of the draws, if the command does not give one; 1 if left out.", default=None)
     axes: tuple[
         Uniform | Normal | Lognormal | Triangular | Poisson | Histogram | Choice | Weighted | Values | Grid, ...
-    ] = child("The parameters that vary.")
-    constraints: tuple[Constraint, ...] = child("What every variant fulfils.", default=())
+    ] = child("The varied parameters.")
+    constraints: tuple[Constraint, ...] = child("Conditions that every variant must meet.", default=())
 
 
 def _texts(*numbers: float) -> tuple[str, ...]:

@@ -10,19 +10,19 @@ from typing import Any, Literal, TypeVar
 from scenario_compiler.vocabulary.word import Word, attribute
 
 CUSTOM = "custom"
-"""Preset of a weather that comes from none."""
+"""Preset name of a weather that is not derived from a preset."""
 
 
 class Weather(Word):
-    """The weather in CARLA's numbers, or a preset with some of its numbers changed.
+    """The weather as CARLA's numbers, or as a preset with some numbers changed.
 
-    A number that is left out is the preset's; without a preset it is left to the map (-1), which we read as a clear
-    noon.
+    A number that is left out is the preset's. Without a preset, the number is left to the map (-1), which is
+    interpreted as a clear noon.
     """
 
     word: Literal["weather"] = "weather"
 
-    preset: str = attribute("Name or index of the preset that the numbers come from.", default=CUSTOM, names="weather")
+    preset: str = attribute("Name or index of the preset that supplies the numbers.", default=CUSTOM, names="weather")
     cloudiness: float = attribute("Clouds, percent.", default=-1.0, minimum=-1, maximum=100)
     precipitation: float = attribute("Rain, percent.", default=-1.0, minimum=-1, maximum=100)
     precipitation_deposits: float = attribute("Puddles, percent.", default=-1.0, minimum=-1, maximum=100)
@@ -79,7 +79,7 @@ WEATHER_PRESETS: dict[str, tuple[float, ...]] = {
 
 
 def weather_preset(name_or_index: str) -> Weather | None:
-    """Return a preset by its name or its index as text; None when there is no such preset."""
+    """Return a preset by its name, or by its index as text; None if there is no such preset."""
     names = list(WEATHER_PRESETS)
     if name_or_index.isdecimal() and int(name_or_index) < len(names):
         name_or_index = names[int(name_or_index)]
@@ -92,11 +92,11 @@ def weather_preset(name_or_index: str) -> Weather | None:
 AnyWeather = TypeVar("AnyWeather", bound=Weather)
 
 CLEAR_NOON = (5.0, 0.0, 0.0, 10.0, 0.0, 45.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.03, 0.0331, 0.0)
-"""What the numbers stand for where they are left to the map."""
+"""Values used for numbers that are left to the map."""
 
 
 def complete_weather(weather: AnyWeather) -> AnyWeather | None:
-    """Return a weather with the numbers of its preset where it has none of its own; None for an unknown preset."""
+    """Return a weather whose missing numbers are filled in from its preset; None for an unknown preset."""
     if weather.preset == CUSTOM:
         return weather
     preset = weather_preset(weather.preset)
@@ -109,23 +109,23 @@ def complete_weather(weather: AnyWeather) -> AnyWeather | None:
 
 
 def weather_numbers(weather: Weather) -> tuple[float, ...]:
-    """Return the 14 numbers, those that are left to the map at their values of a clear noon."""
+    """Return the 14 numbers; those that are left to the map take their values of a clear noon."""
     written = [getattr(weather, name) for name in _NUMBERS]
     return tuple(clear if number == -1.0 else number for number, clear in zip(written, CLEAR_NOON, strict=True))
 
 
 def is_clear(weather: Weather) -> bool:
-    """Return whether it is dry, with no dust, no fog to speak of (5 %) and the sun above the horizon."""
+    """Return whether the weather is dry: no dust, fog of at most 5 %, and the sun above the horizon."""
     named = dict(zip(_NUMBERS, weather_numbers(weather), strict=True))
     water = max(named["precipitation"], named["precipitation_deposits"], named["wetness"], named["dust_storm"])
     return water <= 0.0 and named["fog_density"] <= 5.0 and named["sun_altitude_angle"] > 0.0
 
 
 def weather_of(numbers: Sequence[float]) -> Weather:
-    """Return the weather of 14 numbers; none of them is left to the map."""
+    """Return the weather of 14 numbers, none of which is left to the map."""
     return Weather.model_validate({name: _told(one) for name, one in zip(_NUMBERS, numbers, strict=True)})
 
 
 def _told(number: float) -> float:
-    """Return a number that on its way passes -1, which would leave it to the map, as its neighbour."""
+    """Return a number that passes -1 while it changes as the next number, because -1 would leave it to the map."""
     return -1.0 - 1e-9 if number == -1.0 else number

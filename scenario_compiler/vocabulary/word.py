@@ -1,8 +1,8 @@
-"""How a word of the language is declared: once, with its fields, units, limits and XML spelling.
+"""The declaration of a word of the language: its fields, units, limits and XML spelling, all in one place.
 
-A word is a frozen model. A field declared with `attribute` is an XML attribute, one declared with `child` is a child
-element (or several), always of another word's type. Reading, the XSD, the JSON schema and the help text all come from
-these declarations.
+A word is a frozen model. A field declared with `attribute` is an XML attribute; one declared with `child` is a child
+element (or several), always of another word's type. The reader, the XSD, the JSON schema and the help texts are all
+derived from these declarations.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,7 +22,7 @@ from scenario_compiler.expressions import Expression, Value, parse_expression
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """What a number measures: its unit in XML, and the factor to the SI unit used inside."""
+    """A quantity: its unit in XML, and the factor to the SI unit used internally."""
 
     name: str
     unit: str
@@ -58,7 +58,7 @@ def _plain(value: float | Expression) -> float | dict[str, str]:
 
 
 class _NumberSchema:
-    """What pydantic is to do with a number: the words have hundreds, and working it out anew is half of their cost."""
+    """What pydantic does with a number. Hundreds of fields share it, because building it is half of their cost."""
 
     validation = core_schema.no_info_before_validator_function(
         _number,
@@ -80,15 +80,15 @@ Number = Annotated[float | Expression, _NumberSchema()]
 
 
 def number_value(number: float | Expression, values: Mapping[str, Value]) -> float:
-    """Return a number at the parameters' values; raises ExpressionError when it has none."""
+    """Return a number at the given parameter values; raises ExpressionError if it has no value."""
     return number.number(values) if isinstance(number, Expression) else float(number)
 
 
 class Word(BaseModel):
     """A word of the scenario language.
 
-    A subclass that XML spells as an element declares its tag as the one value of a field `word`, which also tells the
-    members of a union apart in JSON.
+    A subclass that is an XML element declares its tag as the only value of a field `word`. In JSON this field also
+    distinguishes the members of a union.
     """
 
     model_config = ConfigDict(
@@ -96,52 +96,52 @@ class Word(BaseModel):
     )
 
     moved: ClassVar[Mapping[str, str]] = MappingProxyType({})
-    """Attributes of before that another word has now: what is to be written in their place, for the hint."""
+    """Former attributes that now belong to another word, each with the replacement that the hint shows."""
 
     _origin: Place | None = PrivateAttr(default=None)
 
     def __eq__(self, other: object) -> bool:
-        """Compare what is said; where it was written makes no difference."""
+        """Compare the contents; the place in the file makes no difference."""
         return type(self) is type(other) and self.__dict__ == other.__dict__
 
     @classmethod
     def tag(cls) -> str:
-        """Return the name of the word's XML element, empty for words that XML does not spell as one element."""
+        """Return the name of the word's XML element; empty for words that are not a single element."""
         field = cls.model_fields.get("word")
         return "" if field is None else str(field.default)
 
     @property
     def origin(self) -> Place:
-        """Where the author wrote the word; a nameless place for words made by programs."""
+        """The place in the file where the author wrote the word; a nameless place for words made by programs."""
         return self._origin or FilePlace("<python>")
 
     def place_of(self, attribute: str) -> Place:
-        """Return where the author wrote one of the word's attributes, named as in XML."""
+        """Return the place of one of the word's attributes in the file; the attribute is named as in XML."""
         origin = self._origin
         return origin.of(attribute) if isinstance(origin, Origin) else self.origin
 
     def written_at(self, origin: Place) -> Self:
-        """Remember where the word was written and return it."""
+        """Store the place where the word was written, and return the word."""
         self._origin = origin
         return self
 
 
 @dataclass(frozen=True, slots=True)
 class AttributeSpelling:
-    """How a field is written as an XML attribute.
+    """The spelling of a field as an XML attribute.
 
     Attributes:
-        name: The attribute's name in XML; empty for the field's own name.
+        name: The attribute's name in XML; empty if it is the field's own name.
         quantity: Key of QUANTITIES for numbers, empty for everything else.
-        minimum: Least value, in the XML unit; None for no limit. `exclusive` leaves the limit itself out.
+        minimum: Least value, in the XML unit; None for no limit. With `exclusive` the limit itself is not allowed.
         maximum: Greatest value, in the XML unit; None for no limit.
-        names: What the text refers to: "entity", "road", "map", ... or empty.
-        defines: What the text gives a name to, in the same terms, or empty.
+        names: Kind of thing that the text refers to: "entity", "road", "map", ... or empty.
+        defines: Kind of thing that the text gives a name to, or empty.
         expression: The text is an expression over parameters, written without `${}`.
         separated: The text is a space-separated list.
-        pattern: Regular expression that the whole text must match, in the syntax that Python and XML Schema share;
-            empty for any text.
-        retired: Values of before, each with what is to be written in its place; they are refused with that hint.
+        pattern: Regular expression that the whole text must match, in the syntax common to Python and XML Schema; empty
+            for any text.
+        retired: Former values, each with its replacement; using one is an error whose hint shows the replacement.
     """
 
     name: str = ""
@@ -159,10 +159,10 @@ class AttributeSpelling:
 
 @dataclass(frozen=True, slots=True)
 class ChildSpelling:
-    """How a field is written as a child element.
+    """The spelling of a field as a child element.
 
     Attributes:
-        wrapper: Tag of an element that holds the choice (`<start><lane .../></start>`); empty when the words stand
+        wrapper: Tag of an element that contains the choice (`<start><lane .../></start>`); empty if the words stand
             directly in their parent.
     """
 
@@ -171,19 +171,19 @@ class ChildSpelling:
 
 @dataclass(frozen=True, slots=True)
 class OtherAttributesSpelling:
-    """The field collects the attributes whose names are not declared, as name and text."""
+    """The field collects all attributes whose names are not declared, as name and text."""
 
 
 Spelling: TypeAlias = AttributeSpelling | ChildSpelling | OtherAttributesSpelling
 
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
-"""Pattern of names that expressions are made of."""
+"""Pattern of the names in expressions."""
 
 LABEL = "[A-Za-z0-9]+"
 """Pattern of a label of BIDS: letters and digits alone."""
 
 ENTITY_ID = "[A-Za-z_][A-Za-z0-9_\\-]*"
-"""Pattern of an entity's id as it is written; a use of a template puts its name and a point before it."""
+"""Pattern of an entity's id in a file. A use of a template prefixes it with the use's name and a point."""
 
 REQUIRED: Any = ...
 
@@ -204,7 +204,7 @@ def attribute(
     pattern: str = "",
     retired: tuple[tuple[str, str], ...] = (),
 ) -> Any:
-    """Declare a field that XML writes as an attribute; limits are in the unit of `quantity` as XML writes it."""
+    """Declare a field that XML writes as an attribute. Limits are in the XML unit of `quantity`."""
     return _declare(
         AttributeSpelling(
             name, quantity, minimum, maximum, exclusive, names, defines, expression, separated, pattern, retired
@@ -234,7 +234,7 @@ def other_attributes(description: str) -> Any:
 
 
 def same_as(word: type[Word], field: str) -> Any:
-    """Declare a field as another word declares it: its spelling, default and description are written once."""
+    """Declare a field as another word does, so that its spelling, default and description are written once."""
     info = word.model_fields[field]
     spelling = spelling_of(info)
     if spelling is None or info.default_factory is not None:
@@ -243,7 +243,7 @@ def same_as(word: type[Word], field: str) -> Any:
 
 
 def spelling_of(field: FieldInfo) -> Spelling | None:
-    """Return how XML spells a field of a word; None for `word` itself."""
+    """Return the XML spelling of a word's field; None for `word` itself."""
     return next((m for m in field.metadata if isinstance(m, Spelling)), None)
 
 

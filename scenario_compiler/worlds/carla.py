@@ -49,30 +49,30 @@ if TYPE_CHECKING:
 CANNOT_OPEN = Code(
     "SC524",
     "carla-cannot-be-used",
-    "CARLA cannot be used for this run: its client is not installed, nobody answers at the address, the server has "
-    "another version than the client, or its map is another one than the plan's. Versions have to be equal because "
-    "their layouts differ."
-    "\n\n    pip install 'scenario-compiler[carla]'"
-    "\n    scenario-compiler serve-carla &            or CarlaUE4.sh"
-    "\n    scenario-compiler run obstacle_ahead --world carla --carla-port 2000",
+    "CARLA cannot be used for this run: its client is not installed, no server answers at the address, the versions "
+    "of server and client differ, or the server's map is not the plan's. The versions must be equal because their "
+    "layouts differ.\n\n"
+    "    pip install 'scenario-compiler[carla]'\n"
+    "    scenario-compiler serve-carla &            or CarlaUE4.sh\n"
+    "    scenario-compiler run obstacle_ahead --world carla --carla-port 2000",
 )
 
 OTHER_BLUEPRINT = Code(
     "SC525",
     "no-such-blueprint",
-    "The server's library has no blueprint of the entity's model, so another one of its category stands in for it: its "
-    "box and its looks differ, its motion does not, as the engine moves it."
-    '\n\n    <static id="blocker" model="vehicle.audi.tt">     a blueprint that CARLA has',
+    "The server has no blueprint for the entity's model, so another one of its category replaces it. Its box and "
+    "appearance differ; its motion does not, because the engine moves it.\n\n"
+    '    <static id="blocker" model="vehicle.audi.tt">     a blueprint of CARLA',
     Severity.WARNING,
 )
 
 BUILT_IN_CAMERA = Code(
     "SC526",
     "built-in-camera",
-    "The scenario changes the paint of the road, or turns the camera on its mount, which CARLA's own pictures cannot "
-    "show: a run that depends on it would see fresh marks, or the road where it always was. So the built-in renderer "
-    "draws on CARLA's poses. `--camera carla` takes CARLA's pictures all the same."
-    "\n\n    scenario-compiler run markings_missing --world carla --camera built-in",
+    "The scenario changes the paint of the road, or turns the camera on its mount. CARLA's images cannot show this: "
+    "they would show fresh marks, or the road at its usual place. Therefore the built-in renderer draws the images at "
+    "CARLA's poses. `--camera carla` uses CARLA's images nevertheless.\n\n"
+    "    scenario-compiler run markings_missing --world carla --camera built-in",
     Severity.WARNING,
 )
 

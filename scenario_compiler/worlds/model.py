@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 WORLD_LOST = Code(
     "SC520",
     "world-lost",
-    "The world that a run took place in could not go on: its server ended, did not answer in time, or answered with an "
-    "error. What was recorded until then is kept, and the run's stop reason is `world_lost`. Start the server again, "
-    "and look at what it printed."
-    "\n\n    scenario-compiler run conflict.xml --world carla --carla-port 2000",
+    "The world of a run failed: its server ended, did not answer in time, or answered with an error. The recording up "
+    "to that step is kept, and the run's stop reason is `world_lost`. Check the server's output, and start it "
+    "again.\n\n"
+    "    scenario-compiler run conflict.xml --world carla --carla-port 2000",
 )
 
 

@@ -117,12 +117,12 @@ def test_an_undefined_measure_is_null_and_says_why(tmp_path: Path) -> None:
     write_outcome(judge(plan_of(*IDS), record(IDS, 51, approach())), tmp_path / "o.json")
     measure = read_outcome(tmp_path / "o.json").measures["takeover_time"]
     assert measure.value is None
-    assert measure.undefined == "no request, or no response to it"
+    assert measure.undefined == "there was no request, or no response to it"
     assert "null" in (tmp_path / "o.json").read_text()
 
 
 @pytest.mark.parametrize("text", ["", "{", "{}", "[1]", '{"format": "other"}'])
 def test_a_file_that_is_no_outcome_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "o.json").write_text(text)
-    with pytest.raises(OutcomeError, match="no outcome"):
+    with pytest.raises(OutcomeError, match="not an outcome"):
         read_outcome(tmp_path / "o.json")

@@ -10,9 +10,9 @@ from scenario_compiler.roads import Network
 UNEVEN_RATE = Code(
     "SC251",
     "uneven-camera-rate",
-    "The time between two images of the camera is no whole number of control steps, so that images would come in "
-    "between. Choose a rate that divides the rate of the control steps, or another `step`."
-    '\n\n    <scenario ... step="0.05">  <camera rate="15"/>     20 control steps a second: 20, 10, 5, 4 ... images',
+    "The time between two images of the camera is not a whole number of control steps, so images would fall between "
+    "them. Choose a rate that divides the rate of the control steps, or another `step`.\n\n"
+    '    <scenario ... step="0.05">  <camera rate="15"/>     20 control steps a second: 20, 10, 5, 4 ... images',
 )
 
 SLACK = 1.0e-6

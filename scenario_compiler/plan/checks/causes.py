@@ -12,17 +12,17 @@ from scenario_compiler.vocabulary.word import AttributeSpelling, spelling_of
 FOREIGN_LIMIT = Code(
     "SC501",
     "foreign-limit",
-    "A <cause> or <forward_sensor> has an attribute that belongs to another kind, and would do nothing. Of a cause, "
-    "thresholds belong to lane_confidence and sensor_health, margin to path_blocked, the gaps to lane_ends, after to "
-    "no_progress, which has no count. Of a sensor, headlights belong to a camera, noise to a radar and a lidar; the "
-    "noise of a camera is that of <camera>."
-    '\n\n    <cause kind="lane_ends" request_below="0.3"/>     a lane that ends has gaps, no confidence',
+    "A <cause> or <forward_sensor> has an attribute of another kind, which would have no effect. For causes, the "
+    "thresholds belong to lane_confidence and sensor_health, `margin` to path_blocked, the gaps to lane_ends, and "
+    "`after` to no_progress, which has no `count`. For sensors, `headlights` belongs to a camera, and `noise` to a "
+    "radar or lidar; the noise of a camera is set in <camera>.\n\n"
+    '    <cause kind="lane_ends" request_below="0.3"/>     lane_ends has gaps, but no confidence',
 )
 IMPOSSIBLE_COUNT = Code(
     "SC502",
     "impossible-count",
-    "A <cause> wants more control steps (`count`) than it looks back on (`of`), so it can never ask."
-    '\n\n    <cause kind="path_blocked" count="9" of="3"/>     of 3 control steps, 9 can never ask',
+    "A <cause> requires more control steps (`count`) than it considers (`of`), so it can never take effect.\n\n"
+    '    <cause kind="path_blocked" count="9" of="3"/>     9 of 3 control steps are impossible',
 )
 
 

@@ -15,35 +15,35 @@ from scenario_compiler.vocabulary.entities import Controller
 IDLE_CONTROLLER = Code(
     "SC282",
     "idle-controller",
-    "A controller is given to an entity, or switched, that has no effect here: the storyboard alone moves the entity. "
-    "Of controllers, car following (acc, alks) drives an actor; the ego vehicle keeps its own, which the takeover "
-    "switches."
-    '\n\n    <assign_controller name="remote" model="external" longitudinal="true"/>',
+    "A controller that is assigned to an entity, or switched, has no effect here: only the storyboard moves the "
+    "entity. The only controllers that drive actors are those for car following (acc, alks). The ego vehicle keeps "
+    "its own controller, which the takeover switches.\n\n"
+    '    <assign_controller name="remote" model="external" longitudinal="true"/>',
     Severity.WARNING,
 )
 NO_PEDALS = Code(
     "SC283",
     "no-pedals",
-    "A pedal, the steering wheel or the gear is held of an actor that is not driven by such: the storyboard moves it. "
-    "The action is done, but changes nothing. Only the ego vehicle has pedals."
-    '\n\n    <dynamic id="lead">'
-    '\n      <when><time after="3"/> <do><override_controller input="brake" active="true"/></do></when>',
+    "An action holds a pedal, the steering wheel or the gear of an actor that the storyboard moves. The action is "
+    "executed without effect: only the ego vehicle has pedals.\n\n"
+    '    <dynamic id="lead">\n'
+    '      <when><time after="3"/> <do><override_controller input="brake" active="true"/></do></when>',
     Severity.WARNING,
 )
 NOT_ASKED = Code(
     "SC506",
     "controller-not-asked",
-    "The ego vehicle is given a controller of one's own, but runs with ideal perception. Then nothing renders images, "
-    "the automation itself keeps the lane by the map, and the controller is never asked. Run it with the camera:\n\n"
+    "The ego vehicle has a controller of your own, but runs with ideal perception. No images are rendered then, the "
+    "automation keeps the lane from the map, and the controller is never called. Run it with the camera:\n\n"
     "    scenario-compiler run conflict.xml --controller our_lab:Steering --perception camera",
     Severity.WARNING,
 )
 BAD_PROPERTY = Code(
     "SC284",
     "follow-property",
-    "A property of a car-following controller is not a number of a size that makes sense: the time gap in seconds, the "
-    "gap at a standstill in metres, the speed aimed for in m/s."
-    '\n\n    <assign_controller name="acc" model="acc"> <property name="timeGap" value="long"/> </assign_controller>',
+    "A property of a car-following controller is not a number of a plausible size: the time gap in seconds, the gap "
+    "at a standstill in metres, the desired speed in m/s.\n\n"
+    '    <assign_controller name="acc" model="acc"> <property name="timeGap" value="long"/> </assign_controller>',
 )
 
 DRIVING = ("acc", "alks", "default", "follow_route")

@@ -13,8 +13,9 @@ from scenario_compiler.vocabulary.traversal import walk
 MALFORMED_NURBS = Code(
     "SC529",
     "malformed-nurbs",
-    "A NURBS of a trajectory is no curve: it has as many knots as control points and order together, at least as many "
-    "control points as its order says, and knots that never fall and do not all lie in one place.\n\n"
+    "The NURBS of a trajectory is invalid. The number of knots must be the number of control points plus the order. "
+    "There must be at least as many control points as the order. The knots must not decrease, and must not all be "
+    "equal.\n\n"
     '    <nurbs order="3" knots="0 0 1 1">              3 control points and the order 3 need 6 knots\n'
     '    <nurbs order="3" knots="0 0 0 1 1 1">\n\n'
     "Correct the knots or the order.",

@@ -12,10 +12,10 @@ from scenario_compiler.vocabulary.driver import DriverModel
 IDLE_DRIVER = Code(
     "SC511",
     "idle-driver-attribute",
-    "Something is said of the driver that changes nothing: a traffic density without an <effect> that says by how much "
-    "it changes the takeover time, a task or closed eyes beside a fixed takeover_time, which no effect changes, or "
-    "shares of braking and steering drivers that come to more than 1."
-    '\n\n    <driver traffic_density="20"/>     <effect of="traffic_density" by="0.05"/> is missing inside',
+    "A property of the driver has no effect or is contradictory: a traffic density without an <effect> on the "
+    "takeover time; a task or closed eyes together with a fixed takeover_time, which no effect changes; or shares of "
+    "braking and steering drivers whose sum exceeds 1.\n\n"
+    '    <driver traffic_density="20"/>     <effect of="traffic_density" by="0.05"/> is missing inside',
     Severity.WARNING,
 )
 

@@ -15,11 +15,11 @@ from scenario_compiler.vocabulary.word import Word
 NEVER_ENDS = Code(
     "SC290",
     "never-ends",
-    "A trigger waits for the end of something that holds a continuous action. By the standard such an action keeps its "
-    "speed, distance or offset from then on and never ends by itself, so the trigger waits until another action takes "
-    "its place. esmini ends a continuous LaneOffsetAction at its target.\n\n"
+    "A trigger waits for the end of an element that contains a continuous action. According to the standard, such an "
+    "action keeps its speed, distance or offset and never ends by itself. The trigger therefore waits until another "
+    "action replaces it. esmini ends a continuous LaneOffsetAction at its target.\n\n"
     '    <LaneOffsetAction continuous="true"> ... <StoryboardElementStateCondition ... state="completeState"/>\n\n'
-    'Write continuous="false" where the end at the target is meant.',
+    'Write continuous="false" if the action should end at its target.',
     Severity.WARNING,
 )
 

@@ -16,28 +16,27 @@ from scenario_compiler.vocabulary.word import number_value
 CUT_SHORT = Code(
     "SC405",
     "failure-cut-short",
-    "A failure ends before it has grown to its `amount`: it grows for the time of its `ramp`, goes for as long before "
-    "its end, and its `duration` holds both. With a duration of 0 it is not there at all. Give it a longer duration, "
-    "or a shorter ramp."
-    '\n\n    <failure kind="blur" onset="5" duration="4" ramp="3"/>     3 s to grow and 3 s to go need 6 s',
+    "A failure ends before it has grown to its `amount`: it grows for the time of its `ramp` and declines for the "
+    "same time before its end, and `duration` includes both. With a duration of 0 there is no failure at all. Give it "
+    "a longer duration, or a shorter ramp.\n\n"
+    '    <failure kind="blur" onset="5" duration="4" ramp="3"/>     3 s of growth and 3 s of decline need 6 s',
     Severity.WARNING,
 )
 
 NO_SEVERITY = Code(
     "SC406",
     "no-severity",
-    "The severities 1 to 5 are those of ImageNet-C, which has them for noise, blur, impulse_noise, overexposure and "
-    "motion_blur; "
-    "for other kinds `amount` says how severe a failure is. One failure has one of the two."
-    '\n\n    <failure kind="dirt" severity="3"/>     <failure kind="dirt" amount="0.5"/>',
+    "The severities 1 to 5 are those of ImageNet-C, which defines them for noise, blur, impulse_noise, overexposure "
+    "and motion_blur. For other kinds, use `amount`. A failure has either a severity or an amount.\n\n"
+    '    <failure kind="dirt" severity="3"/>     <failure kind="dirt" amount="0.5"/>',
 )
 UNNOTICED = Code(
     "SC407",
     "failure-without-effect",
-    "With ideal perception no picture is drawn, and a failure shows in the sensor's health alone, for which there is "
-    "no curve over impulse_noise, overexposure, dead_rows, quantisation, latency, motion_blur and misalignment. The "
-    "failure is ignored; `--perception camera` shows it."
-    '\n\n    <failure kind="dead_rows" amount="0.2"/>     with --perception ideal',
+    "With ideal perception no image is rendered, and a failure affects only the sensor's health. There is no curve of "
+    "the health for impulse_noise, overexposure, dead_rows, quantisation, latency, motion_blur and misalignment. The "
+    "failure is ignored; `--perception camera` shows it.\n\n"
+    '    <failure kind="dead_rows" amount="0.2"/>     with --perception ideal',
     Severity.WARNING,
 )
 UNNOTICED_KINDS = (
@@ -48,9 +47,9 @@ UNNOTICED_KINDS = (
 ANGLES = Code(
     "SC408",
     "misalignment-angles",
-    "A failure of the kind misalignment turns the camera on its mount by `yaw`, `pitch` and `roll`, of which it needs "
-    "one at least; `amount` is the share of them that it comes to. Failures of other kinds have no angles."
-    '\n\n    <failure kind="misalignment" yaw="2" pitch="-1"/>',
+    "A failure of the kind misalignment turns the camera on its mount by `yaw`, `pitch` and `roll` times `amount`. It "
+    "needs at least one of these angles. Failures of other kinds have no angles.\n\n"
+    '    <failure kind="misalignment" yaw="2" pitch="-1"/>',
 )
 
 

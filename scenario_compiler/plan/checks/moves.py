@@ -21,20 +21,20 @@ TO_ITSELF = Code(
 TWO_DISTANCES = Code(
     "SC271",
     "distance-and-gap",
-    "An action gives a distance and a time gap; only one of them can be kept."
-    '\n\n    <keep_distance to="truck" time_gap="2"/>',
+    "An action specifies both a distance and a time gap; only one of them can be kept.\n\n"
+    '    <keep_distance to="truck" time_gap="2"/>',
 )
 TWO_STEADY_STATES = Code(
     "SC272",
     "two-steady-states",
-    "The last stretch before an arrival is given by its time and by its distance; only one of them can hold."
-    '\n\n    <final_speed value="12" steady_time="2"/>',
+    "The last stretch before an arrival is specified by both time and distance; only one of them is allowed.\n\n"
+    '    <final_speed value="12" steady_time="2"/>',
 )
 NO_SUCH_LANE = Code(
     "SC273",
     "no-such-lane",
-    "A change goes to a lane that no road of the map has. It does nothing then."
-    '\n\n    <lane_change_to lane="-2" over_time="3"/>     lanes to the right of the reference line are negative',
+    "The target of a lane change is a lane that no road of the map has, so the action has no effect.\n\n"
+    '    <lane_change_to lane="-2" over_time="3"/>     lanes to the right of the reference line are negative',
     Severity.WARNING,
 )
 

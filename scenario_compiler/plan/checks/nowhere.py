@@ -19,9 +19,9 @@ from scenario_compiler.vocabulary.word import Word
 NOWHERE = Code(
     "SC252",
     "nowhere",
-    "An entity has no start, and no action puts it anywhere: it never appears, or it stands at the world's origin, off "
-    "every road, for the whole run. Give it a <start>, or an action that places it."
-    '\n\n    <dynamic id="other" speed="5"/>     <start><lane road="1" lane="-1" s="60"/></start> is missing inside',
+    "An entity has no start position, and no action places it. It never appears, or it stands at the world's origin, "
+    "off every road, for the whole run. Give it a <start>, or an action that places it.\n\n"
+    '    <dynamic id="other" speed="5"/>     <start><lane road="1" lane="-1" s="60"/></start> is missing inside',
     Severity.WARNING,
 )
 

@@ -16,9 +16,9 @@ from scenario_compiler.vocabulary.actions import ConnectTrailerAction
 OVERLAP = Code(
     "SC381",
     "entities-overlap",
-    "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them. A file "
-    "without an automated vehicle runs all the same, so there it is a warning."
-    '\n\n    <static id="a"><at><ahead_of entity="ego" distance="3"/></at></static>     both cars are longer than 3 m',
+    "The boxes of two entities overlap at the start: the run would begin with a collision. Move one of them. Without "
+    "an automated vehicle this is only a warning, and the file can run.\n\n"
+    '    <static id="a"><at><ahead_of entity="ego" distance="3"/></at></static>     both cars are longer than 3 m',
 )
 
 

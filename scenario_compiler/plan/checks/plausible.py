@@ -17,9 +17,9 @@ from scenario_compiler.vocabulary.word import Number, Word, number_value
 IMPLAUSIBLE = Code(
     "SC509",
     "implausible-number",
-    "A number is of a size that is hardly meant: a speed above 100 m/s (360 km/h), or a time budget of more than a "
-    "minute. Mostly it is in another unit than the attribute's: speeds are in m/s, times in s. A speed above 1e6 m/s "
-    "is an error, as nothing can be computed from it.\n\n"
+    "A number has an implausible size: a speed above 100 m/s (360 km/h), or a time budget of more than a minute. "
+    "Usually its unit is not that of the attribute: speeds are in m/s, times in s. A speed above 1e6 m/s is an error, "
+    "because nothing can be computed from it.\n\n"
     '    <ego speed="120">              120 km/h are 33.33 m/s\n'
     '    <takeover budget="500">        500 ms are 0.5 s',
     Severity.WARNING,

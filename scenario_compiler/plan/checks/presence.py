@@ -10,15 +10,15 @@ from scenario_compiler.vocabulary.actions import AddEntityAction, ConnectTrailer
 EGO_STAYS = Code(
     "SC386",
     "automated-vehicle-stays",
-    "The automated vehicle is to appear, to disappear or to be towed. It is what a run is about: it is there from the "
-    "first to the last moment and moves by its own controls."
-    '\n\n    <do><delete_entity entity="ego"/></do>     another entity, or <stop/> to end the run',
+    "An action adds, removes or tows the automated vehicle. The automated vehicle is the subject of a run: it is "
+    "present from begin to end and moves by its own controls.\n\n"
+    '    <do><delete_entity entity="ego"/></do>     another entity, or <stop/> to end the run',
 )
 OWN_TRAILER = Code(
     "SC387",
     "trailer-of-itself",
-    "An entity is to tow itself. Name the entity that is its trailer."
-    '\n\n    <dynamic id="truck"> ... <do><connect_trailer trailer="semitrailer"/></do>',
+    "An action connects an entity to itself as its own trailer. Name another entity.\n\n"
+    '    <dynamic id="truck"> ... <do><connect_trailer trailer="semitrailer"/></do>',
 )
 
 

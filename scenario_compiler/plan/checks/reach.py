@@ -14,19 +14,19 @@ from scenario_compiler.vocabulary.word import number_value
 OUT_OF_REACH = Code(
     "SC403",
     "out-of-reach",
-    "Everything that stands in the ego vehicle's way is farther off than it drives before the run ends, and nothing "
-    "else happens in the scenario, so there is no conflict:\n\n"
+    "The ego vehicle does not reach any obstacle before the run ends, and nothing else happens in the scenario, so "
+    "there is no conflict:\n\n"
     '    <scenario ... duration="10"> <ego speed="10">...</ego>\n'
-    '      <static id="wreck"><at><ahead_of entity="ego" distance="400"/></at></static>     100 m are driven\n\n'
+    '      <static id="wreck"><at><ahead_of entity="ego" distance="400"/></at></static>     the ego drives 100 m\n\n'
     "Give the scenario a longer `duration`, or put the obstacle nearer.",
     Severity.WARNING,
 )
 SHORT_BUDGET = Code(
     "SC505",
     "short-budget",
-    "The time budget is shorter than the minimum-risk manoeuvre needs. A limit ahead makes the automation ask `budget` "
-    "seconds before it, which is budget x v away; braking with the deceleration d takes v^2 / (2 d). So the budget "
-    "must be at least v / (2 d), or the car cannot stop before the limit even when it begins at once:\n\n"
+    "The time budget is too short for the minimum-risk manoeuvre. The automation requests a takeover `budget` seconds "
+    "before a limit ahead, at the distance budget x v; braking with the deceleration d takes v^2 / (2 d). So the "
+    "budget must be at least v / (2 d), or the car cannot stop before the limit even if it brakes at once:\n\n"
     '    <ego speed="30" ...>  <takeover budget="3" minimum_risk_deceleration="4"/>     30 / (2 * 4) = 3.75 s\n\n'
     "Give a longer `budget`, a greater `minimum_risk_deceleration`, or a lower speed.",
     Severity.WARNING,
@@ -34,8 +34,8 @@ SHORT_BUDGET = Code(
 BLIND_BUDGET = Code(
     "SC508",
     "blind-budget",
-    "The forward sensor does not see as far as the car drives in the time budget, so a limit ahead is asked for later "
-    "than the budget says: as soon as it is seen. The range must be at least budget x v:\n\n"
+    "The forward sensor does not see as far as the car drives in the time budget, so the request for a limit ahead "
+    "comes later than the budget: as soon as the sensor detects the limit. The range must be at least budget x v:\n\n"
     '    <ego speed="33.3" ...> <takeover budget="7"> ...     7 * 33.3 = 233 m, but a range of 150 m\n\n'
     'Give `<forward_sensor range="..."/>` of <ego> a longer range, or the takeover a shorter `budget`, or the car a '
     "lower speed.",

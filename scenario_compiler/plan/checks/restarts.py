@@ -10,8 +10,9 @@ from scenario_compiler.roads import Network
 RESTARTS = Code(
     "SC285",
     "restarts-at-once",
-    "An event may run many times but has no trigger, so it starts anew as soon as it has ended: in each step, where "
-    "its actions are done at once. It fills the event log, and may hold its entity's speed or lane for good.\n\n"
+    "An event may run many times but has no trigger, so it starts again as soon as it has ended. If its actions take "
+    "no time, this happens in every step. It fills the event log, and may control its entity's speed or lane "
+    "permanently.\n\n"
     '    <Event name="again" priority="parallel" maximumExecutionCount="10000"> <Action .../> </Event>\n\n'
     "Give it a trigger, or fewer executions.",
     Severity.WARNING,

@@ -12,9 +12,9 @@ from scenario_compiler.vocabulary.positions import LanePositionWord
 NOT_DRIVABLE = Code(
     "SC380",
     "start-not-drivable",
-    "The ego vehicle starts on a lane that is not for driving, such as a shoulder or a sidewalk. It can, but its "
-    "automation will find no lane to follow."
-    '\n\n    <start><lane road="3" lane="-3" s="20"/></start>     lane -3 is a sidewalk; -1 is for driving',
+    "The ego vehicle starts on a lane that is not for driving, such as a shoulder or a sidewalk. This is possible, "
+    "but the automation will find no lane to follow.\n\n"
+    '    <start><lane road="3" lane="-3" s="20"/></start>     lane -3 is a sidewalk; -1 is for driving',
     Severity.WARNING,
 )
 

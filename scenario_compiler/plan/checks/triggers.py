@@ -33,19 +33,19 @@ from scenario_compiler.vocabulary.word import number_value
 NEVER_FIRES = Code(
     "SC401",
     "never-fires",
-    "A condition can never be true at the parameters' values, so what it should start never happens: a distance or a "
-    "time gap below 0, a speed that the vehicle cannot drive, a place farther away than the ego vehicle comes, an "
-    "entity and itself, events that wait for each other:\n\n"
+    "A condition can never be true at the parameters' values, so its actions never start: a distance or a time gap "
+    "below 0, a speed that the vehicle cannot drive, a place that the ego vehicle cannot reach, a distance from an "
+    "entity to itself, events that wait for each other:\n\n"
     '    <when><distance to="ego" below="0"/> <do>...</do></when>     a distance is never below 0\n\n'
-    "Correct the number. Where other values of a parameter make it possible, say that it is meant: "
-    '<allow code="SC401"/> at the head of the file.',
+    'Correct the number. If the condition can be true at other values of a parameter, write <allow code="SC401"/> at '
+    "the begin of the file.",
     Severity.WARNING,
 )
 AFTER_THE_END = Code(
     "SC402",
     "after-the-end",
-    "Something begins when the run has ended already, so it never happens: an event whose time, or a sensor's failure "
-    "whose onset, is not before the scenario's duration:\n\n"
+    "An event or failure begins after the end of the run, so it never happens: an event whose time, or a sensor's "
+    "failure whose onset, is not before the scenario's duration:\n\n"
     '    <scenario ... duration="30"> ... <when><time after="40"/> <do>...</do></when>\n\n'
     "Give the scenario a longer `duration`, or let it begin earlier.",
     Severity.WARNING,

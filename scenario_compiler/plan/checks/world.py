@@ -39,52 +39,54 @@ UNKNOWN_VARIABLE = Code(
 WRONG_VALUE = Code(
     "SC276",
     "variable-value",
-    "A value is not of the variable's type: a text where a number is due, or a sum with a text."
-    '\n\n    <variable name="open" type="boolean" value="false"/>'
-    '\n    <do><set_variable variable="open" value="yes"/></do>     booleans are true or false',
+    "A value does not have the variable's type: a text instead of a number, or the sum of a number and a text.\n\n"
+    '    <variable name="open" type="boolean" value="false"/>\n'
+    '    <do><set_variable variable="open" value="yes"/></do>     booleans are true or false',
 )
 UNKNOWN_PHASE = Code(
     "SC277",
     "unknown-signal-phase",
     "An action or condition names a controller of traffic signals, or one of its phases, that the scenario does not "
-    "declare; a controller's delay counts from one that is not there, or from itself; or a phase gives a state to "
-    "the signals of a controller that the map does not have."
-    '\n\n    <signal_controller name="crossing"><phase name="go" duration="20"/></signal_controller>'
-    '\n    <do><traffic_signal_phase controller="crossing" phase="stop"/></do>     it has the phase go alone',
+    "declare; the delay of a controller refers to a missing controller or to itself; or a phase gives a state to the "
+    "signals of a controller that the map does not have.\n\n"
+    '    <signal_controller name="crossing"><phase name="go" duration="20"/></signal_controller>\n'
+    '    <do><traffic_signal_phase controller="crossing" phase="stop"/></do>     its only phase is go',
 )
 BAD_DATE = Code(
     "SC278",
     "bad-date",
-    "A date and time is not written as ISO 8601 has it: the date, a T, the time of day, and a zone where one is meant."
-    '\n\n    <environment date_time="2026-06-21T18:30:00"/>     the date, a T, the time; a zone may follow',
+    "A date and time is not in the format of ISO 8601: the date, a T, the time of day, and optionally a time "
+    "zone.\n\n"
+    '    <environment date_time="2026-06-21T18:30:00"/>     the date, a T, the time; a zone may follow',
 )
 UNKNOWN_ELEMENT = Code(
     "SC279",
     "unknown-element",
-    "A condition waits for an element of the storyboard that there is not. Its name has the names of the elements "
-    "around it before it."
-    '\n\n    <element_state kind="act" element="story::act" state="completeState"/>',
+    "A condition waits for an element that the storyboard does not have. The element's name must be preceded by the "
+    "names of the elements that contain it.\n\n"
+    '    <element_state kind="act" element="story::act" state="completeState"/>',
 )
 NEVER_GIVEN = Code(
     "SC280",
     "never-given",
-    "A condition waits for a value of another program. None of our worlds gives such values, so it is never true."
-    '\n\n    <user_defined_value name="weather_station" value="rain"/>',
+    "A condition waits for a value from another program. No world supplies such values, so it is never true.\n\n"
+    '    <user_defined_value name="weather_station" value="rain"/>',
     Severity.WARNING,
 )
 NO_TARGET = Code(
     "SC281",
     "no-target",
-    "A time to collision is to another entity or to a position, but names neither or both."
-    '\n\n    <time_to_collision to="ego" below="3"/>',
+    "A time to collision must refer either to another entity or to a position; here it names neither or both.\n\n"
+    '    <time_to_collision to="ego" below="3"/>',
 )
 
 ALONG_ROAD = Code(
     "SC286",
     "measured-along-road",
-    "A distance is to be measured along a trajectory. It is measured along the road instead: ahead along its reference "
-    "line, across from one t to the other. So are distances in a lane's system, which differ in bends alone."
-    '\n\n    <distance to="lead" below="20" coordinates="trajectory" distance="longitudinal"/>',
+    "A distance is to be measured along a trajectory. It is measured along the road instead: ahead along its "
+    "reference line, across from one t to the other. The same applies to distances in a lane's coordinate system, "
+    "which differ only in bends.\n\n"
+    '    <distance to="lead" below="20" coordinates="trajectory" distance="longitudinal"/>',
     Severity.WARNING,
 )
 

@@ -1,4 +1,4 @@
-"""Actions: what an event does. One module a family of the standard; `Action` is their union."""
+"""Actions of events, with one module for each family of the standard. `Action` is their union."""
 
 from scenario_compiler.vocabulary.actions.control import (
     ActivateControllerAction,

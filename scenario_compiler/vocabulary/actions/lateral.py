@@ -1,4 +1,4 @@
-"""Actions across the lanes."""
+"""Actions on an entity's lateral position."""
 
 from typing import Literal
 
@@ -6,29 +6,33 @@ from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDi
 from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-_SHAPE = "How the offset goes from one lane to the other."
-_INSTEAD = "A rate or a distance in place of the duration."
-_OFFSET = "Distance from the new lane's centre at the end, m, along the road's t axis: positive to the left of s."
+_SHAPE = "Shape of the lateral motion from one lane to the other."
+_INSTEAD = "A rate or a distance instead of the duration."
+_OFFSET = "Final distance from the new lane's centre, m, along the road's t axis: positive to the left of s."
 
 
 class LaneChangeAction(Word):
-    """Move to a neighbouring lane, counted from the lane that the entity, or another one, is in."""
+    """Change to a neighbouring lane, counted from the lane of this entity or of another one."""
 
     word: Literal["lane_change"] = "lane_change"
 
     by: int = attribute(
-        "Number of lanes, positive to the left in the direction of travel of the entity counted from, negative to the "
-        "right."
+        "Number of lanes, positive to the left and negative to the right, in the direction of travel of the entity "
+        "from which lanes are counted."
     )
     over_time: Number = attribute("Duration of the change, s.", default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="sinusoidal")
-    of: str = attribute("Id of the entity counted from; the entity itself when left out.", default="", names="entity")
+    of: str = attribute(
+        "Id of the entity from whose lane the lanes are counted; the entity itself if left out.",
+        default="",
+        names="entity",
+    )
     offset: Number = attribute(_OFFSET, default=0.0, quantity="length")
     dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
 
 
 class LaneChangeToAction(Word):
-    """Move to the lane of an id, on the road that the entity is on."""
+    """Change to the lane with a given id, on the road that the entity is on."""
 
     word: Literal["lane_change_to"] = "lane_change_to"
 
@@ -40,7 +44,7 @@ class LaneChangeToAction(Word):
 
 
 class LaneOffsetAction(Word):
-    """Move sideways within the lane, or out of it: to an offset from the lane's centre."""
+    """Move sideways to an offset from the lane's centre, within the lane or beyond it."""
 
     word: Literal["lane_offset"] = "lane_offset"
 
@@ -49,40 +53,37 @@ class LaneOffsetAction(Word):
         quantity="length",
     )
     over_time: Number = attribute("Duration of the move, s.", quantity="time", minimum=0)
-    shape: Shape = attribute("How the offset goes from its present value to the target.", default="sinusoidal")
+    shape: Shape = attribute("Shape of the motion from the present offset to the target.", default="sinusoidal")
 
 
 class LimitedLaneOffsetAction(Word):
-    """Move to an offset as fast as a lateral acceleration lets it: ASAM's LaneOffsetAction."""
+    """Move to an offset, limited by a lateral acceleration: ASAM's LaneOffsetAction."""
 
     word: Literal["limited_lane_offset"] = "limited_lane_offset"
 
     to: Number = attribute(
-        "Distance from the lane's centre, or from where the other entity is, m, along the t axis: positive to the "
-        "left of s.",
+        "Distance from the lane's centre, or from the other entity, m, along the t axis: positive to the left of s.",
         quantity="length",
     )
-    of: str = attribute("Id of the entity whose offset is counted from.", default="", names="entity")
+    of: str = attribute("Id of the entity to whose position the offset refers.", default="", names="entity")
     acceleration: Number | None = attribute(
         "Greatest lateral acceleration, m/s2.", default=None, quantity="acceleration", minimum=0
     )
-    shape: Shape = attribute("How the offset goes from its present value to the target.", default="sinusoidal")
-    continuous: bool = attribute("Whether the offset is kept from then on.", default=False)
+    shape: Shape = attribute("Shape of the motion from the present offset to the target.", default="sinusoidal")
+    continuous: bool = attribute("Whether the offset is kept afterwards.", default=False)
 
 
 class LateralDistanceAction(Word):
-    """Reach, or keep, a distance to another entity across the road."""
+    """Reach or keep a lateral distance to another entity."""
 
     word: Literal["keep_lateral_distance"] = "keep_lateral_distance"
 
     to: str = attribute("Id of the other entity.", names="entity")
-    distance: Number | None = attribute(
-        "The distance, m; the present one when left out.", default=None, quantity="length"
-    )
-    freespace: bool = attribute("Whether it is measured between the boxes.", default=False)
-    continuous: bool = attribute("Whether it is kept from then on.", default=False)
-    coordinates: CoordinateSystem = attribute("In which system it is measured.", default="lane")
+    distance: Number | None = attribute("Distance, m; the present one if left out.", default=None, quantity="length")
+    freespace: bool = attribute("Whether the distance is measured between the bounding boxes.", default=False)
+    continuous: bool = attribute("Whether the distance is kept afterwards.", default=False)
+    coordinates: CoordinateSystem = attribute("Coordinate system of the measurement.", default="lane")
     displacement: Literal["any", "leftToReferencedEntity", "rightToReferencedEntity"] = attribute(
-        "On which side of the other entity.", default="any"
+        "Side of the other entity.", default="any"
     )
-    limits: Limits | None = child("Limits of the motion; without them the entity is put there at once.", default=None)
+    limits: Limits | None = child("Limits of the motion. Without them the entity is moved there at once.", default=None)

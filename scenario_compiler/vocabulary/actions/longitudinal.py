@@ -1,4 +1,4 @@
-"""Actions on an entity's speed, and on its distance to another along the road."""
+"""Actions on an entity's speed, and on its distance to another entity along the road."""
 
 from typing import Literal
 
@@ -6,12 +6,12 @@ from scenario_compiler.vocabulary.actions.dynamics import AtRate, Limits, OverDi
 from scenario_compiler.vocabulary.conditions.measuring import CoordinateSystem
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
-_OVER_TIME = "Duration of the change, s; 0 changes at once."
-_SHAPE = "How the speed goes from its present value to the target."
-_INSTEAD = "A rate or a distance in place of the duration."
+_OVER_TIME = "Duration of the change, s; with 0 it is immediate."
+_SHAPE = "Shape of the change from the present speed to the target."
+_INSTEAD = "A rate or a distance instead of the duration."
 
 Displacement = Literal["any", "trailingReferencedEntity", "leadingReferencedEntity"]
-"""On which side of the other entity a distance is kept: ASAM's longitudinal displacement."""
+"""Side of the other entity on which a distance is kept: ASAM's longitudinal displacement."""
 
 
 class SpeedAction(Word):
@@ -19,34 +19,36 @@ class SpeedAction(Word):
 
     word: Literal["speed"] = "speed"
 
-    to: Number = attribute("Speed to reach, m/s.", quantity="speed")
+    to: Number = attribute("Target speed, m/s.", quantity="speed")
     over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="linear")
     dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
 
 
 class RelativeSpeedAction(Word):
-    """Change the speed to a target that depends on another entity's."""
+    """Change the speed to a target relative to another entity's speed."""
 
     word: Literal["relative_speed"] = "relative_speed"
 
     to: str = attribute("Id of the other entity.", names="entity")
-    value: Number = attribute("What is added to the other's speed, m/s, or what it is multiplied by.")
-    kind: Literal["delta", "factor"] = attribute("Whether the value is added or multiplied by.", default="delta")
-    continuous: bool = attribute("Whether the speed is kept relative to the other's from then on.", default=False)
+    value: Number = attribute(
+        "Difference to the other entity's speed, m/s, or factor by which that speed is multiplied."
+    )
+    kind: Literal["delta", "factor"] = attribute("Meaning of the value: a difference or a factor.", default="delta")
+    continuous: bool = attribute("Whether the speed stays relative to the other entity's afterwards.", default=False)
     over_time: Number = attribute(_OVER_TIME, default=0.0, quantity="time", minimum=0)
     shape: Shape = attribute(_SHAPE, default="linear")
     dynamics: AtRate | OverDistance | None = child(_INSTEAD, default=None)
 
 
 class SpeedEntry(Word):
-    """A speed of a profile."""
+    """An entry of a speed profile."""
 
     word: Literal["entry"] = "entry"
 
-    speed: Number = attribute("Speed to reach, m/s.", quantity="speed")
+    speed: Number = attribute("Target speed, m/s.", quantity="speed")
     time: Number | None = attribute(
-        "How long after the entry before, s; as soon as the limits allow when left out.",
+        "Time since the previous entry, s; the shortest time that the limits allow if left out.",
         default=None,
         quantity="time",
         minimum=0,
@@ -54,32 +56,32 @@ class SpeedEntry(Word):
 
 
 class SpeedProfileAction(Word):
-    """Go through a series of speeds."""
+    """Drive a sequence of speeds."""
 
     word: Literal["speed_profile"] = "speed_profile"
 
-    to: str = attribute("Id of the entity that the speeds are relative to.", default="", names="entity")
+    to: str = attribute("Id of the entity to whose speed the values refer.", default="", names="entity")
     following: Literal["position", "follow"] = attribute(
-        "Whether the speeds are met exactly, or smoothly within the limits.", default="position"
+        "Whether the speeds are followed exactly, or smoothly within the limits.", default="position"
     )
     limits: Limits | None = child("Limits of the changes.", default=None)
     entries: tuple[SpeedEntry, ...] = child("The speeds, in order.")
 
 
 class LongitudinalDistanceAction(Word):
-    """Reach, or keep, a distance or a time gap to another entity along the road."""
+    """Reach or keep a distance or a time gap to another entity along the road."""
 
     word: Literal["keep_distance"] = "keep_distance"
 
     to: str = attribute("Id of the other entity.", names="entity")
     distance: Number | None = attribute(
-        "The distance, m; the present one when neither is given.", default=None, quantity="length"
+        "Distance, m; the present one if neither distance nor time gap is given.", default=None, quantity="length"
     )
-    time_gap: Number | None = attribute("The time gap, s, in place of a distance.", default=None, quantity="time")
-    freespace: bool = attribute("Whether it is measured between the boxes.", default=False)
-    continuous: bool = attribute("Whether it is kept from then on.", default=False)
-    coordinates: CoordinateSystem = attribute("In which system it is measured.", default="road")
+    time_gap: Number | None = attribute("Time gap, s, instead of a distance.", default=None, quantity="time")
+    freespace: bool = attribute("Whether the distance is measured between the bounding boxes.", default=False)
+    continuous: bool = attribute("Whether the distance is kept afterwards.", default=False)
+    coordinates: CoordinateSystem = attribute("Coordinate system of the measurement.", default="road")
     displacement: Displacement = attribute(
-        "On which side of the other entity; trailing is behind it.", default="trailingReferencedEntity"
+        "Side of the other entity; trailing means behind it.", default="trailingReferencedEntity"
     )
-    limits: Limits | None = child("Limits of the motion; without them the entity is put there at once.", default=None)
+    limits: Limits | None = child("Limits of the motion. Without them the entity is moved there at once.", default=None)

@@ -1,4 +1,4 @@
-"""Actions on where an entity is and which way it goes."""
+"""Actions on an entity's position and route."""
 
 from typing import Literal
 
@@ -7,7 +7,7 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 
 class TeleportAction(Word):
-    """Put the entity somewhere at once."""
+    """Move the entity to a position at once."""
 
     word: Literal["teleport"] = "teleport"
 
@@ -15,7 +15,7 @@ class TeleportAction(Word):
 
 
 class AssignRouteAction(Word):
-    """Give the entity a route, which it takes at junctions from now on."""
+    """Assign a route to the entity, which it follows at junctions from now on."""
 
     word: Literal["assign_route"] = "assign_route"
 
@@ -23,11 +23,11 @@ class AssignRouteAction(Word):
 
 
 class AcquirePositionAction(Word):
-    """Give the entity the way to a position as its route."""
+    """Assign the way to a position to the entity as its route."""
 
     word: Literal["acquire_position"] = "acquire_position"
 
-    position: Position = child("Where it is to go.")
+    position: Position = child("Destination.")
 
 
 class RandomRouteAction(Word):
@@ -37,48 +37,55 @@ class RandomRouteAction(Word):
 
 
 class TrajectoryTiming(Word):
-    """The trajectory's times count: they are shifted and stretched by these."""
+    """Timing of the trajectory: how its times are shifted and scaled."""
 
     word: Literal["timing"] = "timing"
 
     domain: Literal["absolute", "relative"] = attribute(
-        "Whether they are simulation times, or count from when the action starts."
+        "Whether the times are simulation times, or count from the start of the action."
     )
-    scale: Number = attribute("Factor that the times are multiplied by.", default=1.0)
-    offset: Number = attribute("What is added to them, s.", default=0.0, quantity="time")
+    scale: Number = attribute("Factor by which the times are multiplied.", default=1.0)
+    offset: Number = attribute("Time added to them, s.", default=0.0, quantity="time")
 
 
 class FollowTrajectoryAction(Word):
-    """Move along a trajectory, by its times or at the entity's own speed."""
+    """Follow a trajectory, at its times or at the entity's own speed."""
 
     word: Literal["follow_trajectory"] = "follow_trajectory"
 
     following: Literal["position", "follow"] = attribute(
-        "Whether the entity is on the trajectory exactly, or steers along it.", default="position"
+        "Whether the entity follows the trajectory exactly, or steers along it.", default="position"
     )
-    begin: Number = attribute("Distance from the trajectory's begin to start at, m.", default=0.0, quantity="length")
-    timing: TrajectoryTiming | None = child("How the trajectory's times count; not at all when left out.", default=None)
+    begin: Number = attribute(
+        "Distance from the trajectory's begin at which the entity starts, m.", default=0.0, quantity="length"
+    )
+    timing: TrajectoryTiming | None = child(
+        "Use of the trajectory's times. If left out, they are ignored.", default=None
+    )
     trajectory: Trajectory = child("The trajectory.")
 
 
 class FinalSpeed(Word):
-    """A speed that is to be reached on arrival."""
+    """A speed to be reached on arrival."""
 
     word: Literal["final_speed"] = "final_speed"
 
-    value: Number = attribute("The speed, m/s; with `relative_to` what is added to or multiplied with that entity's.")
-    relative_to: str = attribute("Id of the entity that it is relative to.", default="", names="entity")
-    kind: Literal["delta", "factor"] = attribute("Whether the value is added or multiplied by.", default="delta")
+    value: Number = attribute(
+        "Speed, m/s. With `relative_to`, the difference to that entity's speed, or the factor by which it is "
+        "multiplied."
+    )
+    relative_to: str = attribute("Id of the entity to which the speed is relative.", default="", names="entity")
+    kind: Literal["delta", "factor"] = attribute("Meaning of the value: a difference or a factor.", default="delta")
     steady_time: Number | None = attribute(
-        "The last stretch is driven at this speed for this time, s.", default=None, quantity="time", minimum=0
+        "Time for which the last stretch is driven at this speed, s.", default=None, quantity="time", minimum=0
     )
     steady_distance: Number | None = attribute(
-        "The last stretch is driven at this speed over this distance, m.", default=None, quantity="length", minimum=0
+        "Length of the last stretch, which is driven at this speed, m.", default=None, quantity="length", minimum=0
     )
 
 
 class MasterPosition(Word):
-    """Where the other entity is going."""
+    """Destination of the other entity."""
 
     word: Literal["master_position"] = "master_position"
 
@@ -86,16 +93,18 @@ class MasterPosition(Word):
 
 
 class SynchronizeAction(Word):
-    """Choose the speed so that the entity reaches its position when another reaches its own."""
+    """Adapt the speed so that the entity arrives at its destination when another entity arrives at its own."""
 
     word: Literal["synchronize"] = "synchronize"
 
     master: str = attribute("Id of the other entity.", names="entity")
-    tolerance: Number = attribute("Distance from the position that counts as there, m.", default=0.0, quantity="length")
-    master_tolerance: Number = attribute("The same for the other entity, m.", default=0.0, quantity="length")
+    tolerance: Number = attribute(
+        "Distance to the destination that counts as arrived, m.", default=0.0, quantity="length"
+    )
+    master_tolerance: Number = attribute("The same distance for the other entity, m.", default=0.0, quantity="length")
     final_speed: FinalSpeed | None = child("Speed on arrival.", default=None)
-    master_position: MasterPosition = child("Where the other entity is going.")
-    position: Position = child("Where the entity is going.")
+    master_position: MasterPosition = child("Destination of the other entity.")
+    position: Position = child("Destination of the entity.")
 
 
 class VisibilityAction(Word):
@@ -103,13 +112,13 @@ class VisibilityAction(Word):
 
     word: Literal["visibility"] = "visibility"
 
-    graphics: bool = attribute("Whether pictures show it.")
-    sensors: bool = attribute("Whether sensors see it.")
-    traffic: bool = attribute("Whether the other traffic minds it.")
+    graphics: bool = attribute("Whether the entity appears in images.")
+    sensors: bool = attribute("Whether sensors detect the entity.")
+    traffic: bool = attribute("Whether other traffic reacts to the entity.")
 
 
 class ConnectTrailerAction(Word):
-    """Connect a trailer, which follows the entity from now on."""
+    """Connect a trailer, which the entity tows from now on."""
 
     word: Literal["connect_trailer"] = "connect_trailer"
 
@@ -117,6 +126,6 @@ class ConnectTrailerAction(Word):
 
 
 class DisconnectTrailerAction(Word):
-    """Let go of the trailer, which stays where it is."""
+    """Disconnect the trailer, which stays where it is."""
 
     word: Literal["disconnect_trailer"] = "disconnect_trailer"

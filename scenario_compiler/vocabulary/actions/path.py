@@ -1,4 +1,4 @@
-"""Actions along a path of one's own: over points, off the lanes if need be."""
+"""Actions along a path over points, on or off the lanes."""
 
 from typing import Literal
 
@@ -12,37 +12,37 @@ class PathPoint(Word):
     word: Literal["point"] = "point"
 
     time: Number | None = attribute(
-        "When the point is reached, s after the path was begun; by the entity's speed when left out. Either all points "
-        "have a time or none.",
+        "Time of arrival at the point, s after the begin of the path; determined by the entity's speed if left out. "
+        "Either all points have a time or none.",
         default=None,
         quantity="time",
         minimum=0,
     )
-    position: Position = child("Where it is.")
+    position: Position = child("Position.")
 
 
 class Path(Word):
-    """Move in straight lines over points, from where the entity is: a pedestrian who crosses, a trajectory.
+    """Move in straight lines from the present position over points: a crossing pedestrian, a trajectory.
 
-    Points with times make it a trajectory; without them the entity keeps its speed, which other actions may change.
+    With times the points form a trajectory. Without times the entity keeps its speed, which other actions may change.
     """
 
     word: Literal["path"] = "path"
 
     speed: Number | None = attribute(
-        "Speed from the begin of the path on, m/s; the present speed when left out. Times of points override it.",
+        "Speed from the begin of the path, m/s; the present speed if left out. Times of the points override it.",
         default=None,
         quantity="speed",
         minimum=0,
     )
     then: Literal["stop", "drive"] = attribute(
-        "What follows the last point: standing there, or going on along the lane that the point is in.", default="stop"
+        "Behaviour after the last point: stand there, or drive on along the lane in which it lies.", default="stop"
     )
-    points: tuple[PathPoint, ...] = child("Its points, in order.")
+    points: tuple[PathPoint, ...] = child("The points, in order.")
 
 
 class FollowPathAction(Word):
-    """Leave the lane and move in straight lines over points, from where the entity is then."""
+    """Leave the lane and move in straight lines from the present position over points."""
 
     word: Literal["follow_path"] = "follow_path"
 

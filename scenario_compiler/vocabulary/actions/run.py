@@ -7,13 +7,13 @@ from scenario_compiler.vocabulary.word import Word, attribute
 
 
 class MessageAction(Word):
-    """Tell the driver something; it stands in the event log with its time."""
+    """Show a message to the driver. The event log contains it with its time."""
 
     word: Literal["message"] = "message"
 
-    text: str = attribute("What is said.")
+    text: str = attribute("Text of the message.")
     modality: tuple[Modality, ...] = attribute(
-        "By which channels.", default=("text",), separated=True, retired=RETIRED_MODALITIES
+        "Channels of the message.", default=("text",), separated=True, retired=RETIRED_MODALITIES
     )
 
 

@@ -7,7 +7,7 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 
 class SensorNoiseAction(Word):
-    """Set the camera's noise from now on: how a sensor failure begins or ends."""
+    """Set the camera's noise from now on, for example when a sensor failure begins or ends."""
 
     word: Literal["sensor_noise"] = "sensor_noise"
 
@@ -20,8 +20,8 @@ class SensorNoiseAction(Word):
 
 
 class EndFailureAction(Word):
-    """End the camera's failures that have begun; the end of noise ends the camera's own noise too."""
+    """End the camera's active failures. To end `noise` also ends the camera's own noise."""
 
     word: Literal["end_failure"] = "end_failure"
 
-    kind: FailureKind | None = attribute("Which kind ends; all of them when left out.", default=None)
+    kind: FailureKind | None = attribute("Kind of failures to end; all if left out.", default=None)

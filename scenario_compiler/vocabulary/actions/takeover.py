@@ -1,4 +1,4 @@
-"""Actions on the takeover, as an experimenter's button does: ask, warn, hand back."""
+"""Actions on the takeover, as with an experimenter's button: request, warn, hand back."""
 
 from typing import Literal
 
@@ -7,20 +7,20 @@ from scenario_compiler.vocabulary.word import Word, attribute
 
 
 class RequestAction(Word):
-    """Ask the driver to take over, at the next control step; without effect unless the automation drives."""
+    """Request a takeover at the next control step. No effect unless the automation drives."""
 
     word: Literal["request"] = "request"
 
-    cause: RequestCause = attribute("The cause that is given.", default="scheduled")
+    cause: RequestCause = attribute("Cause given to the driver.", default="scheduled")
 
 
 class WarnAction(Word):
-    """Warn the driver, at the next control step; without effect unless the automation drives and does not warn yet."""
+    """Warn the driver at the next control step. No effect unless the automation drives and no warning is active."""
 
     word: Literal["warn"] = "warn"
 
 
 class HandBackAction(Word):
-    """Hand back to the automation, at the next control step; without effect unless the driver drives."""
+    """Hand back to the automation at the next control step. No effect unless the driver drives."""
 
     word: Literal["hand_back"] = "hand_back"

@@ -1,4 +1,4 @@
-"""Actions on the world at large: entities that come and go, parameters, variables, traffic lights, other programs."""
+"""Actions on the world: adding and removing entities, variables, traffic signals, other programs."""
 
 from typing import Literal
 
@@ -7,16 +7,16 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 
 class AddEntityAction(Word):
-    """Let an entity appear."""
+    """Add an entity to the road."""
 
     word: Literal["add_entity"] = "add_entity"
 
     entity: str = attribute("Id of the entity.", names="entity")
-    position: Position = child("Where it appears.")
+    position: Position = child("Position.")
 
 
 class DeleteEntityAction(Word):
-    """Let an entity disappear."""
+    """Remove an entity."""
 
     word: Literal["delete_entity"] = "delete_entity"
 
@@ -24,7 +24,7 @@ class DeleteEntityAction(Word):
 
 
 class SetVariableAction(Word):
-    """Give a variable a value."""
+    """Set a variable."""
 
     word: Literal["set_variable"] = "set_variable"
 
@@ -38,8 +38,8 @@ class ModifyVariableAction(Word):
     word: Literal["modify_variable"] = "modify_variable"
 
     variable: str = attribute("Name of the variable.", names="variable")
-    by: Literal["add", "multiply"] = attribute("What is done with the value.")
-    value: Number = attribute("What is added, or multiplied by.")
+    by: Literal["add", "multiply"] = attribute("Operation.")
+    value: Number = attribute("Number to add, or factor.")
 
 
 class TrafficSignalStateAction(Word):
@@ -61,7 +61,7 @@ class TrafficSignalControllerAction(Word):
 
 
 class CommandAction(Word):
-    """A command for another program; it stands in the event log with its time."""
+    """Send a command to another program. The event log contains it with its time."""
 
     word: Literal["command"] = "command"
 
@@ -75,5 +75,5 @@ class EnvironmentAction(Word):
     word: Literal["environment"] = "environment"
 
     date_time: str = attribute("Date and time, ISO 8601.", default="")
-    animated: bool = attribute("Whether the time of day goes on from there.", default=True)
-    friction: Number | None = attribute("Factor of the road's friction.", default=None, minimum=0)
+    animated: bool = attribute("Whether the time of day advances from there.", default=True)
+    friction: Number | None = attribute("Factor by which the road's friction is multiplied.", default=None, minimum=0)

@@ -1,4 +1,4 @@
-"""Conditions: what a trigger waits for. One module a family of the standard; `Condition` is their union."""
+"""Conditions of triggers, with one module for each family of the standard. `Condition` is their union."""
 
 from scenario_compiler.vocabulary.conditions.by_entity import (
     AccelerationCondition,

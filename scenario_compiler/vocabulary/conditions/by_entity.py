@@ -1,4 +1,4 @@
-"""Conditions on an entity: `entity` is the triggering one; inside `<when>` it defaults to the actor that holds it."""
+"""Conditions on an entity. `entity` triggers them; inside `<when>` it defaults to the actor that contains it."""
 
 from typing import Literal
 
@@ -18,13 +18,13 @@ from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 
 class TimeHeadwayCondition(Word):
-    """The time gap to another entity ahead: distance over the triggering entity's speed."""
+    """The time gap to an entity ahead: the distance divided by the triggering entity's speed."""
 
     word: Literal["time_gap"] = "time_gap"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    to: str = attribute("Id of the entity that the gap is measured to.", names="entity")
-    below: Number = attribute("The limit: true when the gap is less, s.", quantity="time", minimum=0)
+    to: str = attribute("Id of the entity ahead.", names="entity")
+    below: Number = attribute("Limit, s: true when the gap is smaller.", quantity="time", minimum=0)
     rule: Rule = attribute(RULE, default="lessThan")
     freespace: bool = attribute(FREESPACE, default=False)
     coordinates: CoordinateSystem = attribute(COORDINATES, default="road")
@@ -32,13 +32,13 @@ class TimeHeadwayCondition(Word):
 
 
 class DistanceCondition(Word):
-    """The distance between two entities: straight between their reference points, if nothing else is said."""
+    """The distance between two entities; by default the straight distance between their reference points."""
 
     word: Literal["distance"] = "distance"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    to: str = attribute("Id of the entity that the distance is measured to.", names="entity")
-    below: Number = attribute("The limit: true when the distance is less, m.", quantity="length", minimum=0)
+    to: str = attribute("Id of the other entity.", names="entity")
+    below: Number = attribute("Limit, m: true when the distance is smaller.", quantity="length", minimum=0)
     rule: Rule = attribute(RULE, default="lessThan")
     freespace: bool = attribute(FREESPACE, default=False)
     coordinates: CoordinateSystem = attribute(COORDINATES, default="entity")
@@ -51,42 +51,44 @@ class PositionDistanceCondition(Word):
     word: Literal["distance_to_position"] = "distance_to_position"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    below: Number = attribute("The limit: true when the distance is less, m.", quantity="length", minimum=0)
+    below: Number = attribute("Limit, m: true when the distance is smaller.", quantity="length", minimum=0)
     rule: Rule = attribute(RULE, default="lessThan")
-    freespace: bool = attribute("Whether it is measured from the box, not the reference point.", default=False)
+    freespace: bool = attribute(
+        "Whether the distance is measured from the bounding box, not from the reference point.", default=False
+    )
     coordinates: CoordinateSystem = attribute(COORDINATES, default="entity")
     distance: DistanceType = attribute(DISTANCE, default="euclidianDistance")
     position: Position = child("The position.")
 
 
 class TimeToCollisionCondition(Word):
-    """The time until the triggering entity would reach the other, or a position, at their present speeds."""
+    """The time until the triggering entity would reach another entity, or a position, at their present speeds."""
 
     word: Literal["time_to_collision"] = "time_to_collision"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    to: str = attribute("Id of the entity that would be hit; a position when left out.", default="", names="entity")
-    below: Number = attribute("The limit: true when the time is less, s.", quantity="time", minimum=0)
+    to: str = attribute("Id of the other entity; if left out, the position is used.", default="", names="entity")
+    below: Number = attribute("Limit, s: true when the time is shorter.", quantity="time", minimum=0)
     rule: Rule = attribute(RULE, default="lessThan")
     freespace: bool = attribute(FREESPACE, default=False)
     coordinates: CoordinateSystem = attribute(COORDINATES, default="entity")
     distance: DistanceType = attribute(DISTANCE, default="euclidianDistance")
-    position: Position | None = child("The position, where no other entity is named.", default=None)
+    position: Position | None = child("Position, if no other entity is named.", default=None)
 
 
 class SpeedCondition(Word):
-    """The speed of an entity against a value."""
+    """The speed of an entity, compared with a value."""
 
     word: Literal["speed"] = "speed"
 
     entity: str = attribute(ENTITY, default="", names="entity")
     rule: Rule = attribute("How the speed is compared with the value.")
     value: Number = attribute("Speed to compare with, m/s.", quantity="speed")
-    direction: Direction = attribute("Which part of the velocity is meant.", default="total")
+    direction: Direction = attribute("Component of the velocity.", default="total")
 
 
 class RelativeSpeedCondition(Word):
-    """How much faster the triggering entity is than another, by their speeds."""
+    """The difference between the speeds of the triggering entity and another one."""
 
     word: Literal["relative_speed"] = "relative_speed"
 
@@ -94,27 +96,27 @@ class RelativeSpeedCondition(Word):
     to: str = attribute("Id of the other entity.", names="entity")
     rule: Rule = attribute("How the difference is compared with the value.")
     value: Number = attribute("Difference to compare with, m/s.", quantity="speed")
-    direction: Direction = attribute("Which part of the velocities is meant.", default="total")
+    direction: Direction = attribute("Component of the velocities.", default="total")
 
 
 class AccelerationCondition(Word):
-    """The acceleration of an entity against a value."""
+    """The acceleration of an entity, compared with a value."""
 
     word: Literal["acceleration"] = "acceleration"
 
     entity: str = attribute(ENTITY, default="", names="entity")
     rule: Rule = attribute("How the acceleration is compared with the value.")
     value: Number = attribute("Acceleration to compare with, m/s2.", quantity="acceleration")
-    direction: Direction = attribute("Which part of the acceleration is meant.", default="total")
+    direction: Direction = attribute("Component of the acceleration.", default="total")
 
 
 class StandstillCondition(Word):
-    """An entity has stood for some time."""
+    """An entity has been standing for some time."""
 
     word: Literal["standstill"] = "standstill"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    duration: Number = attribute("How long it must have stood, s.", default=0.0, quantity="time", minimum=0)
+    duration: Number = attribute("Least duration of the standstill, s.", default=0.0, quantity="time", minimum=0)
 
 
 class ReachPositionCondition(Word):
@@ -139,14 +141,16 @@ class TraveledDistanceCondition(Word):
 
 
 class CollisionCondition(Word):
-    """An entity touches another."""
+    """An entity touches another one."""
 
     word: Literal["collision"] = "collision"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    with_entity: str = attribute("Id of the other entity; any when left out.", name="with", default="", names="entity")
+    with_entity: str = attribute(
+        "Id of the other entity; any entity if left out.", name="with", default="", names="entity"
+    )
     with_type: Literal["", "vehicle", "pedestrian", "miscellaneous"] = attribute(
-        "Which kind of entity the other is; any when left out.", default=""
+        "Type of the other entity; any type if left out.", default=""
     )
 
 
@@ -156,62 +160,62 @@ class OffroadCondition(Word):
     word: Literal["off_road"] = "off_road"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    duration: Number = attribute("For how long, s.", default=0.0, quantity="time", minimum=0)
+    duration: Number = attribute("Least duration, s.", default=0.0, quantity="time", minimum=0)
 
 
 class EndOfRoadCondition(Word):
-    """An entity has stood at the end of its road for some time."""
+    """An entity has been standing at the end of its road for some time."""
 
     word: Literal["end_of_road"] = "end_of_road"
 
     entity: str = attribute(ENTITY, default="", names="entity")
-    duration: Number = attribute("For how long, s.", default=0.0, quantity="time", minimum=0)
+    duration: Number = attribute("Least duration, s.", default=0.0, quantity="time", minimum=0)
 
 
 class RelativeLaneRange(Word):
-    """Lanes that are looked at, counted from the entity's own."""
+    """A range of lanes, counted from the entity's own lane."""
 
     word: Literal["lanes"] = "lanes"
 
-    least: int | None = attribute("The first of them; no limit when left out.", name="from", default=None)
-    greatest: int | None = attribute("The last of them; no limit when left out.", name="to", default=None)
+    least: int | None = attribute("First lane; no limit if left out.", name="from", default=None)
+    greatest: int | None = attribute("Last lane; no limit if left out.", name="to", default=None)
 
 
 class RelativeClearanceCondition(Word):
-    """No other entity is within a range ahead and behind, on certain lanes."""
+    """No other entity is within a range ahead and behind on certain lanes."""
 
     word: Literal["clearance"] = "clearance"
 
     entity: str = attribute(ENTITY, default="", names="entity")
     forward: Number = attribute("Range ahead, m.", default=0.0, quantity="length", minimum=0)
     backward: Number = attribute("Range behind, m.", default=0.0, quantity="length", minimum=0)
-    opposite_lanes: bool = attribute("Whether lanes of the other direction count.", default=False)
+    opposite_lanes: bool = attribute("Whether lanes of the opposite direction count.", default=False)
     freespace: bool = attribute(FREESPACE, default=False)
     of: tuple[str, ...] = attribute(
-        "Ids of the entities looked for; any when left out.", default=(), names="entity", separated=True
+        "Ids of the other entities; any entity if left out.", default=(), names="entity", separated=True
     )
-    lanes: tuple[RelativeLaneRange, ...] = child("The lanes; any when left out.", default=())
+    lanes: tuple[RelativeLaneRange, ...] = child("Lanes; any lane if left out.", default=())
 
 
 class AngleCondition(Word):
-    """The heading of an entity against an angle."""
+    """The heading of an entity, compared with an angle."""
 
     word: Literal["angle"] = "angle"
 
     entity: str = attribute(ENTITY, default="", names="entity")
     kind: Literal["heading", "pitch", "roll"] = attribute("Which angle.", default="heading")
-    value: Number = attribute("The angle, degrees.", quantity="angle")
-    tolerance: Number = attribute("Difference that counts as equal, degrees.", quantity="angle", minimum=0)
-    coordinates: CoordinateSystem = attribute("In which system it is measured.", default="world")
+    value: Number = attribute("Angle to compare with, degrees.", quantity="angle")
+    tolerance: Number = attribute("Tolerance for equality, degrees.", quantity="angle", minimum=0)
+    coordinates: CoordinateSystem = attribute("Coordinate system of the measurement.", default="world")
 
 
 class RelativeAngleCondition(Word):
-    """The heading of an entity relative to another's, against an angle."""
+    """The heading of an entity relative to another entity's, compared with an angle."""
 
     word: Literal["relative_angle"] = "relative_angle"
 
     entity: str = attribute(ENTITY, default="", names="entity")
     to: str = attribute("Id of the other entity.", names="entity")
     kind: Literal["heading", "pitch", "roll"] = attribute("Which angle.", default="heading")
-    value: Number = attribute("The angle, degrees.", quantity="angle")
-    tolerance: Number = attribute("Difference that counts as equal, degrees.", quantity="angle", minimum=0)
+    value: Number = attribute("Angle to compare with, degrees.", quantity="angle")
+    tolerance: Number = attribute("Tolerance for equality, degrees.", quantity="angle", minimum=0)

@@ -6,27 +6,27 @@ from scenario_compiler.vocabulary.conditions.measuring import Rule
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
 TakeoverState = Literal["automated", "warning", "request", "escalation", "manual", "minimum_risk", "standstill"]
-"""States of the takeover: after whom the car is driven by, and what it asks."""
+"""States of the takeover, named after who drives and what the automation requests."""
 
 
 class SimulationTimeCondition(Word):
-    """The simulation time has come."""
+    """The simulation time has reached a value."""
 
     word: Literal["time"] = "time"
 
-    after: Number = attribute("The limit: true from this time on, s.", quantity="time", minimum=0)
+    after: Number = attribute("Limit, s: true from this time on.", quantity="time", minimum=0)
     rule: Rule = attribute(
-        "How the time is compared with the limit, where `from this time on` is not meant.", default="greaterOrEqual"
+        "Comparison of the time with the limit, if it is not `from this time on`.", default="greaterOrEqual"
     )
 
 
 class LaneConfidenceCondition(Word):
-    """The automation's lane confidence: of both sides, of one, or of either."""
+    """The automation's lane confidence: of both sides, of one side, or of either side."""
 
     word: Literal["lane_confidence"] = "lane_confidence"
 
-    below: Number = attribute("True when it is less.", quantity="fraction", minimum=0, maximum=1)
-    side: Literal["both", "either", "left", "right"] = attribute("Which side of the lane is meant.", default="both")
+    below: Number = attribute("Limit: true when the confidence is lower.", quantity="fraction", minimum=0, maximum=1)
+    side: Literal["both", "either", "left", "right"] = attribute("Side of the lane.", default="both")
 
 
 class SensorHealthCondition(Word):
@@ -34,72 +34,75 @@ class SensorHealthCondition(Word):
 
     word: Literal["sensor_health"] = "sensor_health"
 
-    below: Number = attribute("True when it is less.", quantity="fraction", minimum=0, maximum=1)
+    below: Number = attribute("Limit: true when the health is lower.", quantity="fraction", minimum=0, maximum=1)
 
 
 class EventCondition(Word):
-    """Another event: one that a <when> with a name describes."""
+    """The state of another event, which is a <when> with a name."""
 
     word: Literal["event"] = "event"
 
     name: str = attribute("Name of the event.", names="event")
     state: Literal["started", "running", "complete"] = attribute(
-        "True from its start on, while its actions run, or once they are all done.", default="complete"
+        "Whether the condition is true from the event's start, while its actions run, or after they have ended.",
+        default="complete",
     )
 
 
 class TakeoverStateCondition(Word):
-    """The takeover is in a state."""
+    """The takeover is in a given state."""
 
     word: Literal["takeover_state"] = "takeover_state"
 
-    state: TakeoverState = attribute("The state to wait for.", name="is")
+    state: TakeoverState = attribute("State.", name="is")
 
 
 class ElementStateCondition(Word):
-    """An element of the storyboard is in a state, or goes through a transition: ASAM's StoryboardElementState."""
+    """An element of the storyboard is in a state or makes a transition: ASAM's StoryboardElementState."""
 
     word: Literal["element_state"] = "element_state"
 
-    kind: Literal["story", "act", "maneuverGroup", "maneuver", "event", "action"] = attribute("What it is.")
-    element: str = attribute("Its name, with the names of the elements around it before it: story::act::...")
+    kind: Literal["story", "act", "maneuverGroup", "maneuver", "event", "action"] = attribute("Kind of the element.")
+    element: str = attribute(
+        "Name of the element, preceded by the names of the elements that contain it: story::act::..."
+    )
     state: Literal[
         "standbyState", "runningState", "completeState",
         "startTransition", "endTransition", "stopTransition", "skipTransition",
-    ] = attribute("The state or transition.")  # fmt: skip
+    ] = attribute("State or transition.")  # fmt: skip
 
 
 class TimeOfDayCondition(Word):
-    """The simulated date and time against another."""
+    """The simulated date and time, compared with a given one."""
 
     word: Literal["time_of_day"] = "time_of_day"
 
     date_time: str = attribute("Date and time, ISO 8601.")
-    rule: Rule = attribute("How it is compared.", default="greaterOrEqual")
+    rule: Rule = attribute("Comparison.", default="greaterOrEqual")
 
 
 class VariableCondition(Word):
-    """A variable, or a parameter, against a value."""
+    """A variable, or a parameter, compared with a value."""
 
     word: Literal["variable"] = "variable"
 
     variable: str = attribute("Name of the variable.", names="variable")
-    rule: Rule = attribute("How it is compared.", default="equalTo")
+    rule: Rule = attribute("Comparison.", default="equalTo")
     value: str = attribute("The value.")
 
 
 class UserDefinedValueCondition(Word):
-    """A value that another program gives."""
+    """A value that another program supplies, compared with a given one."""
 
     word: Literal["user_defined_value"] = "user_defined_value"
 
     name: str = attribute("Name of the value.")
-    rule: Rule = attribute("How it is compared.", default="equalTo")
+    rule: Rule = attribute("Comparison.", default="equalTo")
     value: str = attribute("The value.")
 
 
 class TrafficSignalCondition(Word):
-    """A traffic signal is in a state."""
+    """A traffic signal is in a given state."""
 
     word: Literal["traffic_signal"] = "traffic_signal"
 
@@ -108,7 +111,7 @@ class TrafficSignalCondition(Word):
 
 
 class TrafficSignalControllerCondition(Word):
-    """A controller of traffic signals is in a phase."""
+    """A controller of traffic signals is in a given phase."""
 
     word: Literal["signal_phase"] = "signal_phase"
 

@@ -1,8 +1,8 @@
-"""Positions: where an entity stands or a condition looks, as the author writes them and as the plan binds them.
+"""Positions of entities and conditions, as the author writes them and as the plan binds them.
 
-After lowering only `BoundPosition`s are left: world positions and spawn points are bound to a road, a lane, s and an
-offset. Positions relative to an entity and random ones stay what they are: the engine resolves them when a run is
-reset or when they are needed, so that a sweep varies them.
+Lowering binds positions in the world and spawn points to a road, a lane, s and an offset (`BoundPosition`). Positions
+relative to an entity and random positions stay open: the engine resolves them when a run is reset or when they are
+needed, so that a sweep can vary them.
 """
 
 from scenario_compiler.vocabulary.positions.basic import (

@@ -1,20 +1,20 @@
-"""Positions on the map's roads: in lanes, beside reference lines, at spawn points, at random, ahead of an entity."""
+"""Positions on roads: in lanes, beside reference lines, at spawn points, at random, or relative to an entity."""
 
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
 Surface = Literal["driving", "biking", "shoulder", "sidewalk"]
-"""Kinds of lanes that things stand on; `driving` is every lane that motor traffic may use."""
+"""Kinds of lanes. `driving` includes every lane that motor traffic may use."""
 
 
 class LanePositionWord(Word):
-    """A point in a lane of a road, facing the lane's direction of travel."""
+    """A point in a lane, facing the lane's direction of travel."""
 
     word: Literal["lane"] = "lane"
 
     road: str = attribute("Id of the road in the map.", names="road")
-    lane: int = attribute("Id of the lane: negative right of the reference line, positive left of it.")
+    lane: int = attribute("Id of the lane: negative to the right of the reference line, positive to the left.")
     s: Number = attribute("Distance along the road's reference line, m.", quantity="length", minimum=0)
     offset: Number = attribute(
         "Distance from the lane's centre, m, positive to the left in the direction of s.",
@@ -27,7 +27,7 @@ class LanePositionWord(Word):
         quantity="angle",
     )
     heading: Number | None = attribute(
-        "Heading in the world, degrees, in place of `turn`.", default=None, quantity="angle"
+        "Heading in the world, degrees, instead of `turn`.", default=None, quantity="angle"
     )
 
 
@@ -45,7 +45,7 @@ class RoadPosition(Word):
         quantity="angle",
     )
     heading: Number | None = attribute(
-        "Heading in the world, degrees, in place of `turn`.", default=None, quantity="angle"
+        "Heading in the world, degrees, instead of `turn`.", default=None, quantity="angle"
     )
 
 
@@ -65,7 +65,7 @@ class WorldPosition(Word):
 
 
 class SpawnPoint(Word):
-    """A spawn point by its name: one of the scenario's own, else one that the map names."""
+    """A spawn point by its name: one of the scenario's own or, if there is none, one of the map's."""
 
     word: Literal["spawn_point"] = "spawn_point"
 
@@ -75,37 +75,40 @@ class SpawnPoint(Word):
 
 
 class NumberedSpawnPoint(Word):
-    """A spawn point by its place in the scenario's own list, or in the map's where the scenario has none."""
+    """A spawn point by its index in the scenario's own list, or in the map's list if the scenario has none."""
 
     word: Literal["numbered_spawn_point"] = "numbered_spawn_point"
 
-    index: int = attribute("Its place in the list, counted from 0.", minimum=0)
+    index: int = attribute("Index in the list, counted from 0.", minimum=0)
 
 
 class RandomSpawnPoint(Word):
-    """One of the spawn points of the scenario, or of the map where the scenario has none, drawn at random.
+    """A spawn point drawn at random from the scenario's list, or from the map's list if the scenario has none.
 
-    Without a seed it is a free one: where it would stand in the box of an entity placed before, it is drawn again.
+    Without a seed, a spawn point that would put the entity into the box of an entity placed before is drawn again.
     """
 
     word: Literal["random_spawn_point"] = "random_spawn_point"
 
     seed: int | None = attribute(
-        "Seed of the draw: the same one always. Left out, each run and each variant of a sweep has its own.",
+        "Seed of the draw. With a seed the spawn point is always the same; without one, each run and each variant of "
+        "a sweep has its own.",
         default=None,
         minimum=0,
     )
 
 
 class RelativeLanePosition(Word):
-    """A point ahead of (or behind) an entity along the lanes it travels on."""
+    """A point ahead of or behind an entity, along the lanes on which it travels."""
 
     word: Literal["ahead_of"] = "ahead_of"
 
-    entity: str = attribute("Id of the entity that the position is relative to.", names="entity")
-    distance: Number = attribute("Distance ahead along the entity's lane, m; negative is behind.", quantity="length")
+    entity: str = attribute("Id of the entity to which the position is relative.", names="entity")
+    distance: Number = attribute(
+        "Distance ahead along the entity's lane, m; negative values are behind.", quantity="length"
+    )
     lanes: int = attribute(
-        "Lanes to the left of the entity's lane in its direction of travel; negative is to the right.",
+        "Lanes to the left of the entity's lane in its direction of travel; negative values are to the right.",
         default=0,
     )
     offset: Number = attribute(
@@ -121,16 +124,16 @@ class RelativeLanePosition(Word):
 
 
 class BesidePosition(Word):
-    """A point beside (and ahead of) an entity, measured from where the entity itself stands in its lane."""
+    """A point beside an entity, and ahead of it if required, measured from the entity's own position in its lane."""
 
     word: Literal["beside"] = "beside"
 
-    entity: str = attribute("Id of the entity that the position is relative to.", names="entity")
+    entity: str = attribute("Id of the entity to which the position is relative.", names="entity")
     distance: Number = attribute(
         "Distance across the lane, m, positive to the left in the lane's direction of travel.", quantity="length"
     )
     ahead: Number = attribute(
-        "Distance ahead along the entity's lane, m; negative is behind.", default=0.0, quantity="length"
+        "Distance ahead along the entity's lane, m; negative values are behind.", default=0.0, quantity="length"
     )
     turn: Number = attribute(
         "Heading relative to the lane's direction of travel, degrees, positive counter-clockwise.",
@@ -140,22 +143,23 @@ class BesidePosition(Word):
 
 
 class RandomPosition(Word):
-    """A place drawn at random, evenly over the lanes that are left to choose from, clear of entities placed before.
+    """A place drawn at random, uniformly over the permitted lanes, at a distance from entities placed before.
 
-    Entities with fixed starts are placed first, those at random after them in the order of the file. None stands in
-    another's box, whatever `clear` says; things `beside` the entity count as part of it.
+    Entities with fixed start positions are placed first. Those with random positions follow in the order of the file.
+    No entity is placed inside the box of another one, whatever the value of `clear`. Objects `beside` the entity count
+    as part of it.
     """
 
     word: Literal["random"] = "random"
 
     on: Surface = attribute("Kind of the lanes.", default="driving")
     roads: tuple[str, ...] = attribute(
-        "Ids of the roads; all roads outside of junctions when left out.", default=(), names="road", separated=True
+        "Ids of the roads; all roads outside junctions if left out.", default=(), names="road", separated=True
     )
-    lane: int | None = attribute("Id of the lane on these roads; any when left out.", default=None)
+    lane: int | None = attribute("Id of the lane on these roads; any lane if left out.", default=None)
     s_from: float = attribute("Least distance along the road, m.", default=0.0, quantity="length", minimum=0)
     s_to: float | None = attribute(
-        "Greatest distance along the road, m; the road's end when left out.", default=None, quantity="length", minimum=0
+        "Greatest distance along the road, m; the road's end if left out.", default=None, quantity="length", minimum=0
     )
     clear: Number = attribute(
         "Least distance to the reference point of any entity placed before, m.",
@@ -174,14 +178,15 @@ class RandomPosition(Word):
         quantity="angle",
     )
     seed: int | None = attribute(
-        "Seed of the draw: the same place always. Left out, each run and each variant of a sweep has its own.",
+        "Seed of the draw. With a seed the place is always the same; without one, each run and each variant of a "
+        "sweep has its own.",
         default=None,
         minimum=0,
     )
 
 
 class AnyOfPosition(Word):
-    """One of several places in lanes, drawn at random: what a random spawn point is bound to."""
+    """One of several places in lanes, drawn at random: the bound form of a random spawn point."""
 
     word: Literal["any_of"] = "any_of"
 

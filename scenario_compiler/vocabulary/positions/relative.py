@@ -1,41 +1,43 @@
-"""Positions relative to an entity where it is at that moment, and points of the world off the roads.
+"""Positions relative to an entity's present position, and points of the world off the roads.
 
-The names and meanings are ASAM OpenSCENARIO's (Position and its kinds). `turn` is the heading relative to what the
-position itself gives (the lane, the road, the entity); `heading`, where given, is absolute and takes its place.
+The names and meanings are those of ASAM OpenSCENARIO (Position and its kinds). `turn` is the heading relative to the
+direction that the position itself defines (of the lane, the road or the entity). `heading`, if given, is absolute and
+replaces it.
 """
 
 from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute
 
-_ENTITY = "Id of the entity that the position is relative to."
-_HEADING = "Heading in the world, degrees, in place of `turn`."
+_ENTITY = "Id of the entity to which the position is relative."
+_HEADING = "Heading in the world, degrees, instead of `turn`."
 
 
 class FreePosition(Word):
-    """A point of the world, on a road or off all roads, in OpenDRIVE's axes."""
+    """A point of the world, on or off the roads, in OpenDRIVE's axes."""
 
     word: Literal["free"] = "free"
 
     x: Number = attribute("x, m.", quantity="length")
     y: Number = attribute("y, m.", quantity="length")
-    z: Number | None = attribute("z, m; the road's surface when left out.", default=None, quantity="length")
+    z: Number | None = attribute("z, m; the road's surface if left out.", default=None, quantity="length")
     heading: Number | None = attribute(
-        "Heading, degrees counter-clockwise from the x axis; 0 when left out, on a trajectory the trajectory's own.",
+        "Heading, degrees counter-clockwise from the x axis. If left out, it is 0, or the trajectory's own heading on "
+        "a trajectory.",
         default=None,
         quantity="angle",
     )
 
 
 class GeoPosition(Word):
-    """A point by latitude and longitude, on maps that say how they are projected."""
+    """A point by latitude and longitude, on maps that specify their projection."""
 
     word: Literal["geographic"] = "geographic"
 
     latitude: float = attribute("Latitude (WGS 84), degrees.", minimum=-90, maximum=90)
     longitude: float = attribute("Longitude (WGS 84), degrees.", minimum=-180, maximum=180)
     heading: Number | None = attribute(
-        "Heading in the map's axes, degrees; 0 when left out, on a trajectory the trajectory's own.",
+        "Heading in the map's axes, degrees. If left out, it is 0, or the trajectory's own heading on a trajectory.",
         default=None,
         quantity="angle",
     )
@@ -44,16 +46,19 @@ class GeoPosition(Word):
 class LanesAwayPosition(Word):
     """A point in a lane counted from an entity's lane: ASAM's RelativeLanePosition.
 
-    Along the road, what is ahead and left is so as seen along s; along the lane, as seen in its direction of travel.
+    Along the road, ahead and left refer to the direction of s; along the lane, to the lane's direction of travel.
     """
 
     word: Literal["relative_lane"] = "relative_lane"
 
     entity: str = attribute(_ENTITY, names="entity")
-    lanes: int = attribute("Lanes away, positive to the left (the centre lane is not counted).", default=0)
-    distance: Number = attribute("Distance ahead, on the road's reference line, m.", quantity="length")
+    lanes: int = attribute(
+        "Number of lanes from the entity's lane, positive to the left (the centre lane is not counted).", default=0
+    )
+    distance: Number = attribute("Distance ahead along the road's reference line, m.", quantity="length")
     along: Literal["road", "lane"] = attribute(
-        "Whether ahead and left are those of the road's s or of the lane's travel.", default="road"
+        "Whether ahead and left refer to the direction of the road's s or to the lane's direction of travel.",
+        default="road",
     )
     offset: Number = attribute(
         "Distance from the lane's centre, m, positive to the left.", default=0.0, quantity="length"
@@ -67,7 +72,7 @@ class LanesAwayPosition(Word):
 
 
 class RelativeRoadPosition(Word):
-    """A point on the road that an entity is on, by distances along and across its reference line."""
+    """A point on an entity's road, by distances along and across the road's reference line."""
 
     word: Literal["relative_road"] = "relative_road"
 
@@ -94,7 +99,7 @@ class RelativeObjectPosition(Word):
 
 
 class RelativeWorldPosition(Word):
-    """A point away from an entity by distances along the world's axes."""
+    """A point at a distance from an entity along the world's axes."""
 
     word: Literal["relative_world"] = "relative_world"
 

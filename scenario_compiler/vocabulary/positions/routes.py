@@ -1,4 +1,4 @@
-"""Routes and trajectories, and positions measured along them."""
+"""Routes, trajectories, and positions along them."""
 
 from typing import Literal
 
@@ -40,32 +40,32 @@ Point = (
     | RelativeObjectPosition
     | RelativeWorldPosition
 )
-"""Positions that routes and trajectories are made of."""
+"""Positions in routes and trajectories."""
 
 
 class Waypoint(Word):
-    """A point that a route passes."""
+    """A point through which a route passes."""
 
     word: Literal["waypoint"] = "waypoint"
 
     strategy: Literal["fastest", "leastIntersections", "random", "shortest"] = attribute(
-        "How the way to it from the waypoint before is chosen.", default="shortest"
+        "Strategy for the way from the previous waypoint.", default="shortest"
     )
-    position: Point = child("Where it is.")
+    position: Point = child("Position.")
 
 
 class RouteWord(Word):
-    """A way over the map's roads, from waypoint to waypoint."""
+    """A route over the map's roads, through its waypoints in order."""
 
     word: Literal["route"] = "route"
 
     name: str = attribute("Name of the route.", default="")
-    closed: bool = attribute("Whether it goes on at its begin when it is over.", default=False)
-    waypoints: tuple[Waypoint, ...] = child("Its waypoints, in order.")
+    closed: bool = attribute("Whether the route continues at its begin after its end.", default=False)
+    waypoints: tuple[Waypoint, ...] = child("The waypoints, in order.")
 
 
 class InRouteLane(Word):
-    """A place on a route by its distance from the route's begin, in one of the lanes there."""
+    """A place on a route, by the distance from the route's begin, in a given lane."""
 
     word: Literal["route_lane"] = "route_lane"
 
@@ -75,7 +75,7 @@ class InRouteLane(Word):
 
 
 class InRouteRoad(Word):
-    """A place on a route by its distance from the route's begin and from the road's reference line."""
+    """A place on a route, by the distance from the route's begin and from the road's reference line."""
 
     word: Literal["route_road"] = "route_road"
 
@@ -84,7 +84,7 @@ class InRouteRoad(Word):
 
 
 class InRouteEntity(Word):
-    """Where an entity is on its route."""
+    """An entity's present place on its route."""
 
     word: Literal["route_entity"] = "route_entity"
 
@@ -98,64 +98,66 @@ class RoutePosition(Word):
 
     turn: Number = attribute("Heading relative to the lane's or road's, degrees.", default=0.0, quantity="angle")
     heading: Number | None = attribute(
-        "Heading in the world, degrees, in place of `turn`.", default=None, quantity="angle"
+        "Heading in the world, degrees, instead of `turn`.", default=None, quantity="angle"
     )
     route: RouteWord = child("The route.")
-    place: InRouteLane | InRouteRoad | InRouteEntity = child("Where on it.")
+    place: InRouteLane | InRouteRoad | InRouteEntity = child("Place on the route.")
 
 
 class Vertex(Word):
-    """A corner of a polyline."""
+    """A vertex of a polyline."""
 
     word: Literal["vertex"] = "vertex"
 
-    time: Number | None = attribute("When it is reached, s.", default=None, quantity="time")
-    position: Point = child("Where it is.")
+    time: Number | None = attribute("Time at which the vertex is reached, s.", default=None, quantity="time")
+    position: Point = child("Position.")
 
 
 class Polyline(Word):
-    """Straight lines from vertex to vertex."""
+    """Straight segments from vertex to vertex."""
 
     word: Literal["polyline"] = "polyline"
 
-    vertices: tuple[Vertex, ...] = child("Its vertices, in order.")
+    vertices: tuple[Vertex, ...] = child("The vertices, in order.")
 
 
 class Clothoid(Word):
-    """A curve whose curvature grows evenly with its length (an Euler spiral)."""
+    """A curve whose curvature changes linearly with its length (an Euler spiral)."""
 
     word: Literal["clothoid"] = "clothoid"
 
     curvature: Number = attribute("Curvature at its begin, 1/m, positive to the left.")
-    curvature_rate: Number = attribute("Change of the curvature with length, 1/m2.")
-    length: Number = attribute("Its length, m.", quantity="length", minimum=0)
-    start_time: Number | None = attribute("When its begin is passed, s.", default=None, quantity="time")
-    stop_time: Number | None = attribute("When its end is reached, s.", default=None, quantity="time")
-    position: Point = child("Where it begins, and in which direction.")
+    curvature_rate: Number = attribute("Change of the curvature per length, 1/m2.")
+    length: Number = attribute("Length, m.", quantity="length", minimum=0)
+    start_time: Number | None = attribute("Time at which its begin is passed, s.", default=None, quantity="time")
+    stop_time: Number | None = attribute("Time at which its end is reached, s.", default=None, quantity="time")
+    position: Point = child("Position and heading of its begin.")
 
 
 class ClothoidSegment(Word):
-    """A piece of a clothoid spline; it begins where the piece before ends."""
+    """A segment of a clothoid spline. It begins where the previous segment ends."""
 
     word: Literal["segment"] = "segment"
 
     curvature_start: Number = attribute("Curvature at its begin, 1/m.")
     curvature_end: Number = attribute("Curvature at its end, 1/m.")
-    length: Number = attribute("Its length, m.", quantity="length", minimum=0)
+    length: Number = attribute("Length, m.", quantity="length", minimum=0)
     turn_at_start: Number = attribute(
-        "Heading at its begin relative to the end before, degrees.", default=0.0, quantity="angle"
+        "Heading at its begin relative to the end of the previous segment, degrees.", default=0.0, quantity="angle"
     )
-    time_start: Number | None = attribute("When its begin is passed, s.", default=None, quantity="time")
-    position: Point | None = child("Where it begins, if not at the end of the piece before.", default=None)
+    time_start: Number | None = attribute("Time at which its begin is passed, s.", default=None, quantity="time")
+    position: Point | None = child(
+        "Position of its begin, if that is not the end of the previous segment.", default=None
+    )
 
 
 class ClothoidSpline(Word):
-    """Clothoids one after the other."""
+    """A sequence of clothoids."""
 
     word: Literal["clothoid_spline"] = "clothoid_spline"
 
-    time_end: Number | None = attribute("When its end is reached, s.", default=None, quantity="time")
-    segments: tuple[ClothoidSegment, ...] = child("Its pieces, in order.")
+    time_end: Number | None = attribute("Time at which its end is reached, s.", default=None, quantity="time")
+    segments: tuple[ClothoidSegment, ...] = child("The segments, in order.")
 
 
 class ControlPoint(Word):
@@ -164,10 +166,10 @@ class ControlPoint(Word):
     word: Literal["control_point"] = "control_point"
 
     time: Number | None = attribute(
-        "When the curve's point that belongs to it is reached, s.", default=None, quantity="time"
+        "Time at which the corresponding point of the curve is reached, s.", default=None, quantity="time"
     )
     weight: Number = attribute("Its weight.", default=1.0)
-    position: Point = child("Where it is.")
+    position: Point = child("Position.")
 
 
 class Nurbs(Word):
@@ -175,18 +177,20 @@ class Nurbs(Word):
 
     word: Literal["nurbs"] = "nurbs"
 
-    order: int = attribute("Order: the degree and one.", minimum=2)
-    knots: tuple[float, ...] = attribute("Knots, as many as control points and order together.", separated=True)
-    points: tuple[ControlPoint, ...] = child("Its control points, in order.")
+    order: int = attribute("Order: the degree plus one.", minimum=2)
+    knots: tuple[float, ...] = attribute(
+        "Knots. Their number is the number of control points plus the order.", separated=True
+    )
+    points: tuple[ControlPoint, ...] = child("The control points, in order.")
 
 
 class Trajectory(Word):
-    """A curve in the plane, with times or without."""
+    """A curve in the plane, with or without times."""
 
     word: Literal["trajectory"] = "trajectory"
 
     name: str = attribute("Name of the trajectory.", default="")
-    closed: bool = attribute("Whether its end is joined to its begin.", default=False)
+    closed: bool = attribute("Whether its end is connected to its begin.", default=False)
     shape: Polyline | Clothoid | ClothoidSpline | Nurbs = child("Its form.")
 
 
@@ -199,6 +203,6 @@ class TrajectoryPosition(Word):
     t: Number = attribute("Distance to the left of the trajectory, m.", default=0.0, quantity="length")
     turn: Number = attribute("Heading relative to the trajectory's, degrees.", default=0.0, quantity="angle")
     heading: Number | None = attribute(
-        "Heading in the world, degrees, in place of `turn`.", default=None, quantity="angle"
+        "Heading in the world, degrees, instead of `turn`.", default=None, quantity="angle"
     )
     trajectory: Trajectory = child("The trajectory.")

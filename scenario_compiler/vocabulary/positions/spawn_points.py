@@ -12,7 +12,7 @@ class NamedPosition(Word):
     word: Literal["point"] = "point"
 
     name: str = attribute("Its name.", defines="spawn_point", pattern=ENTITY_ID)
-    position: Point = child("Where it is.")
+    position: Point = child("Position.")
 
 
 class SpawnPoints(Word):
