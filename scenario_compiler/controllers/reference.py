@@ -107,7 +107,7 @@ makes the detector that the scenario names with `self.make_detector(camera)`.
 ## When it fails
 
 An exception, a model's file that is missing, `sys.exit` at import, an answer that is no `Control` (of a detector: no
-`LaneResult`) or not a finite number: each is the finding SC521 with the controller's or detector's name, the file and the
+`LaneResult`) or not a finite float: each is the finding SC521 with the controller's or detector's name, the file and the
 line. The run ends there with the stop reason
 `controller_failed`, its recording up to there is kept, and the exit code is 1.
 
