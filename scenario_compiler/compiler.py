@@ -27,7 +27,7 @@ from scenario_compiler.languages import (
 from scenario_compiler.markup.codes import UNKNOWN_ROOT
 from scenario_compiler.markup.names import UNKNOWN_ARGUMENT, UNKNOWN_SCENARIO
 from scenario_compiler.openscenario.held import OpenScenario
-from scenario_compiler.plan.lower import Perception, lower
+from scenario_compiler.plan.lower import lower
 from scenario_compiler.plan.maps import open_map
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.plan.store import read_plan, sealed
@@ -40,6 +40,7 @@ from scenario_compiler.trust import Trust
 from scenario_compiler.vocabulary.driver import DriverModel, Person
 from scenario_compiler.vocabulary.entities import Controller
 from scenario_compiler.vocabulary.scenario import Scenario, parameter_values
+from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.takeover import Message, Takeover
 from scenario_compiler.vocabulary.variation import Vary
 
@@ -62,7 +63,7 @@ class Overrides:
     """What is set in place of what a scenario says; None leaves it to the scenario.
 
     Attributes:
-        perception: What the lane confidence comes from: "camera" or "ideal".
+        perception: What the lane confidence comes from: "camera", "ideal" or "surrogate".
         controller: Name of the ego vehicle's controller, package.module:Class or file.py:Class. The properties that the
             scenario gives are those of the controller that it names, and stay with that one alone.
         step: Length of a time step, s; 0.001 to 1.
@@ -216,6 +217,7 @@ def compile_study(
         ConfigurationError: The user's configuration file cannot be read.
     """
     from scenario_compiler.source.study import (
+        LATE_PROBE,
         NOBODY_TAKES_OVER,
         UNREADABLE_PART,
         Foil,
@@ -258,6 +260,13 @@ def compile_study(
         done = compiled(condition.scenario, condition)
         if done is not None:
             conditions[condition.name] = condition, done
+    durations = {one.scenario.name: done.plan.duration for one, done in conditions.values()}
+    for name, duration in durations.items():
+        if study.probe is not None and study.probe.earliest >= duration:
+            message = (
+                f"the probe comes at {study.probe.earliest:g} s at the earliest, but '{name}' lasts {duration:g} s"
+            )
+            sink.add(LATE_PROBE, message, study.probe.place_of("from"))
     practices = () if study.before is None else study.before.steps
     for word in (*practices, *study.foils):
         if isinstance(word, Practice | Foil) and word.target not in others:
@@ -334,6 +343,10 @@ def compile_expanded(
         whole=whole,
     )
     check_controller(plan, sink, trust)
+    if plan.perception == "surrogate":
+        from scenario_compiler.engine.program.surrogate import check_surrogate
+
+        check_surrogate(plan, sink)
     if sink.has_errors:
         return None
     if plan.controller is not None and _may_see_less(plan):

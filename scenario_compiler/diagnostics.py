@@ -100,6 +100,7 @@ CODES: dict[str, Code] = {}
 CODE_HOMES = (
     "cli.run",
     "engine.at_first",
+    "engine.program.surrogate",
     "roads.check",
     "roads.parse",
     "roads.xsd",

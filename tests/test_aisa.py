@@ -13,7 +13,6 @@ from scenario_compiler import judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target, read_source
 from scenario_compiler.diagnostics import Diagnostics, Severity, as_text
 from scenario_compiler.languages import expand
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.recording.outcome import Outcome
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.resources import library_folder, schema_file
@@ -21,6 +20,7 @@ from scenario_compiler.source.aisa import KNOWN, filed_scenario
 from scenario_compiler.source.aisa_conversion import convert_aisa
 from scenario_compiler.source.aisa_file import AisaConfig
 from scenario_compiler.source.catalogs import load_catalogs
+from scenario_compiler.vocabulary.sensors import Perception
 
 MAPS = {
     "Town01": "Scenic/assets/maps/CARLA/Town01.xodr",

@@ -11,7 +11,7 @@ import pytest
 from scenario_compiler import Recording, open_world, run
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.plan.lower import Perception
+from scenario_compiler.vocabulary.sensors import Perception
 
 FILE = """<scenarios version="1"><scenario name="rate" map="highway_loop" weather="HardRainNoon" duration="3">
 <ego speed="20"><start><spawn_point name="straight"/></start><camera {rate} sensor_noise="8"/></ego>

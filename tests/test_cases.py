@@ -38,6 +38,7 @@ WITHOUT_CASE = {
     "SC232": "needs a chain of files: tests/hostile/test_hostile.py",
     "SC523": "speaks of runs: tests/runtime/test_break_off.py",
     "SC407": "speaks of --perception: tests/test_events.py",
+    "SC514": "speaks of --perception: tests/plan/test_findings.py",
     "SC506": "speaks of --perception: tests/plan/test_findings.py",
     "SC520": "speaks of worlds that are lost: tests/worlds/test_own_physics.py",
     "SC521": "speaks of controllers that fail: tests/runtime/test_failures.py",

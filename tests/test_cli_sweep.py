@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 import shlex
 from pathlib import Path
@@ -278,3 +279,13 @@ def test_the_page_s_searches_find_what_it_says(
 def _help(command: str, capsys: pytest.CaptureFixture[str]) -> str:
     assert call(command, "--help") == 0
     return capsys.readouterr().out
+
+
+def test_surrogate_perception_says_which_variants_leave_its_domain(capsys: pytest.CaptureFixture[str]) -> None:
+    options = ("--vary", "sigma=values(10, 200)", "--perception", "surrogate", "--no-report", "-o", "out")
+    assert call("sweep", "sensor_failure", *options) == 0
+    out = capsys.readouterr().out
+    assert "1 outside the domain of surrogate perception" in out
+    rows, _ = read_results(Path("out"))
+    left = rows["outside_domain_time"]
+    assert [time is None or math.isnan(time) for time in left] == [True, False]

@@ -11,7 +11,7 @@ import pytest
 from scenario_compiler import Outcome, Plan, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.plan.lower import Perception
+from scenario_compiler.vocabulary.sensors import Perception
 
 CONFLICTS = Path(__file__).parent.parent / "library" / "conflicts"
 

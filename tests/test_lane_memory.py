@@ -16,7 +16,7 @@ import pytest
 from scenario_compiler import Outcome, Recording, judge, open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.plan.lower import Perception
+from scenario_compiler.vocabulary.sensors import Perception
 
 WIDTH = 3.75
 SPEED = 25.0

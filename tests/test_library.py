@@ -16,7 +16,6 @@ from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.document import read_document
 from scenario_compiler.expressions import format_value
 from scenario_compiler.languages import parse
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.recording.recording import Recording
 from scenario_compiler.resources import library_folder
 from scenario_compiler.source.catalogs import load_catalogs
@@ -24,6 +23,7 @@ from scenario_compiler.source.conflict import Library, Part
 from scenario_compiler.source.templates import template_parameters
 from scenario_compiler.validation import validate_file
 from scenario_compiler.vocabulary.scenario import Parameter
+from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.taxonomies import TAXONOMIES
 
 LIBRARY = library_folder()

@@ -11,7 +11,7 @@ from scenario_compiler import Outcome, Recording, judge, open_world, run
 from scenario_compiler.batch.variants import with_values
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.plan.lower import Perception
+from scenario_compiler.vocabulary.sensors import Perception
 
 CONFLICT = """<scenarios version="1"><scenario name="blocked" map="town_grid" duration="20" control_every="2">
 <parameter name="intrusion" type="length" default="1" min="0" max="2"/>

@@ -12,8 +12,8 @@ from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics, as_text
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.program.world import aspect_of
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.roads import load_network
+from scenario_compiler.vocabulary.sensors import Perception
 
 CONFLICT = """<scenarios version="1">
 <scenario name="lights" map="signal_crossing" duration="{duration}" control_every="2">

@@ -1,10 +1,13 @@
 """Trains the network of the learned lane detector, fits its confidence and measures both: one command, five minutes.
 
-    python tools/train_lane_network.py MAPS OUT [--images 52000] [--epochs 20] [--jobs 16] [--seconds 540]
+    python tools/train_lane_network.py MAPS OUT [--recipe wider] [--images N] [--epochs 20] [--jobs 16] [--seconds 540]
 
 MAPS is a folder of road files. The maps are parted three ways by `UNSEEN` and `TEST`: the network learns on all others,
-its confidence is fitted on `UNSEEN`, and the figures are of `TEST`. OUT gets lane_network.onnx, learned_confidence.json
-and learned_figures.json. It needs PyTorch, which is no dependency of the package, and uses a GPU where there is one.
+its confidence is fitted on `UNSEEN`, and the figures are of `TEST`. The recipe `wider` adds to the first two, with
+seeds of their own, maps painted anew and roads made up (`training_roads`), and what is learned has other textures; the
+network that comes with the package is of the recipe `shipped`. OUT gets lane_network.onnx, learned_confidence.json,
+learned_figures.json and, where there are any, the road files that were made. It needs PyTorch, which is no dependency
+of the package, and uses a GPU where there is one.
 """
 
 from __future__ import annotations
@@ -15,8 +18,9 @@ import json
 import math
 import multiprocessing
 import time
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 
 import cv2
@@ -25,6 +29,7 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 from torch.nn import functional
+from training_roads import made_up, repainted
 
 from scenario_compiler.perception.calibration.bank import BANK, drawn_situation, picture, pictures
 from scenario_compiler.perception.calibration.collect import CONDITIONS, RIGHT, Looks
@@ -44,11 +49,42 @@ from scenario_compiler.perception.learned_detector import (
     WIDTH,
     LearnedLaneDetector,
 )
+from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads import load_network
 
 UNSEEN, TEST = ("Town05", "fabriksgatan"), ("Town03", "soderleden")
 SEED, UNSEEN_SEED, TEST_SEED = 101, 202, 303
+PAINTED_ANEW = {"Town01": 4, "Town04": 6, "Town_Safebench_Light": 4, "HRI_custommap": 3, "cubetown": 2, "Town05": 2}
+"""How often a map is painted anew: once unless it stands here."""
+
+MADE_UP, MADE_UP_UNSEEN = 24, 6
+"""Files of roads that are made up to learn on, and to fit the confidence to."""
+
+ANEW, OTHER_ROADS = "-anew-", "other-roads-"
+"""What the names of such files contain."""
+
+CLIPS = 24
+"""Clips or situations of a job."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What is learned from.
+
+    Attributes:
+        images: Pictures.
+        views: Images of a clip, of which neighbours are much alike.
+        wider: Whether maps are painted anew and roads made up, and each map has a texture and a seed of its own.
+    """
+
+    images: int
+    views: int
+    wider: bool
+
+
+RECIPES = {"shipped": Recipe(52_000, 6, False), "wider": Recipe(120_000, 2, True)}
+
 RATE, WARM_UP, BATCH = 4e-3, 200, 256
 """Greatest rate of learning, steps until it is reached, and pictures of a step."""
 
@@ -127,8 +163,13 @@ def example(
 
 
 @lru_cache(maxsize=1)
-def _roads(path: str) -> MapRoads:
-    return MapRoads(load_network(path, cache=False))
+def _roads(path: str, seed: int) -> MapRoads:
+    return MapRoads(load_network(path, cache=False), texture=texture_of(seed))
+
+
+def texture_of(seed: int) -> int:
+    """Return the seed of the ground's texture: that of the clips, where a map has one of its own."""
+    return GROUND_SEED if seed in (SEED, UNSEEN_SEED, TEST_SEED) else seed
 
 
 def _begin() -> None:
@@ -136,17 +177,17 @@ def _begin() -> None:
     torch.set_num_threads(1)
 
 
-def render(job: tuple[str, int, int, int]) -> Arrays:
+def render(job: tuple[str, int, int, int, int]) -> Arrays:
     """Return pictures with their truth: clips of a map, or situations that are drawn where no map is named."""
-    path, seed, first, last = job
+    path, seed, first, last, count = job
     found = []
     if path:
-        for _, _, views in _roads(path).clips(seed, range(first, last)):
-            found += [example(view.image, view.truth) for view in views]
+        for _, _, views in _roads(path, seed).clips(seed, range(first, last)):
+            found += [example(view.image, view.truth) for view in islice(views, count)]
     else:
         for number in range(first, last):
             draw = np.random.default_rng([seed, number])
-            found.append(example(*picture(drawn_situation(draw), draw)))
+            found.append(example(*picture(drawn_situation(draw), draw, texture_of(seed))))
     if not found:
         return (
             np.empty((0, HEIGHT, WIDTH, 3), np.uint8),
@@ -157,10 +198,37 @@ def render(job: tuple[str, int, int, int]) -> Arrays:
     return np.stack(images), np.stack(columns), np.stack(rest)
 
 
-def jobs_of(maps: list[Path], seed: int, clips: int, drawn: int) -> list[tuple[str, int, int, int]]:
-    """Return jobs of 24 clips or situations."""
-    jobs = [("", seed, k, min(k + 24, drawn)) for k in range(0, drawn, 24)]
-    return jobs + [(str(path), seed, k, min(k + 24, clips)) for path in maps for k in range(0, clips, 24)]
+def all_maps(paths: list[Path], recipe: Recipe, folder: Path) -> list[Path]:
+    """Return the maps in a fixed order; those that the recipe adds are written to a folder."""
+    found = list(paths)
+    if not recipe.wider:
+        return found
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, path in enumerate(paths):
+        for k in range(0 if path.stem in TEST else PAINTED_ANEW.get(path.stem, 1)):
+            found.append(folder / f"{path.stem}{ANEW}{k}.xodr")
+            repainted(path, found[-1], 1000 * (UNSEEN_SEED if path.stem in UNSEEN else SEED) + 10 * number + k)
+    for k in range(MADE_UP + MADE_UP_UNSEEN):
+        found.append(folder / f"{'roads-' if k < MADE_UP else OTHER_ROADS}{k}.xodr")
+        made_up(found[-1], 1000 * (SEED if k < MADE_UP else UNSEEN_SEED) + 500 + k)
+    return found
+
+
+def is_unseen(name: str) -> bool:
+    """Return whether the confidence is fitted on a map, which the network then does not learn on."""
+    return name.split(ANEW)[0] in UNSEEN or name.startswith(OTHER_ROADS)
+
+
+def jobs_of(maps: list[Path], recipe: Recipe, images: int) -> list[tuple[str, int, int, int, int]]:
+    """Return jobs of 24 clips or situations; a fifth of the pictures are of situations."""
+    drawn = images // 5
+    clips = -(-(images - drawn) // (recipe.views * max(len(maps), 1)))
+    parts = [("", 0, drawn), *((str(path), number, clips) for number, path in enumerate(maps, 1))]
+    return [
+        (path, 1000 * SEED + number if recipe.wider else SEED, k, min(k + CLIPS, count), recipe.views)
+        for path, number, count in parts
+        for k in range(0, count, CLIPS)
+    ]
 
 
 def joined(parts: list[Arrays]) -> Arrays:
@@ -268,7 +336,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
         return state.after(result)
 
     if which.endswith(".xodr"):
-        for clip, conditions, views in _roads(which).clips(seed, range(first, last)):
+        for clip, conditions, views in _roads(which, seed).clips(seed, range(first, last)):
             state = LaneState()
             for view in views:
                 contrast = look_of(conditions.weather).contrast
@@ -278,7 +346,7 @@ def look(job: tuple[str, int, int, int, bytes]) -> tuple[str, Looks, NDArray[np.
     elif which == "drawn":
         for number in range(first, last):
             draw = np.random.default_rng([seed, number])
-            image, truth = picture(drawn_situation(draw), draw)
+            image, truth = picture(drawn_situation(draw), draw, texture_of(seed))
             take(image, LaneState(), truth, number, (0.0,) * len(CONDITIONS))
     else:
         for number, (image, truth) in enumerate(pictures(BANK[int(which)], seed, last)):
@@ -311,9 +379,11 @@ def export(network: LaneNetwork, path: Path) -> bytes:
 def jobs_of_looks(paths: list[Path], scale: float, onnx: bytes) -> list[tuple[str, int, int, int, bytes]]:
     """Return what is looked at: clips of the maps that the network did not learn on, drawn situations and the bank."""
     jobs: list[tuple[str, int, int, int, bytes]] = []
-    for path in paths:
-        if path.stem in UNSEEN or path.stem in TEST:
-            seed = UNSEEN_SEED if path.stem in UNSEEN else TEST_SEED
+    for number, path in enumerate(paths):
+        if is_unseen(path.stem) or path.stem in TEST:
+            seed = TEST_SEED if path.stem in TEST else UNSEEN_SEED
+            if path.stem not in (*UNSEEN, *TEST):
+                seed = 1000 * UNSEEN_SEED + number
             count = int((600 if path.stem.startswith("Town") else 150) * scale)
             jobs += [(str(path), seed, k, min(k + 24, count), onnx) for k in range(0, count, 24)]
     jobs += [("drawn", UNSEEN_SEED, k, k + 48, onnx) for k in range(0, int(2000 * scale), 48)]
@@ -362,27 +432,28 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("maps", type=Path)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--images", type=int, default=52_000)
+    parser.add_argument("--recipe", choices=list(RECIPES), default="shipped")
+    parser.add_argument("--images", type=int, help="pictures; the recipe's when left out")
     parser.add_argument("--epochs", type=int, default=20)
     parser.add_argument("--jobs", type=int, default=16)
     parser.add_argument("--seconds", type=float, default=540.0)
     options = parser.parse_args()
     began = time.monotonic()
     options.out.mkdir(parents=True, exist_ok=True)
-    paths = sorted(options.maps.glob("*.xodr"))
-    learnt = [path for path in paths if path.stem not in (*UNSEEN, *TEST)]
+    recipe: Recipe = RECIPES[options.recipe]
+    images = recipe.images if options.images is None else options.images
+    paths = all_maps(sorted(options.maps.glob("*.xodr")), recipe, options.out / "maps")
+    learnt = [path for path in paths if path.stem not in TEST and not is_unseen(path.stem)]
     with multiprocessing.get_context("spawn").Pool(options.jobs, _begin) as pool:
-        drawn = options.images // 5
-        clips = -(-(options.images - drawn) // (6 * max(len(learnt), 1)))
-        data = joined(list(pool.imap(render, jobs_of(learnt, SEED, clips, drawn))))
+        data = joined(list(pool.imap(render, jobs_of(learnt, recipe, images))))
         rendered = time.monotonic() - began
         print(f"{len(data[0])} pictures in {rendered:.0f} s", flush=True)
         device = "cuda" if torch.cuda.is_available() else "cpu"
         network = train(data, options.epochs, options.seconds - rendered - MEASURING, device)
         trained = time.monotonic() - began
         onnx = export(network, options.out / NETWORK_FILE)
-        seen = list(pool.imap(look, jobs_of_looks(paths, max(options.images / 52_000, 0.01), onnx)))
-    fitting = Looks.joined([looks for which, looks, _ in seen if Path(which).stem in UNSEEN or which == "drawn"])
+        seen = list(pool.imap(look, jobs_of_looks(paths, min(max(images / 52_000, 0.01), 1.0), onnx)))
+    fitting = Looks.joined([looks for which, looks, _ in seen if is_unseen(Path(which).stem) or which == "drawn"])
     kept = np.isin(fitting.condition("number"), FITTED)
     confidence = fit_confidence(fitting.rows[kept], fitting.labels[kept])
     text = confidence_text(confidence, LearnedLaneDetector.features)
@@ -393,7 +464,12 @@ def main() -> None:
         "sha256": hashlib.sha256(onnx).hexdigest(),
         "pictures": len(data[0]),
         "seconds": {"rendered": rendered, "trained": trained, "all": time.monotonic() - began},
-        "maps": {"network": [path.stem for path in learnt], "confidence": UNSEEN, "test": TEST},
+        "recipe": options.recipe,
+        "maps": {
+            "network": [path.stem for path in learnt],
+            "confidence": [path.stem for path in paths if is_unseen(path.stem)],
+            "test": TEST,
+        },
         "milliseconds a forward": forward_time(onnx, confidence),
         **figures_of(seen, confidence),
     }

@@ -296,7 +296,7 @@ def execute(sweep: Sweep, store: ResultStore, executor: Executor, progress: OnPr
             columns = pending[number]
             for name, values in batch.columns.items():
                 columns.setdefault(name, []).extend(values)
-            tally += Tally.of(batch.columns["result"], batch.columns["resolution"])
+            tally += Tally.of(*(batch.columns[name] for name in ("result", "resolution", "outside_domain_time")))
             if len(columns["result"]) == len(columns["variant"]):
                 store.write_part(number, pending.pop(number))
             tell()

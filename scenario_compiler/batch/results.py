@@ -57,8 +57,9 @@ def schema_of(columns: Sequence[Column]) -> pa.Schema:
 
 def tally_of(table: Path) -> Tally:
     """Return what the variants of a sweep's table, or of a part of one, came to."""
-    found = _read(table, ["result", "resolution"])
-    return Tally.of(found["result"].to_pylist(), found["resolution"].to_pylist())
+    names = ("result", "resolution", "outside_domain_time")
+    found = _read(table, list(names))
+    return Tally.of(*(found[name].to_pylist() for name in names))
 
 
 class ResultStore:

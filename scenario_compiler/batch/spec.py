@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from scenario_compiler.batch.distributions import Distribution, SweepError, parse_distribution
 from scenario_compiler.compiler import Overrides
 from scenario_compiler.files import split_target
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.trust import Trust
+from scenario_compiler.vocabulary.sensors import Perception
 
 Method = Literal["random", "grid", "latin", "sobol"]
 

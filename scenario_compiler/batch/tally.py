@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -16,20 +17,23 @@ class Tally:
         failed: A criterion did not hold.
         broken_off: There is no result: the values were refused, or the run could not go on.
         unasked: Of those with a result, runs without a takeover request.
+        outside: Runs that left the domain for which surrogate perception was fitted.
     """
 
     passed: int = 0
     failed: int = 0
     broken_off: int = 0
     unasked: int = 0
+    outside: int = 0
 
     @classmethod
-    def of(cls, results: Iterable[Any], resolutions: Iterable[Any]) -> Tally:
-        """Count runs by their columns `result` and `resolution`."""
+    def of(cls, results: Iterable[Any], resolutions: Iterable[Any], outside: Iterable[Any]) -> Tally:
+        """Count runs by their columns `result`, `resolution` and `outside_domain_time`, which is NaN or None inside."""
         pairs = list(zip(results, resolutions, strict=True))
         passed, failed, broken_off = (sum(one == kind for one, _ in pairs) for kind in ("pass", "fail", "error"))
         unasked = sum(end == "no_request" and one != "error" for one, end in pairs)
-        return cls(passed, failed, broken_off, unasked)
+        left = sum(time is not None and not math.isnan(time) for time in outside)
+        return cls(passed, failed, broken_off, unasked, left)
 
     def __add__(self, other: Tally) -> Tally:
         """Return the numbers of both together."""
@@ -38,6 +42,7 @@ class Tally:
             self.failed + other.failed,
             self.broken_off + other.broken_off,
             self.unasked + other.unasked,
+            self.outside + other.outside,
         )
 
     @property
@@ -48,7 +53,9 @@ class Tally:
     def in_words(self, *, automated: bool) -> str:
         """Return the numbers in words; requests are counted where an automated vehicle could make one."""
         words = f"{self.passed} passed, {self.failed} failed, {self.broken_off} broken off"
-        return f"{words}; {self.unasked} without a request" if automated else words
+        if automated:
+            words = f"{words}; {self.unasked} without a request"
+        return f"{words}; {self.outside} outside the domain of surrogate perception" if self.outside else words
 
 
 Stage = Literal["variants", "traces", "cases", "evaluations"]

@@ -223,6 +223,7 @@ class Host:
             self._free.set()
         self._begins = time.monotonic() + BEGINNING
         asyncio.get_running_loop().run_in_executor(None, town.terrain)
+        asyncio.get_running_loop().run_in_executor(None, town.scene)
         self.tick()
         self._bits |= MAP_CHANGED
 

@@ -63,6 +63,7 @@ class Town:
     text: str
     spawn_points: tuple[CarlaTransform, ...]
     _lock: Lock = field(default_factory=Lock, repr=False)
+    _ground_lock: Lock = field(default_factory=Lock, repr=False)
 
     @cached_property
     def _scene(self) -> Scene:
@@ -78,12 +79,18 @@ class Town:
     @cached_property
     def _terrain(self) -> Terrain:
         from scenario_compiler.perception.terrain import Terrain
+        from scenario_compiler.roads.mesh import road_surface
 
-        return Terrain(self._scene)
+        return Terrain(road_surface(self.network))
+
+    @property
+    def has_terrain(self) -> bool:
+        """Whether the ground is made."""
+        return "_terrain" in self.__dict__
 
     def terrain(self) -> Terrain:
         """Return the ground as rays meet it; made once, whoever asks first."""
-        with self._lock:
+        with self._ground_lock:
             return self._terrain
 
     def scene(self) -> Scene:

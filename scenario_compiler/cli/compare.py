@@ -158,8 +158,9 @@ def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
     """Yield what the comparison comes to, in sentences."""
     parting = found.parting
     if parting is not None:
-        whose = f"{parting.entity}'s {parting.column}" if parting.entity else parting.column
-        told = f"{parting.first} in the first, {parting.second} in the second"
+        name, unit = _called(parting.column)
+        whose = f"the {name} of {parting.entity}" if parting.entity else f"the {name}"
+        told = f"{parting.first}{unit} in the first, {parting.second}{unit} in the second"
         yield f"They part at {parting.t:.6g} s: {whose} is {told}."
     if not found.same_times:
         yield f"They do not have the same rows: {found.rows} are at times that both have."
@@ -170,6 +171,17 @@ def verdict(found: Comparison, tolerance: float | None) -> Iterable[str]:
         yield f"Events that are not alike: {len(found.events)}."
     within = "" if tolerance is None else f" within {tolerance:g} m"
     yield f"The same happened in both{within}." if found.equal else "The runs differ."
+
+
+def _called(column: str) -> tuple[str, str]:
+    """Return what a column of a recording is called in a sentence, and its unit after a space."""
+    from scenario_compiler.recording.recording import COLUMNS
+    from scenario_compiler.report.wording import unit_words
+
+    known = {one.name: one for one in COLUMNS}.get(column)
+    unit = unit_words(known.unit) if known is not None else "m" if column == "x, y" else ""
+    name = {"x, y": "place", "v": "speed", "a": "acceleration", "h": "heading"}.get(column, column.replace("_", " "))
+    return name, f" {unit}" if unit else ""
 
 
 def _number(value: float | None) -> str:

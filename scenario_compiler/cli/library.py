@@ -48,6 +48,12 @@ def add(commands: Commands) -> None:
         help="run each with an attentive, a slow, an absent and a reference driver, and write the table as Markdown",
     )
     parser.add_argument(
+        "--perception",
+        choices=("ideal", "camera"),
+        default="ideal",
+        help="what tells the automation of its lane in the runs of --separation",
+    )
+    parser.add_argument(
         "--jobs", type=int, default=available_cores(), metavar="N", help="processes; one for each core when left out"
     )
     add_maps(parser)
@@ -109,8 +115,15 @@ def _separate(found: Survey, options: argparse.Namespace) -> None:
 
     targets = [one.target for one in found.scenarios if not one.fault]
     with shown_progress("scenarios") as progress:
-        separated = list(separate_all(targets, processes=options.jobs, maps=options.maps, progress=progress))
-    write_whole(options.separation, separation_page(separated))
+        runs = separate_all(
+            targets,
+            processes=options.jobs,
+            maps=options.maps,
+            perception=options.perception,
+            progress=progress,
+        )
+        separated = list(runs)
+    write_whole(options.separation, separation_page(separated, options.perception))
     apart = sum(one.separates for one in separated)
     put(f"{apart} of {len(separated)} fail for the slow or the absent driver", told(options))
     put(f"page: {options.separation}", told(options))

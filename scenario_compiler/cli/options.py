@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from scenario_compiler.compiler import Compilation
     from scenario_compiler.plan.model import Plan
 
+PERCEPTIONS = ("camera", "ideal", "surrogate")
+"""What the lane confidence may come from, as `vocabulary.sensors.Perception`, which need not be loaded for this."""
+
 FINE, AT_FAULT, WRONG_USE, CRITERIA_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 
@@ -76,7 +79,7 @@ def add_scenario(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="give a parameter a value", dest="settings"
     )
-    parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
+    parser.add_argument("--perception", choices=PERCEPTIONS, help="what the lane confidence comes from")
     parser.add_argument(
         "--controller",
         metavar="NAME|package.module:Class|file.py:Class",

@@ -10,6 +10,7 @@ from scenario_compiler.cli.live import STEP, add_address, serving
 from scenario_compiler.cli.options import (
     AT_FAULT,
     FINE,
+    PERCEPTIONS,
     Commands,
     WrongUse,
     add_diagnostics,
@@ -55,7 +56,7 @@ def add(commands: Commands) -> None:
         "-o", dest="output", type=Path, metavar="PATH", help="folder of the data; for export, the table"
     )
     parser.add_argument("--pilot", action="store_true", help="driver models take the place of the participants")
-    parser.add_argument("--perception", choices=("camera", "ideal"), help="what the lane confidence comes from")
+    parser.add_argument("--perception", choices=PERCEPTIONS, help="what the lane confidence comes from")
     parser.add_argument("--dt", type=step_length, metavar="S", help="length of a time step, s; 0.02 when left out")
     parser.add_argument("--size", choices=SIZES, default="1280x720", help="size of the view ahead, pixels")
     parser.add_argument(

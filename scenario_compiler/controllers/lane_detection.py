@@ -25,6 +25,7 @@ from scenario_compiler.controllers.model import (
     VehicleState,
 )
 from scenario_compiler.controllers.planned_way import LOOKED_AT, shape_of, worth_on_way
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 
 if TYPE_CHECKING:
     import numpy as np
@@ -62,15 +63,34 @@ USUAL_WIDTH = 3.5
 class LaneDetectionParams(ControllerParams):
     """Parameters of the lane-keeping automation."""
 
-    look_ahead_time: float = Field(0.4, gt=0, le=5, description="Look-ahead of the pure pursuit, s.")
-    look_ahead_min: float = Field(3.0, gt=0, le=50, description="Least look-ahead, m.")
-    look_ahead_max: float = Field(20.0, gt=0, le=100, description="Greatest look-ahead, m.")
-    speed_gain: float = Field(2.0, gt=0, le=20, description="Throttle per m/s of missing speed.")
-    time_gap: float = Field(1.5, gt=0, le=10, description="Time gap to the vehicle ahead, s.")
-    minimum_gap: float = Field(2.0, gt=0, le=20, description="Gap at standstill, m.")
-    lateral_acceleration: float = Field(2.5, gt=0, le=10, description="Lateral acceleration in bends, m/s2.")
-    following_acceleration: float = Field(1.5, gt=0, le=10, description="Greatest acceleration in following, m/s2.")
-    following_deceleration: float = Field(2.0, gt=0, le=10, description="Comfortable deceleration, m/s2.")
+    look_ahead_time: float = Field(
+        default=LANE_KEEPING["look_ahead_time"], gt=0, le=5, description="Look-ahead of the pure pursuit, s."
+    )
+    look_ahead_min: float = Field(
+        default=LANE_KEEPING["look_ahead_min"], gt=0, le=50, description="Least look-ahead, m."
+    )
+    look_ahead_max: float = Field(
+        default=LANE_KEEPING["look_ahead_max"], gt=0, le=100, description="Greatest look-ahead, m."
+    )
+    speed_gain: float = Field(
+        default=LANE_KEEPING["speed_gain"], gt=0, le=20, description="Throttle per m/s of missing speed."
+    )
+    time_gap: float = Field(
+        default=LANE_KEEPING["time_gap"], gt=0, le=10, description="Time gap to the vehicle ahead, s."
+    )
+    minimum_gap: float = Field(default=LANE_KEEPING["minimum_gap"], gt=0, le=20, description="Gap at standstill, m.")
+    lateral_acceleration: float = Field(
+        default=LANE_KEEPING["lateral_acceleration"], gt=0, le=10, description="Lateral acceleration in bends, m/s2."
+    )
+    following_acceleration: float = Field(
+        default=LANE_KEEPING["following_acceleration"],
+        gt=0,
+        le=10,
+        description="Greatest acceleration in following, m/s2.",
+    )
+    following_deceleration: float = Field(
+        default=LANE_KEEPING["following_deceleration"], gt=0, le=10, description="Comfortable deceleration, m/s2."
+    )
 
 
 class LaneDetectionController(ControllerModel):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scenario_compiler.engine.ego.outlook import look_out
+from scenario_compiler.engine.ego.view import look_at_view
 from scenario_compiler.engine.motion.appearing import delete_entity, spawn_entity
 from scenario_compiler.engine.motion.collision import find_contacts, find_touched
 from scenario_compiler.engine.story.step import begin_step, end_step, move_step, reset, step
@@ -10,7 +11,7 @@ from scenario_compiler.engine.story.sweep import sweep
 from scenario_compiler.forms.language import Marked
 
 ENTRIES: tuple[Marked, ...] = (
-    *(reset, begin_step, move_step, end_step, step, look_out, sweep),
+    *(reset, begin_step, move_step, end_step, step, look_out, look_at_view, sweep),
     *(spawn_entity, delete_entity, find_contacts, find_touched),
 )
 """Entries by which a form is called, in both forms."""

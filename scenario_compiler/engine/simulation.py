@@ -207,6 +207,15 @@ class Simulation:
         points = tuple(zip(out[op.OUTLOOK_HEAD :: 2][:count], out[op.OUTLOOK_HEAD + 1 :: 2][:count], strict=True))
         return Outlook(out[0], out[1], out[2], points)
 
+    def look_at_view(self) -> NDArray[np.float64] | None:
+        """Return what surrogate perception would go by, (2, VIEW_SIZE): the left side's features, then the right's.
+
+        None where the ego is on no lane.
+        """
+        if not self.form.enter("look_at_view"):
+            return None
+        return self.column("view").astype(float).reshape(2, -1)
+
     def sweep(
         self,
         rows: Sequence[Sequence[float]] | NDArray[np.float64],

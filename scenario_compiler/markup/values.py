@@ -14,7 +14,7 @@ from scenario_compiler.markup.environment import ReadingContext, UndeterminedErr
 from scenario_compiler.markup.names import UNKNOWN_PARAMETER
 from scenario_compiler.markup.units import in_unit
 from scenario_compiler.vocabulary.grammar import INTEGER, NUMBER, AttributeRule, out_of_limits
-from scenario_compiler.vocabulary.word import QUANTITIES
+from scenario_compiler.vocabulary.word import LABEL, QUANTITIES
 
 Structural: TypeAlias = int | bool | float | str
 FieldValue: TypeAlias = Structural | Expression | tuple[Structural, ...]
@@ -132,6 +132,8 @@ def _expected(text: str, rule: AttributeRule) -> tuple[str, str]:
     if rule.kind == "integer":
         return "a whole number", ""
     if rule.kind == "text":
+        if rule.spelling.pattern == LABEL:
+            return "a name of letters from A to Z and digits", ""
         if rule.spelling.pattern:
             return "a name of letters, digits and _, with a letter first", ""
         return "a text that says something", ""

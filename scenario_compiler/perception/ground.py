@@ -277,7 +277,7 @@ class Ground:
             np.subtract(table, np.floor(table, out=whole), out=table)
             np.multiply(table, np.float32(TILE), out=table)
         texels = self.buffers.get("texels", (*shape, 4), np.uint8)
-        cv2.remap(ground_tile(), column, row, cv2.INTER_LINEAR, texels, borderMode=cv2.BORDER_WRAP)
+        cv2.remap(ground_tile(self.scene.texture), column, row, cv2.INTER_LINEAR, texels, borderMode=cv2.BORDER_WRAP)
         return texels
 
     def _apply_paint(

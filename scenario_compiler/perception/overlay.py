@@ -39,6 +39,10 @@ _STATE_COLOURS = {
 }
 
 
+LEAST_SCALE = 0.7
+"""Size of the writing at the least, of that in a picture 960 pixels wide: what is smaller cannot be read in films."""
+
+
 @dataclass(frozen=True)
 class Caption:
     """What is written over the picture.
@@ -227,16 +231,21 @@ def _write(picture: Image, lane: LaneResult | None, caption: Caption) -> None:
         confidence = f"left {lane.p_left:.2f}   right {lane.p_right:.2f}   sensor {lane.sensor_health:.2f}"
         lines.append((confidence, _confidence_colour(lane)))
     lines += [(note, WHITE) for note in caption.notes]
-    scale = picture.shape[1] / 960.0
+    height, width = picture.shape[:2]
+    scale = max(width / 960.0, LEAST_SCALE)
     pitch = round(24 * scale)
-    _panel(picture, round(390 * scale), pitch * len(lines) + round(14 * scale))
+    _darken(picture[6 : 6 + pitch * len(lines) + round(14 * scale), 6 : 6 + round(390 * scale)], 0.45)
     for k, (text, colour) in enumerate(lines):
         _text(picture, text, (round(14 * scale), round(26 * scale) + k * pitch), colour, 0.55 * scale)
     messages = [(text, AMBER) for text in caption.warnings] + [(text, RED) for text in caption.alarms]
     for k, (text, colour) in enumerate(reversed(messages)):
-        size = cv2.getTextSize(text, _FONT, 0.9 * scale, 2)[0][0]
-        place = ((picture.shape[1] - size) // 2, picture.shape[0] - round((24 + 36 * k) * scale))
-        _text(picture, text, place, colour, 0.9 * scale)
+        wide = cv2.getTextSize(text, _FONT, 0.9 * scale, 2)[0][0]
+        fitted = 0.9 * scale * min(1.0, (width - 32) / wide)
+        size = cv2.getTextSize(text, _FONT, fitted, 2)[0][0]
+        left, line = max(0, (width - size) // 2), height - round((24 + 36 * k) * scale)
+        above, below = round(27 * scale), round(9 * scale)
+        _darken(picture[line - above : line + below, max(0, left - 12) : left + size + 12], 0.3)
+        _text(picture, text, (left, line), colour, fitted)
 
 
 def _confidence_colour(lane: LaneResult) -> Colour:
@@ -246,10 +255,9 @@ def _confidence_colour(lane: LaneResult) -> Colour:
     return AMBER if lowest < 0.6 else GREEN
 
 
-def _panel(picture: Image, width: int, height: int) -> None:
-    """Darken the upper left corner so that writing can be read."""
-    area = picture[6 : 6 + height, 6 : 6 + width]
-    area[:] = cv2.convertScaleAbs(area, alpha=0.45)
+def _darken(area: Image, share: float) -> None:
+    """Darken part of a picture so that writing on it can be read; `share` is left of its brightness."""
+    area[:] = cv2.convertScaleAbs(area, alpha=share)
 
 
 def _text(picture: Image, text: str, place: tuple[int, int], colour: Colour, scale: float) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from scenario_compiler.perception.camera import View
 from scenario_compiler.perception.polygons import Floats, Index, Polygon, facing, flatten, thickness
+from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.roads.mesh import Marks, Surface
 
 CELL = 32.0
@@ -191,18 +192,22 @@ class Scene:
         marks: The paint.
         uprights: What stands beside the roads.
         origin: (3,) point of the world that quads count from, m.
+        texture: Seed of the ground's texture.
         grid: All quads by place: surfaces, marks, uprights.
     """
 
-    def __init__(self, surface: Surface, marks: Marks, uprights: Uprights | None = None) -> None:
+    def __init__(
+        self, surface: Surface, marks: Marks, uprights: Uprights | None = None, texture: int = GROUND_SEED
+    ) -> None:
         """Index the quads. Neighbouring lanes of one material are joined: the picture is the same and comes sooner.
 
         Args:
             surface: The roads' surface.
             marks: The paint; its origin is that of the surface.
             uprights: What stands beside the roads; its origin is that of the surface.
+            texture: Seed of the ground's texture.
         """
-        self.surface = surface
+        self.surface, self.texture = surface, texture
         quads, kept = _joined(surface)
         self.material = surface.material[kept]
         self.layer = surface.layer[kept]

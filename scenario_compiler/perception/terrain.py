@@ -8,17 +8,13 @@ on the cells.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.ground import MATERIAL_TAGS
 from scenario_compiler.perception.labels import Tag
-
-if TYPE_CHECKING:
-    from scenario_compiler.perception.scene import Scene
+from scenario_compiler.roads.mesh import Surface
 
 Floats = NDArray[np.float64]
 Narrow = NDArray[np.float32]
@@ -54,9 +50,8 @@ class Terrain:
         level: Whether all of it is one level plane.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, surface: Surface) -> None:
         """Take the triangles of the roads' surface."""
-        surface = scene.surface
         quads = surface.quads.astype(np.float64)
         self.level = not len(quads) or float(np.ptp(quads[..., 2])) < LEVEL
         corners = np.concatenate([quads[:, (0, 1, 2)], quads[:, (0, 2, 3)]])

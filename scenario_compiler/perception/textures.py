@@ -1,4 +1,4 @@
-"""Tileable textures, made once from fixed seeds: asphalt, wear, patches, grass, clouds, streaks of rain."""
+"""Tileable textures, made once from a seed each: asphalt, wear, patches, grass, clouds, streaks of rain."""
 
 from __future__ import annotations
 
@@ -18,10 +18,14 @@ GRAIN, WEAR, PATCH, GRASS = range(4)
 """Channels of the ground tile; all have mean 128 but wear, which is uniform over 0-255."""
 
 
-@lru_cache(maxsize=1)
-def ground_tile() -> NDArray[np.uint8]:
+GROUND_SEED = 7
+"""Seed of the ground tile that everybody drives on; lane detectors learn on others."""
+
+
+@lru_cache(maxsize=2)
+def ground_tile(seed: int = GROUND_SEED) -> NDArray[np.uint8]:
     """Return the (TILE, TILE, 4) ground tile: grain, wear, patches, grass."""
-    draw = np.random.default_rng(7)
+    draw = np.random.default_rng(seed)
     grain = 128 + 38 * _noise(draw, TILE, 0.6) + 14 * _noise(draw, TILE, 2.0)
     wear = _uniform(_noise(draw, TILE, 3.0) + 0.8 * _noise(draw, TILE, 9.0) + 0.5 * _noise(draw, TILE, 1.0))
     patch = 128 + 34 * _noise(draw, TILE, 40.0) + 26 * _noise(draw, TILE, 12.0)

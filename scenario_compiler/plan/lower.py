@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 from scenario_compiler.diagnostics import Code, Diagnostic, Diagnostics, Place, Severity
 from scenario_compiler.document import Origin
@@ -44,7 +43,7 @@ from scenario_compiler.vocabulary.positions import (
     WorldPosition,
 )
 from scenario_compiler.vocabulary.scenario import Parameter, Scenario
-from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, ForwardSensor, Odometry, Perception
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
 from scenario_compiler.vocabulary.traversal import parameters_in, replaced
@@ -77,8 +76,6 @@ NO_DURATION = Code(
 
 DEFAULT_DURATION = 60.0
 """Length of a run that says nothing of its end, s."""
-
-Perception = Literal["camera", "ideal"]
 
 
 @dataclass

@@ -17,7 +17,7 @@ from scenario_compiler.vocabulary.entities import Controller, Follow, Vehicle
 from scenario_compiler.vocabulary.markings import LineBeside, Markings, SecondaryMarkings
 from scenario_compiler.vocabulary.positions import BoundPosition, LanePositionWord
 from scenario_compiler.vocabulary.scenario import Classification, NumberLimit, Parameter
-from scenario_compiler.vocabulary.sensors import Camera, Failure, ForwardSensor, Odometry
+from scenario_compiler.vocabulary.sensors import Camera, Failure, ForwardSensor, Odometry, Perception
 from scenario_compiler.vocabulary.signals import SignalController
 from scenario_compiler.vocabulary.storyboard import Storyboard
 from scenario_compiler.vocabulary.takeover import Takeover
@@ -118,7 +118,7 @@ class Plan(PlanPart):
     controller: Controller | None = Field(
         default=None, description="What drives the ego vehicle; none without an automated vehicle."
     )
-    perception: Literal["camera", "ideal"] = Field(description="What the lane confidence comes from.")
+    perception: Perception = Field(description="What the lane confidence comes from.")
     destination: LanePositionWord | None = Field(default=None, description="Where the run ends.")
     route: tuple[RouteLeg, ...] = Field(default=(), description="The ego vehicle's way to the destination.")
     markings: tuple[Markings, ...] = Field(default=(), description="Where the paint differs from the map's.")

@@ -305,9 +305,9 @@ def _facts(first: Recording, second: Recording, *, whole: bool) -> Iterator[Fact
     alone, other_alone = (
         ", ".join(name for name in a.entities if name not in b.entities) for a, b in ((one, other), (other, one))
     )
-    yield Fact("entities of it alone", alone, other_alone, counts=True)
+    yield Fact("entities in one run alone", alone, other_alone, counts=True)
     if whole:
-        yield Fact("ended by", first.stop_reason, second.stop_reason, counts=True)
+        yield Fact("why the run ended", first.stop_reason, second.stop_reason, counts=True)
         yield Fact("fault code", str(first.error), str(second.error), counts=True)
 
 

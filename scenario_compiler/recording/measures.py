@@ -431,10 +431,9 @@ MEASURES: tuple[Measure, ...] = (
         "minimum_lane_time_to_collision",
         "s",
         "Least time to collision along the lane: gap divided by closing speed, to any entity ahead that overlaps the "
-        "width of the vehicle at its lateral position in the lane, whatever it steers. It is the time to an "
-        "obstacle until the vehicle has moved aside. Only entities that the automation, or the driver who drives, sees "
-        f"count. It is measured at control steps until the first collision. Values of {HORIZON:g} s or more "
-        "are ignored.",
+        "width of the vehicle at its lateral position in the lane, whatever it steers: the time to an obstacle until "
+        "the vehicle has moved aside. Only entities that the automation, or the driver who drives, sees count. It is "
+        f"measured at control steps, up to the first collision. Values of {HORIZON:g} s or more are ignored.",
         f"nothing ahead would ever be reached within {HORIZON:g} s",
         minimum_lane_time_to_collision,
         total("least_lane_time"),
@@ -694,5 +693,6 @@ MEASURES: tuple[Measure, ...] = (
     _time_of("minimum_risk", "minimum-risk manoeuvre"),
     _time_of("standstill", "standstill"),
     _time_of("collision", "collision"),
+    _time_of("outside_domain", "look outside the domain of surrogate perception"),
 )
 """All measures, in the order in which they are shown."""

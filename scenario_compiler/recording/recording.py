@@ -16,6 +16,7 @@ from scenario_compiler.engine.columns.opcodes import FAR
 from scenario_compiler.recording.events import EventRow
 from scenario_compiler.recording.names import CODES, EventKind, StopReason
 from scenario_compiler.vocabulary.driver import ReferenceName
+from scenario_compiler.vocabulary.sensors import Perception
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +46,7 @@ class Header(BaseModel):
     entities: tuple[str, ...] = Field(
         description="Ids of the entities in document order, an automated ego vehicle first."
     )
-    perception: Literal["camera", "ideal"] = Field(description="Source of the lane confidence.")
+    perception: Perception = Field(description="Source of the lane confidence.")
     world: str = Field(default="kinematic", description="Name of the world in which the run took place.")
     versions: dict[str, str] = Field(
         default={},

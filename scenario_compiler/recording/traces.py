@@ -32,6 +32,7 @@ TIMED_EVENTS: tuple[EventKind, ...] = (
     "no_progress",
     "obstruction",
     "collision",
+    "outside_domain",
 )
 """Events whose first time counts in a measure."""
 

@@ -160,7 +160,11 @@ def with_unit(name: str, unit: str) -> str:
     return f"{name} ({words})" if words else name
 
 
-CONFIDENCE_FROM = {"camera": "the camera image", "ideal": "the map's marks (ideal)"}
+CONFIDENCE_FROM = {
+    "camera": "the camera image",
+    "ideal": "the map's marks (ideal)",
+    "surrogate": "surrogate perception",
+}
 
 
 def conditions(run: Run) -> list[tuple[str, str]]:

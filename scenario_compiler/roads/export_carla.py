@@ -13,6 +13,7 @@ use:
   two roads more, of `JOINT_LENGTH` each.
 * Of a road that leaves a junction and comes back to it, 0.9.16 confuses the ends. Its last `JOINT_LENGTH` becomes a
   road of its own.
+* Where a lane has no width, both may compute a negative one. It is widened by a nanometre.
 * Both take a link to a junction for one to the road of the same id. Such a junction gets an id of its own.
 * A connection that names no connecting road at all (those of virtual junctions) is left out: both clients die of it.
 * A signal reference to a signal that does not exist, and a lane link to a lane that does not exist, are left out: the
@@ -42,6 +43,7 @@ from scenario_compiler.roads.short_rings import break_ring, find_short_rings
 from scenario_compiler.roads.shorten import End, cut_range, free_id, name_end, shorten_road
 from scenario_compiler.roads.tables import AT_END, AT_START, RoadTables
 from scenario_compiler.roads.text_edits import TextEdits
+from scenario_compiler.roads.thin_lanes import widen_thin_lanes
 
 JOINT_LENGTH = 0.1
 """Length of a connecting road that replaces a direct joint, m: several steps of a 32-bit coordinate 100 km from the
@@ -88,6 +90,8 @@ def export_for_carla(document: Document, network: Network) -> bytes:
         start, end = (cuts.get((index, side), 0.0) + loops.get((index, side), 0.0) for side in (AT_START, AT_END))
         if start > 0.0 or end > 0.0:
             shorten_road(edits, roads[road], n, index, start, end)
+        if start == 0.0:
+            widen_thin_lanes(edits, roads[road])
     taken = set(roads) | set(network.junction_ids)
     renamed = separate_junction_ids(edits, root, taken)
     moved = {name_end(network, end): free_id(taken) for end in loops}

@@ -15,10 +15,7 @@ from typing import Literal
 from scenario_compiler.diagnostics import Code, Severity
 from scenario_compiler.resources import library_folder
 from scenario_compiler.vocabulary.takeover import Language, Message
-from scenario_compiler.vocabulary.word import IDENTIFIER, Word, attribute, child
-
-LABEL = "[A-Za-z0-9]+"
-"""Pattern of a BIDS label: letters and digits only."""
+from scenario_compiler.vocabulary.word import IDENTIFIER, LABEL, Word, attribute, child
 
 UNREADABLE_PART = Code(
     "SC260",
@@ -62,6 +59,22 @@ UNEVEN_SQUARE = Code(
     "twice as many.\n\n"
     '    <study participants="10" order="latin_square" ...>     with four conditions: 8 or 12\n\n'
     "Plan a multiple of the number of rows, or consider the imbalance in the analysis.",
+    Severity.WARNING,
+)
+WRONG_POINTS = Code(
+    "SC266",
+    "wrong-points",
+    "A scale cannot be shown as it is: it has more than 101 points, or a label at a point that it does not have or "
+    "that has a label already.\n\n"
+    '    <scale name="agreement" from="1" to="7"><label at="9" text="fully"/></scale>     at="7"\n\n'
+    "Correct the label; a <number_item> takes any number of a wide range.",
+)
+LATE_PROBE = Code(
+    "SC267",
+    "late-probe",
+    "A probe may come only after the longest time that a run of a scenario takes, and then it does not come.\n\n"
+    '    <probe from="30" to="40">...</probe>     in a scenario with duration="20"\n\n'
+    "Let the probe come earlier, or the scenario last longer.",
     Severity.WARNING,
 )
 NOBODY_TAKES_OVER = Code(

@@ -18,8 +18,10 @@ from scenario_compiler.source.study import (
     UNKNOWN_ITEM,
     UNKNOWN_SCALE,
     UNREADABLE_PART,
+    WRONG_POINTS,
     Ask,
     Break,
+    ChoiceItem,
     Consent,
     Hmi,
     InstructionPage,
@@ -37,6 +39,12 @@ from scenario_compiler.source.study import (
     square_rows,
 )
 from scenario_compiler.source.study_file import StudyFile
+
+MOST_POINTS = 101
+"""Points of a scale at most: 0 to 100."""
+
+RESERVED = ("participant_id", "session_id", "run", "when", "step")
+"""Names that no item may have: the table's own columns, and the number of the step that a page sends."""
 
 
 def read_study(document: Document, sink: Diagnostics) -> StudyFile:
@@ -90,6 +98,9 @@ def read_questionnaire(document: Document, sink: Diagnostics) -> StudyFile:
         if isinstance(item, ScaleItem) and item.scale not in scales:
             message = f"there is no scale '{item.scale}'"
             sink.add(UNKNOWN_SCALE, message, item.place_of("scale"), hint=did_you_mean(item.scale, scales))
+    for scale in found.scales:
+        _report_points(scale, sink)
+    _report_names(found.items, sink)
     for score in found.scores:
         for name in score.of:
             if name not in numbers:
@@ -108,6 +119,36 @@ def _report_doubles(
             message = f"there is a <{one.tag()}> named '{one.name}' already"
             sink.add(names.DUPLICATE_NAME, message, place, related=names.first_at(first[one.name]))
         first.setdefault(one.name, place)
+
+
+def _report_names(items: Iterable[Item], sink: Diagnostics) -> None:
+    """Report items whose name is taken by what every questionnaire has, and options with one value."""
+    for item in items:
+        if item.name in RESERVED:
+            message = f"every questionnaire has a column or field '{item.name}' of its own"
+            sink.add(names.DUPLICATE_NAME, message, item.place_of("name"))
+        if isinstance(item, ChoiceItem):
+            values = [one.value for one in item.options]
+            for n, option in enumerate(item.options):
+                if option.value in values[:n]:
+                    message = f"'{item.name}' has an option with the value '{option.value}' already"
+                    sink.add(names.DUPLICATE_NAME, message, option.place_of("value"))
+
+
+def _report_points(scale: Scale, sink: Diagnostics) -> None:
+    """Report a scale of too many points, and labels at points that it does not have or that have one already."""
+    if scale.most - scale.least >= MOST_POINTS:
+        message = f"'{scale.name}' has {scale.most - scale.least + 1} points, but may have at most {MOST_POINTS}"
+        sink.add(WRONG_POINTS, message, scale.place_of("to"))
+    labelled: set[int] = set()
+    for label in scale.labels:
+        if not scale.least <= label.at <= scale.most:
+            message = f"'{scale.name}' goes from {scale.least} to {scale.most} and has no point {label.at}"
+            sink.add(WRONG_POINTS, message, label.place_of("at"))
+        elif label.at in labelled:
+            message = f"the point {label.at} of '{scale.name}' has a label already"
+            sink.add(WRONG_POINTS, message, label.place_of("at"))
+        labelled.add(label.at)
 
 
 def _report_empty(what: str, least: float, most: float, place: Place, sink: Diagnostics) -> None:

@@ -1,7 +1,7 @@
 """Whether a library's scenarios separate drivers: each is run with four of them, and judged by its own criteria.
 
-A scenario that ends well whoever drives says nothing about takeovers. The runs have ideal perception and the seed 1;
-nothing but the driver differs.
+A scenario that ends well whoever drives says nothing about takeovers. The runs have the seed 1, and ideal perception
+unless the camera is asked for; nothing but the driver differs.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from scenario_compiler.runtime import open_world, run
 from scenario_compiler.source.catalogs import load_catalogs
 from scenario_compiler.source.expansion import catalog_driver
 from scenario_compiler.vocabulary.driver import Driver, DriverModel
+from scenario_compiler.vocabulary.sensors import Perception
 
 SEED = 1
 """Seed of all runs."""
@@ -86,6 +87,7 @@ def separate_all(
     *,
     processes: int = 1,
     maps: Sequence[Path] = (),
+    perception: Perception = "ideal",
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[Separated]:
     """Yield each scenario with the four drivers, in order.
@@ -94,9 +96,10 @@ def separate_all(
         targets: FILE#name of each.
         processes: Number of processes to spread them over.
         maps: Folders that maps are looked for in first.
+        perception: What tells the automation of its lane.
         progress: Called with how many are done, and of how many.
     """
-    task = partial(separate, maps=tuple(maps), templates=templates_given())
+    task = partial(separate, maps=tuple(maps), templates=templates_given(), perception=perception)
     if processes < 2:
         yield from _counted(map(task, targets), len(targets), progress)
         return
@@ -113,13 +116,15 @@ def _counted(
         yield one
 
 
-def separate(target: str, maps: Sequence[Path] = (), templates: Sequence[Path] = ()) -> Separated:
+def separate(
+    target: str, maps: Sequence[Path] = (), templates: Sequence[Path] = (), perception: Perception = "ideal"
+) -> Separated:
     """Run a scenario with the four drivers; why it cannot be compiled is part of what is returned."""
     sink = Diagnostics()
     name = split_target(target)[1] or Path(target).stem
     with templates_from(templates):
         compilation = compile_target(
-            target, {}, sink, maps=maps, overrides=Overrides(perception="ideal", driven_by="model")
+            target, {}, sink, maps=maps, overrides=Overrides(perception=perception, driven_by="model")
         )
     if compilation is None:
         fault = next((one.message for one in sink if one.severity is Severity.ERROR), "it cannot be compiled")

@@ -7,16 +7,19 @@ from pathlib import Path
 
 from scenario_compiler.files import split_target
 from scenario_compiler.survey.separating import ATTENTIVE, DRIVERS, SEED, SLOW, Driven, Separated
+from scenario_compiler.vocabulary.sensors import Perception
 
+SEEN_BY: dict[Perception, str] = {"ideal": "ideal perception", "camera": "the camera"}
+TITLE = "# Drivers that the library separates"
 HEAD = (
-    "# Drivers that the library separates",
     "",
     "<!-- written by scenario-compiler library DIR --separation PAGE -->",
     "",
-    "Each scenario is run with four drivers in place of its own, with ideal perception and the seed "
+    "Each scenario is run with four drivers in place of its own, with {seen_by} and the seed "
     f"{SEED}, and judged by its own criteria: they are the same for all four, and none is about the takeover time. "
     "`<no_obstruction/>` is broken by a stop in a lane in which nothing ahead holds the car "
-    "([after the request](takeover.md#after-the-request)).",
+    "([after the request](takeover.md#after-the-request)). [library.md](library.md#drivers-with-the-camera) says how "
+    "five of them differ between ideal perception and the camera.",
     "",
     "| driver | |",
     "|---|---|",
@@ -33,10 +36,11 @@ HEAD = (
 )
 
 
-def separation_page(found: Sequence[Separated]) -> str:
-    """Return the page."""
+def separation_page(found: Sequence[Separated], perception: Perception = "ideal") -> str:
+    """Return the page of runs with a perception."""
     ran = [one for one in found if not one.fault]
-    lines = [*HEAD, _summary(ran), ""]
+    head = (line.replace("{seen_by}", SEEN_BY[perception]) for line in HEAD)
+    lines = [TITLE, *head, _summary(ran), ""]
     silent = [one for one in ran if not one.asks]
     if silent:
         lines += ["These never ask:", "", *(f"- `{one.name}`: {one.summary}" for one in silent), ""]

@@ -5,6 +5,10 @@ from typing import Literal
 
 from scenario_compiler.vocabulary.word import Number, Word, attribute, child
 
+Perception = Literal["camera", "ideal", "surrogate"]
+"""What the lane confidence comes from: the camera's image, the map's marks, or a function that was fitted to what the
+camera's detector says."""
+
 FailureKind = Literal[
     "noise",
     "dropout",

@@ -179,6 +179,9 @@ Spelling: TypeAlias = AttributeSpelling | ChildSpelling | OtherAttributesSpellin
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 """Pattern of the names in expressions."""
 
+LABEL = "[A-Za-z0-9]+"
+"""Pattern of a label of BIDS: letters and digits alone."""
+
 ENTITY_ID = "[A-Za-z_][A-Za-z0-9_\\-]*"
 """Pattern of an entity's id in a file. A use of a template prefixes it with the use's name and a point."""
 

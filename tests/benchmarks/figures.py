@@ -24,7 +24,7 @@ from scenario_compiler.diagnostics import Diagnostics
 from scenario_compiler.engine.columns.state import make_draws
 from scenario_compiler.engine.program import build_program, rows
 from scenario_compiler.engine.simulation import Simulation
-from scenario_compiler.plan.lower import Perception
+from scenario_compiler.vocabulary.sensors import Perception
 
 HERE = Path(__file__).parent
 SCRIPTED = HERE / "scripted.xosc"

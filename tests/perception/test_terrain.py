@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from scenario_compiler import load_network
 from scenario_compiler.perception.labels import Tag
-from scenario_compiler.perception.road_camera import scene_of
 from scenario_compiler.perception.terrain import Terrain, Window
 from scenario_compiler.roads import Network
+from scenario_compiler.roads.mesh import road_surface
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def read(folder: Path, text: str) -> tuple[Network, Terrain]:
     path = folder / "ground.xodr"
     path.write_text(text)
     network = load_network(path, cache=False)
-    return network, Terrain(scene_of(network))
+    return network, Terrain(road_surface(network))
 
 
 def rays(count: int, lowest: float, highest: float) -> Floats:

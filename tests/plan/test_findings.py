@@ -10,9 +10,9 @@ import pytest
 from scenario_compiler.compiler import Overrides, compile_target
 from scenario_compiler.diagnostic_formats import formatted
 from scenario_compiler.diagnostics import Diagnostics, as_text
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.plan.provenance import place_of
 from scenario_compiler.plan.store import read_plan, write_plan
+from scenario_compiler.vocabulary.sensors import Perception
 
 EGO = '<ego speed="12"><start><spawn_point name="main_street"/></start>{}</ego>'
 OWN = '<controller model="tests.controllers.own:Steering"/>'
@@ -97,3 +97,35 @@ def test_a_controller_that_ideal_perception_never_asks_is_told(
     found = [one for one in sink if one.code.id == "SC506"]
     assert len(found) == told
     assert not found or found[0].place.file == ("--controller" if controller else str(tmp_path / "found.xml"))
+
+
+@pytest.mark.parametrize(
+    ("inside", "line"),
+    [
+        ("", None),
+        ('<controller><detector model="classical"/></controller>', None),
+        ('<controller><detector model="learned"/></controller>', "the detector 'classical', not 'learned'"),
+        ('<camera z="1.6"/>', "a camera whose z is 1.3, not 1.6"),
+        ('<camera><failure kind="blur" amount="0.2"/></camera>', None),
+        ('<camera><failure kind="motion_blur"/></camera>', "failures of the kind 'motion_blur'"),
+    ],
+)
+def test_surrogate_perception_stands_for_one_detector_behind_one_camera(
+    tmp_path: Path, inside: str, line: str | None
+) -> None:
+    sink = Diagnostics()
+    compile_target(_file(tmp_path, "", inside), {}, sink, overrides=Overrides(perception="surrogate"))
+    found = [one for one in sink if one.code.id == "SC514"]
+    assert len(found) == (line is not None)
+    if line is not None:
+        assert line in found[0].message
+        assert found[0].place.line == 2
+
+
+def test_surrogate_perception_does_not_stand_for_a_controller_of_ones_own(tmp_path: Path) -> None:
+    sink = Diagnostics()
+    file = _file(tmp_path, "", '<controller model="own.py:Steering"/>')
+    compile_target(file, {}, sink, overrides=Overrides(perception="surrogate"))
+    assert [one.message for one in sink if one.code.id == "SC514"] == [
+        "surrogate perception does not stand for the controller 'own.py:Steering'"
+    ]

@@ -294,6 +294,27 @@ def test_junction_ids_that_roads_have_are_renamed_everywhere(corpus: Path) -> No
     assert {one.get("elementId") for one in root.iterfind("road/link/*[@elementType='junction']")} == junctions
 
 
+WIDTHS = """
+import sys
+import carla
+world = carla.Map("map", open(sys.argv[1], encoding="utf-8").read())
+points = [way for distance in (0.5, 1.0, 1.7, 2.0, 3.0) for way in world.generate_waypoints(distance)]
+print(min(one.lane_width for way in points for one in (way, *way.next(3.0), *way.previous(3.0))))
+"""
+
+
+@pytest.mark.parametrize("exported", [False, True])
+def test_no_lane_is_narrower_than_nothing(repository: Path, tmp_path: Path, exported: bool) -> None:
+    """In the file as it is, the client computes widths below 0 where lanes begin and end."""
+    pytest.importorskip("carla")
+    file = repository / "maps/highway_loop/highway_loop.xodr"
+    path = tmp_path / "map.xodr"
+    path.write_bytes(export(file)[1] if exported else file.read_bytes())
+    done = subprocess.run([sys.executable, "-c", WIDTHS, path], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr[-500:]
+    assert (float(done.stdout.splitlines()[-1]) >= 0.0) == exported
+
+
 SHAPES = {
     "line": "<line/>",
     "arc": '<arc curvature="-0.02"/>',

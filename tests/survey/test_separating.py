@@ -70,6 +70,18 @@ def test_the_command_writes_the_page(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "| `markings_missing` | attentive |" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
+def test_with_the_camera_the_same_drivers_fail(tmp_path: Path) -> None:
+    """The camera asks a little later: it follows paint that ideal perception finds too worn already."""
+    target = f"{CONFLICTS / 'markings_missing.xml'}#markings_missing"
+    seen, ideal = (separate(target, perception=perception) for perception in ("camera", "ideal"))
+    for name in DRIVERS:
+        assert seen.drivers[name].result == ideal.drivers[name].result
+    assert abs((seen.drivers["absent"].request or 0.0) - (ideal.drivers["absent"].request or 0.0)) < 4.0
+    page = separation_page([seen], "camera")
+    assert "with the camera and the seed" in page
+
+
 def test_the_library_separates_drivers(repository: Path) -> None:
     """The page that `make library-table` wrote has every conflict, and says what the library promises."""
     page = (repository / "docs" / "separation.md").read_text(encoding="utf-8")

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scenario_compiler import open_world, run
 from scenario_compiler.compiler import Compilation, Overrides, compile_target
 from scenario_compiler.diagnostics import Diagnostics
-from scenario_compiler.plan.lower import Perception
 from scenario_compiler.roads import Pose
+from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.worlds import EntityState, Snapshot
 from scenario_compiler.worlds.kinematic import KinematicWorld
 from tests.roads.make import network as network_of

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 import numpy as np
@@ -10,20 +12,40 @@ from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.sensors.rays import Rays
 
 
-def project_point(host: Host, start: list[float], direction: list[float], reach: float) -> list[Any]:
+def project_point(
+    host: Host, start: list[float], direction: list[float], reach: float
+) -> list[Any] | Awaitable[list[Any]]:
     """Answer with what a ray meets first: whether, where, and its semantic tag."""
-    length = float(np.linalg.norm(direction))
-    if length < 1e-9:
-        return [False, [[0.0, 0.0, 0.0], 0]]
-    met = _met(host, np.array(start, np.float64), np.array(direction, np.float64) / length, reach)
-    return [bool(met), met[0] if met else [[0.0, 0.0, 0.0], 0]]
+
+    def look() -> list[Any]:
+        length = float(np.linalg.norm(direction))
+        if length < 1e-9:
+            return [False, [[0.0, 0.0, 0.0], 0]]
+        met = _met(host, np.array(start, np.float64), np.array(direction, np.float64) / length, reach)
+        return [bool(met), met[0] if met else [[0.0, 0.0, 0.0], 0]]
+
+    return _on_ground(host, look)
 
 
-def cast_ray(host: Host, start: list[float], end: list[float]) -> list[Any]:
+def cast_ray(host: Host, start: list[float], end: list[float]) -> list[Any] | Awaitable[list[Any]]:
     """Answer with what lies on the line between two points: where, and its semantic tag."""
-    begin, way = np.array(start, np.float64), np.array(end, np.float64) - np.array(start, np.float64)
-    length = float(np.linalg.norm(way))
-    return [] if length < 1e-9 else _met(host, begin, way / length, length)
+
+    def look() -> list[Any]:
+        begin, way = np.array(start, np.float64), np.array(end, np.float64) - np.array(start, np.float64)
+        length = float(np.linalg.norm(way))
+        return [] if length < 1e-9 else _met(host, begin, way / length, length)
+
+    return _on_ground(host, look)
+
+
+def _on_ground(host: Host, look: Callable[[], list[Any]]) -> list[Any] | Awaitable[list[Any]]:
+    """Look now, or when the ground of a map that has just been loaded is prepared, which others need not wait for."""
+    return look() if host.stage.town.has_terrain else _later(host, look)
+
+
+async def _later(host: Host, look: Callable[[], list[Any]]) -> list[Any]:
+    await asyncio.to_thread(host.stage.town.terrain)
+    return look()
 
 
 def _met(host: Host, begin: Any, direction: Any, reach: float) -> list[Any]:

@@ -103,6 +103,11 @@ EVENTS: dict[int, tuple[str, str]] = {
         "The automated vehicle has come to a standstill, by a minimum-risk manoeuvre or by its driver, in a lane for "
         "driving in which nothing ahead holds it: it is in the way of those behind.",
     ),
+    op.EVENT_OUTSIDE_DOMAIN: (
+        "outside_domain",
+        "What surrogate perception goes by is outside the domain for which it was fitted, for the first time: from "
+        "here on the camera may answer otherwise.",
+    ),
     op.EVENT_OVERRIDE: (
         "override",
         "The person at the wheel takes over without being asked.",

@@ -206,6 +206,7 @@ DIMENSION_DISTANCE = 2
 # Perception: where the lane confidence comes from, and with it who drives while automated.
 PERCEPTION_IDEAL = 0
 PERCEPTION_CAMERA = 1
+PERCEPTION_SURROGATE = 2
 
 SPREAD_OF_WINDOW = 2
 """Spread of the lateral position in the window that may be stable; those of the windows after the response are 0, 1."""
@@ -318,6 +319,7 @@ EVENT_EYES_ON = 22
 EVENT_HANDS_ON = 23
 EVENT_OVERRIDE = 24
 EVENT_OBSTRUCTION = 25
+EVENT_OUTSIDE_DOMAIN = 26
 LOG_SIZE = 128
 """Events that a run remembers; later ones are counted but not kept."""
 
@@ -367,6 +369,7 @@ STREAM_TRAFFIC = 5
 STREAM_DRIVER = 6
 STREAM_ODOMETRY = 7
 STREAM_WANDER = 8
+STREAM_SURROGATE = 9
 
 # Sizes of scratch columns.
 BUCKETS = 128

@@ -79,7 +79,9 @@ class Program(Columns):
     entity_count: list[int] = column(RUN, 0, COUNT)
     ego: list[int] = column(RUN, op.NONE, index_or_none(ENTITY))
     """Number of the vehicle that the takeover is about, or NONE."""
-    perception: list[int] = column(RUN, 0, codes(op.PERCEPTION_CAMERA + 1))
+    perception: list[int] = column(RUN, 0, codes(op.PERCEPTION_SURROGATE + 1))
+    surrogate_const: list[int] = column(RUN, 0, SLOT)
+    """Slot of the first number of surrogate perception; where there is none, nothing reads them."""
     forward_sensor: list[int] = column(RUN, op.SENSOR_CAMERA, codes(op.SENSOR_LIDAR + 1))
     control_every: list[int] = column(RUN, 1, whole(1))
     image_every: list[int] = column(RUN, 1, whole(1))

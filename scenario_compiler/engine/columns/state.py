@@ -22,6 +22,7 @@ from scenario_compiler.engine.columns.program import (
     VERTEX,
     Program,
 )
+from scenario_compiler.engine.columns.view import UNITS, VIEW_SIZE
 from scenario_compiler.forms.declaration import RUN, Columns, Of, at_start, column, container, fixed
 from scenario_compiler.randomness import hash_bits, normal
 
@@ -32,6 +33,9 @@ BUCKET = fixed("chain of entities", op.BUCKETS)
 HELD_INPUT = fixed("held input", op.HELD_INPUTS)
 FAILURE_KIND = fixed("kind of failure", op.FAILURES)
 WEATHER_NUMBER = fixed("number of a weather", op.WEATHER_SIZE)
+SIDE = fixed("side of the lane", 2)
+UNIT = fixed("unit of a network", UNITS)
+VIEW = fixed("feature of a view", 2 * VIEW_SIZE)
 DRAW = fixed("draw", op.DRAWS_PER_RUN)
 
 STEER_RATE = 0.7
@@ -284,6 +288,31 @@ class State(Columns):
     conf_left: list[float] = column(RUN, 1.0)
     conf_right: list[float] = column(RUN, 1.0)
     health: list[float] = column(RUN, 1.0)
+    view: list[float] = column(VIEW)
+    """What surrogate perception goes by: the features of the left side, then of the right (`columns.view`)."""
+    view_row: list[int] = column(RUN, op.NONE)
+    """Row and piece of the path for which the view is kept while nothing changes, NONE where it is not to be kept."""
+    view_piece: list[int] = column(RUN)
+    view_speed: list[float] = column(RUN)
+    """What that view was written for: speed, offset, heading, the body's pitch and the camera's noise."""
+    view_off: list[float] = column(RUN)
+    view_heading: list[float] = column(RUN)
+    view_pitch: list[float] = column(RUN)
+    view_sigma: list[float] = column(RUN)
+    seen_logit: list[float] = column(SIDE)
+    """Logit of the confidence in each side, as of that view, and how far both together draw the path to the left, m."""
+    seen_drawn: list[float] = column(RUN)
+    unit: list[float] = column(UNIT)
+    """Working memory of surrogate perception: its hidden units and outputs."""
+    path_error: list[float] = column(RUN)
+    """How far left of the lane's centre the path lies that surrogate perception follows, m."""
+    slow_square: list[float] = column(RUN)
+    """Squared speed at which the bend is driven that limits the speed, m2/s2, and the odometer where it begins."""
+    slow_at: list[float] = column(RUN)
+    slow_row: list[int] = column(RUN, op.NONE)
+    """Row of the path for which that is known."""
+    slow_until: list[float] = column(RUN, -1.0)
+    """Odometer up to which that bend is known to be the one that limits the speed."""
     auto_throttle: list[float] = column(RUN)
     auto_steer: list[float] = column(RUN)
     """-1 .. 1 of the greatest steering angle, positive to the left."""
@@ -465,6 +494,7 @@ class State(Columns):
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
     time_no_progress: list[float] = column(RUN, -1.0)
+    time_outside_domain: list[float] = column(RUN, -1.0)
     time_obstruction: list[float] = column(RUN, -1.0)
     request_at: list[float] = column(RUN, -1.0)
     """Time of the present request."""

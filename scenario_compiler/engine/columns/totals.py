@@ -54,6 +54,7 @@ class Totals(Columns):
     time_minimum_risk: list[float] = column(RUN, -1.0)
     time_standstill: list[float] = column(RUN, -1.0)
     time_no_progress: list[float] = column(RUN, -1.0)
+    time_outside_domain: list[float] = column(RUN, -1.0)
     time_obstruction: list[float] = column(RUN, -1.0)
     time_collision: list[float] = column(RUN, -1.0)
     collision_with: list[float] = column(RUN, -1.0)

@@ -19,6 +19,7 @@ from scenario_compiler.engine.ego.progress import watch_progress
 from scenario_compiler.engine.ego.reach import sensor_reach
 from scenario_compiler.engine.ego.reference import drive_by_reference
 from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
+from scenario_compiler.engine.ego.surrogate import drive_as_seen, seen_angle, surrogate_confidence
 from scenario_compiler.engine.ego.takeover import step_takeover
 from scenario_compiler.engine.ego.warning import warning_distance
 from scenario_compiler.engine.motion.following import idm_acceleration
@@ -58,11 +59,13 @@ def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
 
 @compiled
 def steer_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
-    """Steer by memory where the lane is lost; else by the map in ideal perception and merges, or by the controller."""
+    """Steer by memory where the lane is lost; else by the map, as the surrogate sees the lane, or by the controller."""
     if steers_by_memory(p, st) == 1:
         command_angle(p, st, i, remembered_angle(n, p, st, i, AUTOMATION_ACCELERATION))
     elif p.perception[0] == op.PERCEPTION_IDEAL or st.merging[0] == 1:
         command_angle(p, st, i, pursuit_angle(n, p, st, i, AUTOMATION_ACCELERATION))
+    elif p.perception[0] == op.PERCEPTION_SURROGATE:
+        command_angle(p, st, i, seen_angle(n, p, st, i))
     else:
         st.command_steer[i] = st.auto_steer[0]
 
@@ -85,6 +88,8 @@ def drive_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
             rest = st.lane_end_distance[0]
             wanted = min(wanted, idm_acceleration(p, i, st.v[i], st.target_speed[0], rest, 0.0))
         command_acceleration(p, st, i, come_to_rest(st.v[i], wanted))
+    elif p.perception[0] == op.PERCEPTION_SURROGATE:
+        drive_as_seen(n, p, st, i)
     else:
         st.command_throttle[i] = st.auto_throttle[0]
         st.command_brake[i] = st.auto_brake[0]
@@ -126,8 +131,11 @@ def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
         drive_by_reference(n, p, st, i, p.replaced_by[0])
         return
     ideal = p.perception[0] == op.PERCEPTION_IDEAL
-    if ideal and (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
-        ideal_confidence(n, p, st)
+    if p.perception[0] != op.PERCEPTION_CAMERA and (st.frame[0] - 1) % max(p.image_every[0], 1) == 0:
+        if ideal:
+            ideal_confidence(n, p, st)
+        else:
+            surrogate_confidence(n, p, st)
     remember_lane(p, st, i)
     if not ideal and steers_by_memory(p, st) == 0 and driven_by_hand(st) == 0 and st.merging[0] == 0:
         take_present_lane(n, st, i)

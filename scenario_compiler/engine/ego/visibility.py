@@ -85,8 +85,8 @@ def haze_extinction(fog: float, falloff: float, dust: float) -> float:
 
 
 @compiled
-def weather_visibility(st: State) -> float:
-    """Return the share of the confidence in a line that the present weather leaves, 1 at a clear noon."""
+def weather_contrast(st: State) -> float:
+    """Return the share of new paint's contrast that the present weather leaves at `LOOK_THROUGH`, 0-1."""
     rain = clip(0.01 * st.weather[W_PRECIPITATION], 0.0, 1.0)
     water = max(st.weather[W_DEPOSITS], st.weather[W_WETNESS])
     wet = max(rain, clip(0.01 * water, 0.0, 1.0))
@@ -94,6 +94,13 @@ def weather_visibility(st: State) -> float:
     dust = clip(0.01 * st.weather[W_DUST_STORM], 0.0, 1.0)
     through = max(LOOK_THROUGH - max(st.weather[W_FOG_DISTANCE], 0.0), 0.0)
     left = exp(clip(-through * haze_extinction(fog, st.weather[W_FOG_FALLOFF], dust), -50.0, 0.0))
-    contrast = max(paint_contrast(wet, rain, st.weather[W_SUN_ALTITUDE]) * left, LEAST_CONTRAST)
+    return paint_contrast(wet, rain, st.weather[W_SUN_ALTITUDE]) * left
+
+
+@compiled
+def weather_visibility(st: State) -> float:
+    """Return the share of the confidence in a line that the present weather leaves, 1 at a clear noon."""
     usual = falling(0.0, FADED_MIDDLE, FADED_WIDTH)
-    return clip(falling(-log(contrast), FADED_MIDDLE, FADED_WIDTH) / max(usual, 0.5), 0.0, 1.0)
+    return clip(
+        falling(-log(max(weather_contrast(st), LEAST_CONTRAST)), FADED_MIDDLE, FADED_WIDTH) / max(usual, 0.5), 0.0, 1.0
+    )

@@ -27,6 +27,7 @@ def note_events(st: State, m: Totals) -> None:
     m.time_minimum_risk[0] = st.time_minimum_risk[0]
     m.time_standstill[0] = st.time_standstill[0]
     m.time_no_progress[0] = st.time_no_progress[0]
+    m.time_outside_domain[0] = st.time_outside_domain[0]
     m.time_obstruction[0] = st.time_obstruction[0]
     if st.crashed[0] == 1 and m.time_collision[0] < 0.0:
         at = first_logged(st, op.EVENT_COLLISION)

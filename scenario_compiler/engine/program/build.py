@@ -11,6 +11,7 @@ from scenario_compiler.engine.program.entities import add_entities
 from scenario_compiler.engine.program.plan_builder import PlanBuilder
 from scenario_compiler.engine.program.run import add_markings, add_run
 from scenario_compiler.engine.program.storyboard import add_init, add_storyboard
+from scenario_compiler.engine.program.surrogate import add_surrogate
 from scenario_compiler.engine.program.takeover import add_takeover
 from scenario_compiler.engine.program.world import add_heads, add_world
 from scenario_compiler.expressions import Expression, Value
@@ -94,4 +95,6 @@ def _drafted(plan: Plan, network: Network, *, posed: bool) -> PlanBuilder:
     add_init(draft)
     add_storyboard(draft)
     add_heads(draft)
+    if plan.perception == "surrogate":
+        add_surrogate(draft)
     return draft

@@ -6,9 +6,14 @@ from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.moves.camera import FAILURE_CODES
 from scenario_compiler.engine.program.builder import ProgramBuilder
-from scenario_compiler.vocabulary.sensors import Failure, SensorKind
+from scenario_compiler.vocabulary.sensors import Failure, Perception, SensorKind
 from scenario_compiler.vocabulary.weather import Weather, weather_numbers
 
+PERCEPTION_CODES: dict[Perception, int] = {
+    "ideal": op.PERCEPTION_IDEAL,
+    "camera": op.PERCEPTION_CAMERA,
+    "surrogate": op.PERCEPTION_SURROGATE,
+}
 SENSOR_CODES: dict[SensorKind, int] = {
     "camera": op.SENSOR_CAMERA,
     "radar": op.SENSOR_RADAR,
@@ -37,7 +42,7 @@ def add_run(draft: ProgramBuilder) -> None:
     p.control_every[0] = plan.control_every
     images = plan.camera.control_steps(plan.step * plan.control_every)
     p.image_every[0] = plan.control_every * max(round(images), 1)
-    p.perception[0] = op.PERCEPTION_CAMERA if plan.perception == "camera" else op.PERCEPTION_IDEAL
+    p.perception[0] = PERCEPTION_CODES[plan.perception]
     if plan.destination is not None:
         p.destination_road[0] = draft.network.road_index(plan.destination.road)
         p.destination_lane[0] = plan.destination.lane

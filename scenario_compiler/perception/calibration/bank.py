@@ -19,6 +19,7 @@ from scenario_compiler.perception.camera import Camera
 from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.scene import Scene
 from scenario_compiler.perception.solids import Box
+from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads.mesh import Material
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS, Weather, weather_preset
@@ -115,15 +116,15 @@ def drawn_situation(draw: np.random.Generator) -> Situation:
     )
 
 
-def picture(one: Situation, draw: np.random.Generator) -> tuple[NDArray[np.uint8], Truth]:
-    """Return one picture of a situation and the truth in it."""
+def picture(one: Situation, draw: np.random.Generator, texture: int = GROUND_SEED) -> tuple[NDArray[np.uint8], Truth]:
+    """Return one picture of a situation and the truth in it; `texture` is the seed of the ground's texture."""
     width = float(draw.choice([3.0, 3.25, 3.5, 3.75]))
     here = HERE + float(draw.uniform(-10.0, 10.0))
     curvature = 1.0 / one.radius if one.radius else 0.0
     reference = Reference(
         [(40.0, 0.0, 0.0), (20.0, 0.0, curvature), (140.0, curvature, curvature)], _profile(one, draw, here)
     )
-    scene = _scene(one, draw, reference, width)
+    scene = _scene(one, draw, reference, width, texture)
     camera = RoadCamera(scene, Camera(), seed=int(draw.integers(2**31)))
     pose = reference.pose(
         here, float(np.clip(draw.normal(0, 0.2), -0.5, 0.5)), float(np.clip(draw.normal(0, 0.01), -0.03, 0.03))
@@ -143,7 +144,7 @@ def _profile(one: Situation, draw: np.random.Generator, here: float) -> tuple[fl
     return begin, one.grade / GRADE_RADIUS, GRADE
 
 
-def _scene(one: Situation, draw: np.random.Generator, reference: Reference, width: float) -> Scene:
+def _scene(one: Situation, draw: np.random.Generator, reference: Reference, width: float, texture: int) -> Scene:
     quality = Fading(one.paint, one.paint)
     dash, gap = DASHES[int(draw.integers(len(DASHES)))]
     broad, phase = float(draw.choice([0.12, 0.15, 0.2])), float(draw.uniform(0.0, 18.0))
@@ -155,7 +156,7 @@ def _scene(one: Situation, draw: np.random.Generator, reference: Reference, widt
     ]
     edges = (1.5, -0.5) if left else (0.5, -1.5)
     strips = [Strip(40.0, -40.0, Material.VERGE), Strip(edges[0] * width + 0.6, edges[1] * width - 0.6)]
-    return make_scene(reference, strips, lines)
+    return make_scene(reference, strips, lines, texture)
 
 
 def _others(one: Situation, draw: np.random.Generator, reference: Reference, here: float, width: float) -> list[Box]:

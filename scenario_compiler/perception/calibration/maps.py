@@ -20,6 +20,7 @@ from scenario_compiler.perception.road_camera import RoadCamera
 from scenario_compiler.perception.roadside import roadside_of
 from scenario_compiler.perception.scene import Scene, joined_marks
 from scenario_compiler.perception.solids import Box
+from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.perception.weather_look import look_of
 from scenario_compiler.roads import LanePosition, Network, Pose
 from scenario_compiler.roads.lane_types import is_drivable
@@ -93,9 +94,9 @@ class Conditions:
 class MapRoads:
     """A map prepared for clips."""
 
-    def __init__(self, network: Network, camera: Camera | None = None) -> None:
-        """Prepare surfaces and marks once."""
-        self.network, self.camera = network, camera if camera is not None else Camera()
+    def __init__(self, network: Network, camera: Camera | None = None, texture: int = GROUND_SEED) -> None:
+        """Prepare surfaces and marks once; `texture` is the seed of the ground's texture."""
+        self.network, self.camera, self.texture = network, camera if camera is not None else Camera(), texture
         self._surface, self._marks, self._beside = road_surface(network), road_marks(network), roadside_of(network)
         self._lines = _Lines(self._marks)
         n = network.tables
@@ -117,7 +118,8 @@ class MapRoads:
             return
         for first in range(numbers.start, numbers.stop, per_scene):
             wear = self._wear(seed, first)
-            scene = Scene(self._surface, joined_marks(wear.marks, self._beside.marks), self._beside.uprights)
+            marks = joined_marks(wear.marks, self._beside.marks)
+            scene = Scene(self._surface, marks, self._beside.uprights, self.texture)
             camera = RoadCamera(scene, self.camera, seed=first)
             for number in range(first, min(first + per_scene, numbers.stop)):
                 found = self._clip(np.random.default_rng([seed, number]), camera, wear)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenario_compiler.perception.scene import Scene
+from scenario_compiler.perception.textures import GROUND_SEED
 from scenario_compiler.roads.mesh import Marks, Material, Paint, Surface
 from scenario_compiler.roads.positions import Pose
 
@@ -126,8 +127,10 @@ class Reference:
         return np.stack(corners, axis=1).astype(np.float32)
 
 
-def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Line]) -> Scene:
-    """Return the scene; later strips lie on earlier ones."""
+def make_scene(
+    reference: Reference, strips: Sequence[Strip], lines: Sequence[Line], texture: int = GROUND_SEED
+) -> Scene:
+    """Return the scene; later strips lie on earlier ones. `texture` is the seed of the ground's texture."""
     stations = np.linspace(0.0, reference.length, max(2, round(reference.length / 4.0)))
     surfaces = [reference.quads(stations[:-1], stations[1:], strip.left, strip.right) for strip in strips]
     counts = [len(quads) for quads in surfaces]
@@ -140,7 +143,7 @@ def make_scene(reference: Reference, strips: Sequence[Strip], lines: Sequence[Li
         np.zeros(sum(counts), np.int32),
         spans,
     )
-    return Scene(surface, _marks(reference, lines))
+    return Scene(surface, _marks(reference, lines), texture=texture)
 
 
 def _marks(reference: Reference, lines: Sequence[Line]) -> Marks:

@@ -1,0 +1,303 @@
+"""Surrogate perception: what a camera with the lane detector would say, as a function of what the engine knows.
+
+A network with one hidden layer goes over the features of a side (`view`) and gives two numbers: the logit of the
+confidence that the detector would have in that boundary, and how far that side draws the followed path off the lane's
+centre. What the function leaves open belongs to the place, not to the run: a camera that drives the same way twice
+sees the same. So it is noise that depends on the road, the lane, the side and the place along the road alone, linear
+between cells.
+
+The coefficients stand in the program's numbers from `surrogate_const` on, in this order:
+
+    VIEW_SIZE           least value of each feature in the runs that it was fitted to
+    VIEW_SIZE           greatest value; features are held between the two, and a look outside is counted
+    VIEW_SIZE + 1 rows  what each feature, and last the bias, gives to the HIDDEN units and the two outputs
+    HIDDEN rows         what each unit (x / (1 + |x|)) gives to the two outputs
+    4                   size of the noise of the logit and its cell, m; the same for the path, m
+    DRIVING             how the automation drives (`S_...`)
+
+The automation then drives as the controller `lane_detection` does, along the path that the surrogate says it sees.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.log import log_event
+from scenario_compiler.engine.columns.numbers import clip, safe_sqrt
+from scenario_compiler.engine.columns.program import Program
+from scenario_compiler.engine.columns.state import State
+from scenario_compiler.engine.columns.view import HIDDEN, OUTPUTS, UNITS, VIEW_SIZE
+from scenario_compiler.engine.ego.failures import health_of_camera
+from scenario_compiler.engine.ego.objects_ahead import gap_to_keep
+from scenario_compiler.engine.ego.view import keep_view, lane_bend, look_at_view, view_stays
+from scenario_compiler.engine.motion.path import path_ahead
+from scenario_compiler.engine.motion.steering import aim, path_point
+from scenario_compiler.marker import compiled
+from scenario_compiler.randomness import random_hash
+from scenario_compiler.roads.tables import LINE, RoadTables
+
+FIRST_AT = 2 * VIEW_SIZE
+SECOND_AT = FIRST_AT + (VIEW_SIZE + 1) * UNITS
+NOISE_AT = SECOND_AT + HIDDEN * OUTPUTS
+DRIVING_AT = NOISE_AT + 4
+"""Where the coefficients stand, from `surrogate_const` on."""
+
+N_CONFIDENCE = 0
+N_CONFIDENCE_CELL = 1
+N_PATH = 2
+N_PATH_CELL = 3
+
+S_LOOK_AHEAD_TIME = 0
+S_LOOK_AHEAD_LEAST = 1
+S_LOOK_AHEAD_MOST = 2
+S_SPEED_GAIN = 3
+S_TIME_GAP = 4
+S_MINIMUM_GAP = 5
+S_LATERAL = 6
+S_ACCELERATION = 7
+S_DECELERATION = 8
+DRIVING = 9
+"""Places of the parameters of `lane_detection`."""
+
+COEFFICIENTS = DRIVING_AT + DRIVING
+"""How many numbers surrogate perception has."""
+
+PATH_SIDE = 2
+"""The stream of the path's noise beside those of the left (0) and the right (1) boundary."""
+
+TRUSTED = 0.3
+"""Confidence from which a boundary leads the path, as in `lane_detection`."""
+
+FARTHEST_OFF = 3.0
+"""Greatest distance between the lane's centre and the followed path, m."""
+
+BRAKE_SHARE = 0.25
+"""Brake per unit of throttle that is missing, as in `lane_detection`."""
+
+BYTES_MEAN = 510.0
+BYTES_DEVIATION = 147.8
+"""Mean and standard deviation of the sum of four bytes that are drawn alike."""
+
+BENDS = 11
+BEND_FROM = 4.0
+BEND_TO = 36.0
+BEND_STEP = 3.2
+BEND_KNOWN = 2.0
+"""Bends that limit the speed are looked for at so many places from 4 to 36 m ahead, and after 2 m again."""
+
+NO_BOUND = 1000.0
+"""Lateral acceleration that no vehicle reaches, m/s2: `lane_detection` steers without a bound."""
+
+
+@compiled
+def draw_at(road: int, lane: int, side: int, cell: int) -> float:
+    """Return the number that belongs to a cell of a place: nearly normal, of four bytes of a hash."""
+    bits = random_hash(road, op.STREAM_SURROGATE + 16 * side, lane & 0xFFFF, cell)
+    total = (bits & 255) + ((bits >> 8) & 255) + ((bits >> 16) & 255) + ((bits >> 24) & 255)
+    return (total - BYTES_MEAN) / BYTES_DEVIATION
+
+
+@compiled
+def noise_at(road: int, lane: int, side: int, s: float, cell: float) -> float:
+    """Return the noise of a place, of mean 0 and deviation 1, linear between cells of a length, m."""
+    place = s / max(cell, 0.1)
+    number = int(clip(place, 0.0, 1.0e9))
+    share = clip(place - number, 0.0, 1.0)
+    here = draw_at(road, lane, side, number)
+    there = draw_at(road, lane, side, number + 1)
+    whole = safe_sqrt(share * share + (1.0 - share) * (1.0 - share))
+    return ((1.0 - share) * here + share * there) / max(whole, 0.5)
+
+
+@compiled
+def hold_in_domain(p: Program, st: State, base: int) -> int:
+    """Hold the features of one side within the domain; return 1 where one was outside."""
+    low = p.surrogate_const[0]
+    outside = 0
+    for k in range(VIEW_SIZE):
+        value = st.view[base + k]
+        if value < p.const[low + k]:
+            st.view[base + k] = p.const[low + k]
+            outside = 1
+        elif value > p.const[low + VIEW_SIZE + k]:
+            st.view[base + k] = p.const[low + VIEW_SIZE + k]
+            outside = 1
+    return outside
+
+
+@compiled
+def judge_side(p: Program, st: State, base: int) -> None:
+    """Work out the network for one side: `unit` ends with the logit of the confidence and how far it draws the path."""
+    row = p.surrogate_const[0] + FIRST_AT
+    for unit in range(UNITS):
+        st.unit[unit] = p.const[row + VIEW_SIZE * UNITS + unit]
+    for k in range(VIEW_SIZE):
+        value = st.view[base + k]
+        if value != 0.0:
+            for unit in range(UNITS):
+                st.unit[unit] += p.const[row + unit] * value
+        row += UNITS
+    second = p.surrogate_const[0] + SECOND_AT
+    for unit in range(HIDDEN):
+        value = st.unit[unit] / (1.0 + abs(st.unit[unit]))
+        st.unit[HIDDEN] += p.const[second + OUTPUTS * unit] * value
+        st.unit[HIDDEN + 1] += p.const[second + OUTPUTS * unit + 1] * value
+
+
+@compiled
+def probability(logit: float) -> float:
+    """Return the probability of a logit."""
+    return 1.0 / (1.0 + exp(clip(-logit, -50.0, 50.0)))
+
+
+@compiled
+def note_domain(p: Program, st: State) -> None:
+    """Hold the view within the domain, and log the first time that it leaves it while the automation drives."""
+    left = hold_in_domain(p, st, 0)
+    right = hold_in_domain(p, st, VIEW_SIZE)
+    automated = st.takeover_state[0] in (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
+    if left + right > 0 and automated and st.time_outside_domain[0] < 0.0:
+        st.time_outside_domain[0] = st.clock[0]
+        log_event(st, op.EVENT_OUTSIDE_DOMAIN, 0.0)
+
+
+@compiled
+def judge_view(n: RoadTables, p: Program, st: State) -> None:
+    """Work out the network for both sides of the view that has just been written."""
+    keep_view(n, p, st)
+    note_domain(p, st)
+    judge_side(p, st, 0)
+    st.seen_logit[0] = st.unit[HIDDEN]
+    left = st.unit[HIDDEN + 1]
+    judge_side(p, st, VIEW_SIZE)
+    st.seen_logit[1] = st.unit[HIDDEN]
+    st.seen_drawn[0] = left - st.unit[HIDDEN + 1]
+
+
+@compiled
+def surrogate_confidence(n: RoadTables, p: Program, st: State) -> None:
+    """Write the confidence of both sides, the sensor's health and the error of the followed path."""
+    health = health_of_camera(p, st)
+    st.health[0] = health
+    if view_stays(n, p, st) == 0:
+        st.view_row[0] = op.NONE
+        if look_at_view(n, p, st) == 0:
+            st.conf_left[0] = 0.0
+            st.conf_right[0] = 0.0
+            return
+        judge_view(n, p, st)
+    noise = p.surrogate_const[0] + NOISE_AT
+    road = st.path_road[0]
+    lane = st.path_lane[0]
+    s = st.path_s[0]
+    cell = p.const[noise + N_CONFIDENCE_CELL]
+    size = p.const[noise + N_CONFIDENCE]
+    left = probability(st.seen_logit[0] + size * noise_at(road, lane, 0, s, cell))
+    right = probability(st.seen_logit[1] + size * noise_at(road, lane, 1, s, cell))
+    if max(left, right) >= TRUSTED:
+        off = p.const[noise + N_PATH] * noise_at(road, lane, PATH_SIDE, s, p.const[noise + N_PATH_CELL])
+        st.path_error[0] = clip(st.seen_drawn[0] + off, -FARTHEST_OFF, FARTHEST_OFF)
+    st.conf_left[0] = health * left
+    st.conf_right[0] = health * right
+
+
+@compiled
+def seen_angle(n: RoadTables, p: Program, st: State, i: int) -> float:
+    """Return the angle of the front wheels that leads along the path that the surrogate sees."""
+    if st.path_road[0] < 0:
+        return 0.0
+    driving = p.surrogate_const[0] + DRIVING_AT
+    reach = clip(
+        p.const[driving + S_LOOK_AHEAD_TIME] * st.v[i],
+        p.const[driving + S_LOOK_AHEAD_LEAST],
+        p.const[driving + S_LOOK_AHEAD_MOST],
+    )
+    x, y = path_point(n, p, st, i, reach, reach, st.path_error[0])
+    dx = x - st.x[i]
+    dy = y - st.y[i]
+    c = st.box_cos[i]
+    w = st.box_sin[i]
+    return aim(p, st, i, dx * c + dy * w, dy * c - dx * w, NO_BOUND)
+
+
+@compiled
+def straight_for(n: RoadTables, st: State) -> float:
+    """Return how far the path is known to be straight from here on, m."""
+    piece = st.path_piece[0]
+    row = st.path_row[0]
+    if row < 0 or n.piece_kind[piece] != LINE or n.lane_steady[row] == 0:
+        return 0.0
+    if st.path_sense[0] > 0:
+        return st.path_to[0] - st.path_s[0]
+    return st.path_s[0] - st.path_from[0]
+
+
+@compiled
+def look_for_bends(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Find the bend ahead that limits the speed most."""
+    driving = p.surrogate_const[0] + DRIVING_AT
+    braking = 2.0 * p.const[driving + S_DECELERATION]
+    st.slow_row[0] = st.path_row[0]
+    st.slow_square[0] = op.FAR
+    straight = straight_for(n, st)
+    if straight > BEND_TO:
+        st.slow_at[0] = st.odometer[i]
+        st.slow_until[0] = st.odometer[i] + straight - BEND_TO
+        return
+    st.slow_at[0] = st.odometer[i]
+    least = op.FAR
+    for k in range(BENDS):
+        beyond = BEND_STEP * k
+        road, lane, row, s, rest = path_ahead(n, p, st, BEND_FROM + beyond)
+        if rest > 0.0:
+            break
+        bend = abs(lane_bend(n, road, lane, row, s))
+        if bend > 1.0e-4:
+            square = p.const[driving + S_LATERAL] / bend
+            if square + braking * beyond < least:
+                least = square + braking * beyond
+                st.slow_square[0] = square
+                st.slow_at[0] = st.odometer[i] + beyond
+    st.slow_until[0] = st.odometer[i] + BEND_KNOWN
+
+
+@compiled
+def speed_for_bends(n: RoadTables, p: Program, st: State, i: int) -> float:
+    """Return the speed from which the bends ahead can be reached by comfortable braking, m/s."""
+    if st.odometer[i] >= st.slow_until[0] or st.slow_row[0] != st.path_row[0]:
+        look_for_bends(n, p, st, i)
+    driving = p.surrogate_const[0] + DRIVING_AT
+    before = max(st.slow_at[0] - st.odometer[i], 0.0)
+    return safe_sqrt(st.slow_square[0] + 2.0 * p.const[driving + S_DECELERATION] * before)
+
+
+@compiled
+def drive_as_seen(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Give throttle and brake as `lane_detection` does: the desired speed, or the gap to what is ahead."""
+    driving = p.surrogate_const[0] + DRIVING_AT
+    base = p.entity_const[i]
+    v = st.v[i]
+    in_bends = speed_for_bends(n, p, st, i)
+    desired = min(st.target_speed[0], in_bends)
+    missing = p.const[driving + S_SPEED_GAIN] * (desired - v)
+    st.command_throttle[i] = clip(missing, 0.0, 1.0)
+    st.command_brake[i] = clip(-BRAKE_SHARE * missing, 0.0, 1.0)
+    gap, lead = gap_to_keep(p, st, i)
+    if gap >= op.FAR:
+        return
+    a = p.const[driving + S_ACCELERATION]
+    b = p.const[driving + S_DECELERATION]
+    closing = v * (v - lead) / max(2.0 * safe_sqrt(a * b), 0.1)
+    wanted = p.const[driving + S_MINIMUM_GAP] + max(0.0, v * p.const[driving + S_TIME_GAP] + closing)
+    free = v / max(desired, 0.1)
+    near = wanted / max(gap, 0.1)
+    followed = a * (1.0 - min(free * free * free * free, 2.0) - near * near)
+    if followed >= 0.0:
+        most = max(p.const[base + slot.E_MAX_ACCELERATION], 0.1)
+        st.command_throttle[i] = min(st.command_throttle[i], followed / most)
+    else:
+        most = max(p.const[base + slot.E_MAX_DECELERATION], 0.1)
+        st.command_throttle[i] = 0.0
+        st.command_brake[i] = max(st.command_brake[i], min(-followed / most, 1.0))

@@ -1,0 +1,140 @@
+"""The coefficients of surrogate perception: their file, its place in a program, and which scenarios they are for."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from scenario_compiler.diagnostics import Code, Diagnostics
+from scenario_compiler.engine.columns.view import HIDDEN, VIEW_NAMES, VIEW_SIZE
+from scenario_compiler.engine.ego.surrogate import COEFFICIENTS
+from scenario_compiler.engine.program.builder import ProgramBuilder
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.vocabulary.entities import Controller
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
+from scenario_compiler.vocabulary.sensors import FailureKind
+
+FILE = "surrogate.json"
+
+MOUNTING = ("width", "height", "fov", "x", "y", "z", "yaw", "pitch", "roll")
+"""What must be the same of a camera: its image and where it looks from."""
+
+UNFITTED: tuple[FailureKind, ...] = ("motion_blur", "misalignment")
+"""Failures of the camera that took no part in the fit."""
+
+NO_SURROGATE = Code(
+    "SC514",
+    "no-surrogate",
+    "Surrogate perception stands for one controller, `lane_detection`, with one detector, behind one camera: it was "
+    "fitted to what they did. It knows nothing of another controller, of another detector or of a camera that is "
+    "mounted otherwise:\n\n"
+    '    <controller><detector model="learned"/></controller>     with --perception surrogate\n\n'
+    "Run such a scenario with `--perception camera`. `python tools/fit_surrogate.py` fits the coefficients again.",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Surrogate:
+    """What surrogate perception was fitted to, and the numbers that came of it.
+
+    Attributes:
+        detector: The lane detector that it stands for.
+        camera: What that looked through, by the names of `MOUNTING`.
+        runs: Number of runs that it was fitted to.
+        probes: What the detector says of pictures that the renderer draws for it (`perception.calibration.probes`):
+            where that has changed, the coefficients are those of another detector or renderer.
+        low: (VIEW_SIZE,) least value of each feature in the domain.
+        high: (VIEW_SIZE,) greatest value.
+        first: (VIEW_SIZE + 1, UNITS) what each feature, and last the bias, gives to the hidden units and the outputs.
+        second: (HIDDEN, OUTPUTS) what each hidden unit gives to the outputs.
+        noise: Size and cell, m, of the noise of the logit, and of the path's, m.
+    """
+
+    detector: str
+    camera: dict[str, float]
+    runs: int
+    probes: tuple[tuple[float, ...], ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    first: tuple[tuple[float, ...], ...]
+    second: tuple[tuple[float, ...], ...]
+    noise: tuple[float, ...]
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The coefficients in the order of `ego.surrogate`, without how the automation drives."""
+        rows = [number for row in (*self.first, *self.second) for number in row]
+        return (*self.low, *self.high, *rows, *self.noise)
+
+
+def read_surrogate(text: str) -> Surrogate:
+    """Return the coefficients that a file holds.
+
+    Raises:
+        RuntimeError: It was made for other features.
+    """
+    data: dict[str, Any] = json.loads(text)
+    if tuple(data.pop("features")) != VIEW_NAMES:
+        raise RuntimeError(f"{FILE} was made for other features; run `python tools/fit_surrogate.py`")
+    found = Surrogate(**{name: _frozen(value) for name, value in data.items()})
+    if len(found.first) != VIEW_SIZE + 1 or len(found.second) != HIDDEN or len(found.low) != VIEW_SIZE:
+        raise RuntimeError(f"{FILE} was made for a network of another size; run `python tools/fit_surrogate.py`")
+    return found
+
+
+def surrogate_text(surrogate: Surrogate) -> str:
+    """Return the text of the file that coefficients are kept in."""
+    data = {"features": VIEW_NAMES, **{name: getattr(surrogate, name) for name in Surrogate.__slots__}}
+    return json.dumps(data, separators=(",", ":")).replace("],", "],\n") + "\n"
+
+
+@lru_cache(maxsize=1)
+def load_surrogate() -> Surrogate:
+    """Return the coefficients that come with the program."""
+    return read_surrogate(Path(__file__).with_name(FILE).read_text("utf-8"))
+
+
+def add_surrogate(draft: ProgramBuilder) -> None:
+    """Append the coefficients and how the automation drives."""
+    controller = draft.plan.controller
+    own = {} if controller is None else {one.name: float(one.value) for one in controller.properties}
+    driving = [own.get(name, usual) for name, usual in LANE_KEEPING.items()]
+    numbers = (*load_surrogate().numbers, *driving)
+    if len(numbers) != COEFFICIENTS:
+        raise RuntimeError(f"{len(numbers)} numbers of surrogate perception in place of {COEFFICIENTS}")
+    draft.program.surrogate_const[0] = draft.block(*numbers)
+
+
+def check_surrogate(plan: Plan, sink: Diagnostics) -> None:
+    """Report a controller, a detector, a camera or a failure of it that the coefficients were not fitted for."""
+    controller = plan.controller
+    if controller is None:
+        return
+    fitted = load_surrogate()
+    hint = "--perception camera runs it"
+    if controller.model != Controller.model_construct().model:
+        message = f"surrogate perception does not stand for the controller '{controller.model}'"
+        sink.add(NO_SURROGATE, message, controller.place_of("model"), hint=hint)
+    detector = controller.detector
+    if detector is not None and detector.model != fitted.detector:
+        message = f"surrogate perception was fitted to the detector '{fitted.detector}', not '{detector.model}'"
+        sink.add(NO_SURROGATE, message, detector.place_of("model"), hint=hint)
+    for failure in plan.failures:
+        if failure.kind in UNFITTED:
+            message = f"surrogate perception was not fitted to failures of the kind '{failure.kind}'"
+            sink.add(NO_SURROGATE, message, failure.place_of("kind"), hint=hint)
+    for name in MOUNTING:
+        value = getattr(plan.camera, name)
+        if value != fitted.camera[name]:
+            message = (
+                f"surrogate perception was fitted to a camera whose {name} is {fitted.camera[name]:g}, not {value:g}"
+            )
+            sink.add(NO_SURROGATE, message, plan.camera.place_of(name), hint=hint)
+
+
+def _frozen(value: Any) -> Any:
+    """Return a value of JSON with tuples in the place of lists."""
+    return tuple(_frozen(one) for one in value) if isinstance(value, list) else value

@@ -1,0 +1,43 @@
+"""Lanes that begin or end with no width: CARLA's clients may compute one of -2e-13 m there, which programs refuse."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from lxml import etree
+
+from scenario_compiler.roads.text_edits import TextEdits
+
+LEAST = 1e-9
+"""What such a lane is widened by, m: far above what is lost in rounding, and nothing on a road."""
+
+NEARLY = 1e-6
+"""How far below nothing a width may come by rounding, m; what is less is the file's own."""
+
+
+def widen_thin_lanes(edits: TextEdits, road: etree._Element) -> None:
+    """Let widths that begin or end at nothing be a little above it.
+
+    Args:
+        edits: Where the changes go; one call a road, whose widths nobody else changes.
+        road: The road's element.
+    """
+    sections = sorted(road.iterfind("{*}lanes/{*}laneSection"), key=lambda one: _number(one, "s"))
+    ends = [*(_number(one, "s") for one in sections), _number(road, "length")]
+    for section, (start, end) in zip(sections, pairwise(ends), strict=True):
+        for lane in section.iterfind("{*}*/{*}lane"):
+            records = sorted(lane.iterfind("{*}width"), key=lambda one: _number(one, "sOffset"))
+            offsets = [*(_number(one, "sOffset") for one in records), end - start]
+            for record, (low, high) in zip(records, pairwise(offsets), strict=True):
+                a, b, c, d = (_number(record, name) for name in "abcd")
+                ds = high - low
+                least = min(a, a + ds * (b + ds * (c + ds * d)))
+                if any((b, c, d)) and -NEARLY < least < LEAST:
+                    edits.set(record, "a", repr(a + LEAST))
+
+
+def _number(element: etree._Element, attribute: str) -> float:
+    try:
+        return float(element.get(attribute, "0"))
+    except ValueError:
+        return 0.0

@@ -1,0 +1,116 @@
+"""Surrogate perception: equal in both forms, steady at a place, and what it goes by is what it was fitted to."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from scenario_compiler import compile_scenario, load_network
+from scenario_compiler.compiler import Overrides
+from scenario_compiler.controllers.lane_detection import LaneDetectionParams
+from scenario_compiler.engine.columns import view as at
+from scenario_compiler.engine.columns.state import make_draws
+from scenario_compiler.engine.columns.totals import SUMMARY
+from scenario_compiler.engine.ego import surrogate
+from scenario_compiler.engine.program import build_program
+from scenario_compiler.engine.program.surrogate import load_surrogate, read_surrogate, surrogate_text
+from scenario_compiler.engine.simulation import Simulation
+from scenario_compiler.perception.calibration.probes import changes, probes
+from scenario_compiler.plan.model import Plan
+from scenario_compiler.resources import library_folder
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
+from tests.engine.both import Both, run_both
+
+CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
+
+
+def planned(name: str, **arguments: Any) -> Plan:
+    return compile_scenario(
+        library_folder() / "conflicts" / f"{name}.xml", overrides=Overrides(perception="surrogate"), **arguments
+    )
+
+
+def driven(plan: Plan, variants: int = 1) -> Both:
+    network = load_network(plan.map.file)
+    program = build_program(plan, network)
+    limit = int(plan.duration / plan.step) + 2
+    return run_both(
+        network.tables, program, [list(program.const)] * variants, [make_draws(k) for k in range(variants)], limit
+    )
+
+
+@pytest.mark.parametrize("name", CONFLICTS)
+def test_both_forms_leave_the_same_bytes(name: str) -> None:
+    both = driven(planned(name))
+    assert both.interpreted == both.compiled
+
+
+def test_the_paint_that_fades_is_asked_for_after_it_began_to() -> None:
+    both = driven(planned("markings_missing", **{"from": 200.0, "over": 50.0}))
+    request = both.summaries[0, SUMMARY.index("time_request")]
+    assert 200.0 / 25.0 - 1.0 < request < 250.0 / 25.0 + 1.0
+
+
+def test_where_all_is_painted_it_keeps_the_lane_and_does_not_ask() -> None:
+    both = driven(planned("sensor_failure", sigma=0.0))
+    assert both.summaries[0, SUMMARY.index("time_request")] < 0.0
+    assert both.summaries[0, SUMMARY.index("greatest_offset")] < 0.3
+
+
+def test_every_seed_sees_the_same() -> None:
+    both = driven(planned("markings_missing"), variants=3)
+    times = both.summaries[:, SUMMARY.index("time_request")]
+    assert len(set(times.tolist())) == 1
+
+
+def test_the_noise_belongs_to_the_place_and_has_no_steps() -> None:
+    noise = [surrogate.noise_at(3, -1, 0, 0.25 * k, 10.0) for k in range(8000)]
+    assert max(abs(a - b) for a, b in pairwise(noise)) < 0.5
+    assert abs(np.mean(noise)) < 0.2
+    assert 0.8 < np.std(noise) < 1.2
+    assert noise == [surrogate.noise_at(3, -1, 0, 0.25 * k, 10.0) for k in range(8000)]
+    assert noise != [surrogate.noise_at(3, -1, 1, 0.25 * k, 10.0) for k in range(8000)]
+
+
+def test_a_view_that_is_kept_is_the_view_that_would_be_written() -> None:
+    plan = planned("road_narrows")
+    simulation = Simulation(load_network(plan.map.file).tables, build_program(plan, load_network(plan.map.file)))
+    simulation.reset(make_draws(1))
+    compared = 0
+    while simulation.step():
+        kept = simulation.column("view").copy().reshape(2, -1)
+        steady = simulation.state.view_row[0] >= 0
+        written = simulation.look_at_view()
+        if steady and written is not None and simulation.state.frame[0] % 2 == 0:
+            low, high = load_surrogate().low, load_surrogate().high
+            assert np.abs(np.clip(written, low, high) - kept)[:, [*range(at.V_SPEED), at.V_SEEN]].max() < 1e-9
+            compared += 1
+    assert compared > 20
+
+
+def test_outside_the_domain_it_is_noted_once() -> None:
+    inside = driven(planned("sensor_failure", sigma=20.0)).summaries[0, SUMMARY.index("time_outside_domain")]
+    outside = driven(planned("sensor_failure", sigma=200.0, onset=4.0)).summaries[
+        0, SUMMARY.index("time_outside_domain")
+    ]
+    assert inside < 0.0
+    assert outside == pytest.approx(4.0, abs=0.2)
+
+
+def test_the_automation_drives_by_the_controllers_parameters() -> None:
+    assert LaneDetectionParams().model_dump() == LANE_KEEPING
+    assert len(LANE_KEEPING) == surrogate.DRIVING
+
+
+def test_the_coefficients_are_read_as_they_were_written() -> None:
+    assert read_surrogate(surrogate_text(load_surrogate())) == load_surrogate()
+    with pytest.raises(RuntimeError, match="other features"):
+        read_surrogate(surrogate_text(load_surrogate()).replace("darkness", "gloom"))
+
+
+def test_the_coefficients_are_of_this_detector_and_this_renderer() -> None:
+    """Where this fails the pictures or the detector say something else: fit again, as tools/fit_surrogate.py says."""
+    assert changes(load_surrogate().probes, probes("classical")) == []

@@ -1,0 +1,66 @@
+"""Roads that the learned detector may learn on: valid files, and on some of them every line that OpenDRIVE has."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from scenario_compiler import find_map, load_network
+from scenario_compiler.perception.calibration.maps import MapRoads
+from scenario_compiler.validation import validate_files
+
+TOOL = Path(__file__).parents[2] / "tools" / "training_roads.py"
+
+
+@pytest.fixture(scope="module")
+def roads() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("training_roads", TOOL)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def kinds_of(file: Path) -> set[int]:
+    tables = load_network(file).tables
+    return set(tables.mark_type)
+
+
+def test_made_up_roads_are_valid_and_can_be_driven(roads: ModuleType, tmp_path: Path) -> None:
+    for seed in range(2):
+        file = tmp_path / f"made{seed}.xodr"
+        roads.made_up(file, seed)
+        assert [one for found in validate_files([file]) for one in found] == []
+        clips = MapRoads(load_network(file), texture=100 + seed).clips(1, range(8))
+        seen = [next(views).truth for _, _, views in clips]
+        assert len(seen) >= 4
+        assert all(np.isfinite(truth.boundaries[0][0]) for truth in seen)
+
+
+def test_a_seed_makes_the_same_file_and_another_one_another(roads: ModuleType, tmp_path: Path) -> None:
+    files = [tmp_path / name for name in ("a.xodr", "b.xodr", "c.xodr")]
+    for file, seed in zip(files, (5, 5, 6), strict=True):
+        roads.made_up(file, seed)
+    first, second, third = (load_network(file).tables for file in files)
+    assert first.lane_type == second.lane_type
+    assert list(first.mark_width) == list(second.mark_width)
+    assert list(first.mark_width) != list(third.mark_width)
+
+
+def test_a_map_that_is_painted_anew_keeps_its_lanes(roads: ModuleType, tmp_path: Path) -> None:
+    source = Path(find_map("town_grid"))
+    before = load_network(source).tables
+    painted = set()
+    for seed in range(4):
+        file = tmp_path / f"anew{seed}.xodr"
+        roads.repainted(source, file, seed)
+        after = load_network(file).tables
+        assert list(after.lane_id) == list(before.lane_id)
+        assert list(after.road_length) == list(before.road_length)
+        painted |= kinds_of(file)
+    assert len(painted) > len(kinds_of(source)) + 2

@@ -1,0 +1,474 @@
+"""Closed-loop runs that surrogate perception is fitted to and judged by: drawn roads, scenarios, and what came of them.
+
+A run is drawn from its number alone. There are three kinds:
+
+    road       a road of clothoids with lanes, widths, marks and grades that are drawn
+    map        a lane of a road file that was made by others
+    conflict   a variant of one of the five conflicts of the library, on the maps that come with the program
+
+Runs that take part in the fit are on drawn roads and on maps; those that do not are variants of the conflicts, drawn
+roads of other numbers and maps that no run of the fit was on.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import multiprocessing
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Literal, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from scenario_compiler import compile_scenario, load_network, open_world
+from scenario_compiler.batch.measuring import row_of_recording
+from scenario_compiler.compiler import Overrides
+from scenario_compiler.diagnostics import CompileError
+from scenario_compiler.engine.columns import opcodes as op
+from scenario_compiler.engine.columns.view import VIEW_SIZE
+from scenario_compiler.resources import library_folder
+from scenario_compiler.roads import Network
+from scenario_compiler.roads.lane_types import is_drivable
+from scenario_compiler.roads.lanes import lane_direction, lane_width
+from scenario_compiler.runtime.loop import Execution
+from scenario_compiler.vocabulary.sensors import Perception
+from scenario_compiler.vocabulary.weather import WEATHER_PRESETS
+
+Floats = NDArray[np.float64]
+
+UNSEEN_MAPS = ("Town03", "e6mini", "multi_intersections", "town_grid", "highway_loop")
+"""Maps that take no part in the fit."""
+
+CONFLICTS = ("markings_missing", "obstacle_ahead", "ramp_blocked", "road_narrows", "sensor_failure")
+JUDGED = {"conflict": 100, "road": 60, "map": 40}
+"""Number of runs of each kind that take no part in the fit; their numbers are negative."""
+
+MAPS_SHARE = 0.45
+"""Share of the runs of the fit that are on maps."""
+
+BY_HAND = (op.TAKEOVER_MANUAL, op.TAKEOVER_HAND_BACK)
+AUTOMATED = (op.TAKEOVER_AUTOMATED, op.TAKEOVER_WARNING)
+
+KEPT = ("takeover_time", "minimum_time_to_collision", "maximum_lateral_offset", "request_time", "lane_departures")
+"""Measures that are kept of each run."""
+
+TEXT_OF_SCENARIO = """<scenarios version="1"><allow code="SC512"/><allow code="SC513"/>
+<scenario name="drawn" map="{map}" duration="{duration}" step="0.05" control_every="2" summary="Drawn">
+  <weather {weather}/>
+  <ego speed="{speed}"><start><lane road="{road}" lane="{lane}" s="{s}" offset="{offset}"/></start>
+    <camera sensor_noise="{noise}">{failure}</camera></ego>
+  {actors}
+  {markings}
+  <takeover budget="7"><cause kind="lane_confidence"/>{causes}<driver takeover_time="{driver}"/></takeover>
+</scenario></scenarios>"""
+
+
+class Case(NamedTuple):
+    """A run to be made: what kind it is, its number, and the map that it is on, empty for a drawn road."""
+
+    kind: Literal["road", "map", "conflict"]
+    number: int
+    map: str
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """What came of a run.
+
+    Attributes:
+        case: The run.
+        looks: (N, 2 VIEW_SIZE + 9) one row a look until the driver drives; see `LOOK_COLUMNS`.
+        outcome: Measures by name, NaN where undefined; `cause` and `resolution` as texts.
+    """
+
+    case: Case
+    looks: NDArray[np.float32]
+    outcome: dict[str, Any]
+
+
+LOOK_COLUMNS = ("p_left", "p_right", "health", "path_error", "road", "lane", "s", "t", "asking")
+"""Columns behind the features of a look: both sides' confidence without the sensor's health, the health, how far left
+of the lane's centre the followed path lies where it is steered for, the place, the time, and 1 from the request on."""
+
+
+def cases(maps: Sequence[Path], fitted: int) -> list[Case]:
+    """Return the runs that are judged, and then those that are fitted to."""
+    unseen = sorted(str(one) for one in maps if one.stem in UNSEEN_MAPS)
+    seen = sorted(str(one) for one in maps if one.stem not in UNSEEN_MAPS)
+    judged = [Case("conflict", -1 - k, "") for k in range(JUDGED["conflict"])]
+    judged += [Case("road", -1001 - k, "") for k in range(JUDGED["road"])]
+    judged += [Case("map", -2001 - k, unseen[k % len(unseen)]) for k in range(JUDGED["map"] if unseen else 0)]
+    on_maps = round(MAPS_SHARE * fitted) if seen else 0
+    learned = [Case("map", k, seen[k % len(seen)]) for k in range(on_maps)]
+    learned += [Case("road", k, "") for k in range(on_maps, fitted)]
+    return judged + learned
+
+
+def run_case(case: Case, perception: Perception, *, looks: bool) -> Made | None:
+    """Make a run; None where what was drawn cannot be driven. Without `looks` the outcome alone is kept."""
+    cv2.setNumThreads(1)
+    with TemporaryDirectory() as folder:
+        draw = np.random.default_rng([7, case.number % (1 << 32)])
+        try:
+            path, arguments = _scenario(case, Path(folder), draw)
+            plan = compile_scenario(path, overrides=Overrides(perception=perception), **arguments)
+        except CompileError:
+            return None
+        network = load_network(plan.map.file)
+        assert network is not None
+        with open_world("kinematic", plan, network) as world:
+            execution = Execution(plan, world, seed=1 + case.number % 1000)
+            rows = [row for row in _looks(execution, keep=looks)]
+            recording = execution.finish()
+    row = row_of_recording(plan, recording)
+    outcome: dict[str, Any] = {name: _number(row[name][0]) for name in KEPT}
+    outcome |= {"cause": row["cause"][0], "resolution": row["resolution"][0], "result": row["result"][0]}
+    outcome |= {"name": plan.name, "map": Path(plan.map.file).stem}
+    made = np.array(rows, np.float32).reshape(-1, 2 * VIEW_SIZE + len(LOOK_COLUMNS))
+    return Made(case, made, outcome)
+
+
+def _number(value: Any) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
+    """Drive a run to its end; yield the looks at which the automation drives."""
+    st, program, simulation = execution.state, execution.program, execution.simulation
+    while execution.going:
+        view = None
+        if keep and st.frame[0] % program.image_every[0] == 0 and st.takeover_state[0] not in BY_HAND:
+            view = simulation.look_at_view()
+            way = simulation.look_out().way
+            road, lane, s, now, v = st.path_road[0], st.path_lane[0], st.path_s[0], st.clock[0], st.v[0]
+            asking = 0.0 if st.takeover_state[0] in AUTOMATED else 1.0
+        execution.advance()
+        control = execution.control
+        if view is None or control is None or control.lanes is None:
+            continue
+        error = _path_error(control.trajectory, way, min(max(0.4 * v, 3.0), 20.0))
+        seen = (control.lanes.left.p, control.lanes.right.p, control.sensor_health, error, road, lane, s, now, asking)
+        yield np.concatenate([view.ravel(), seen])
+
+
+def _path_error(path: Sequence[tuple[float, float]], way: Sequence[tuple[float, float]], reach: float) -> float:
+    """Return how far left of the way the path lies at a distance from the ego, m; NaN where either does not reach."""
+    x, y = _reached(path, reach)
+    for (x0, y0), (x1, y1) in pairwise(way):
+        if x0 <= x <= x1 and x1 > x0:
+            slope = (y1 - y0) / (x1 - x0)
+            return (y - y0 - slope * (x - x0)) / math.hypot(1.0, slope)
+    return math.nan
+
+
+def _reached(path: Sequence[tuple[float, float]], reach: float) -> tuple[float, float]:
+    for (x0, y0), (x1, y1) in pairwise(path):
+        near, far = math.hypot(x0, y0), math.hypot(x1, y1)
+        if far >= reach > near:
+            share = (reach - near) / (far - near)
+            return x0 + share * (x1 - x0), y0 + share * (y1 - y0)
+    return math.nan, math.nan
+
+
+def make(todo: Sequence[Case], jobs: int, seconds: float, perception: Perception = "camera") -> list[Made]:
+    """Make runs with their looks on several cores, as many as there is time for."""
+    began, done = time.monotonic(), []
+    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
+        for made in pool.imap_unordered(_make, [(case, perception) for case in todo]):
+            if made is not None:
+                done.append(made)
+            if time.monotonic() - began > seconds:
+                pool.terminate()
+                break
+    return sorted(done, key=lambda one: one.case.number)
+
+
+def _make(job: tuple[Case, Perception]) -> Made | None:
+    return run_case(job[0], job[1], looks=True)
+
+
+def keep(runs: Sequence[Made], folder: Path, parts: int = 6) -> None:
+    """Write runs into files of a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for part in range(parts):
+        some = runs[part::parts]
+        width = 2 * VIEW_SIZE
+        looks = np.concatenate([one.looks for one in some]) if some else np.zeros((0, width + len(LOOK_COLUMNS)))
+        about = [(one.case, len(one.looks), one.outcome) for one in some]
+        np.savez_compressed(
+            folder / f"runs{part}.npz",
+            view=looks[:, :width].astype(np.float16),
+            rest=looks[:, width:].astype(np.float32),
+            about=np.array(json.dumps(about)),
+        )
+
+
+def kept(folder: Path) -> list[Made]:
+    """Read what `keep` has written."""
+    found = []
+    for file in sorted(folder.glob("runs*.npz")):
+        with np.load(file) as stored:
+            looks = np.concatenate([stored["view"].astype(np.float32), stored["rest"]], axis=1)
+            first = 0
+            for case, count, outcome in json.loads(str(stored["about"])):
+                found.append(Made(Case(*case), looks[first : first + count], outcome))
+                first += count
+    return sorted(found, key=lambda one: one.case.number)
+
+
+def _scenario(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path, dict[str, float]]:
+    if case.kind == "conflict":
+        return _conflict(case, folder, draw)
+    if case.kind == "road":
+        file = folder / "road.xodr"
+        file.write_text(road_text(draw), encoding="utf-8")
+    else:
+        file = Path(case.map)
+    network = load_network(file, cache=case.kind == "map")
+    assert network is not None
+    path = folder / "drawn.xml"
+    path.write_text(_drawn(file, network, draw), encoding="utf-8")
+    return path, {}
+
+
+def _conflict(case: Case, folder: Path, draw: np.random.Generator) -> tuple[Path, dict[str, float]]:
+    """Return a variant of a conflict: its parameters, in most runs another weather, in some a noise."""
+    name = CONFLICTS[-case.number % len(CONFLICTS)]
+    text = (library_folder() / "conflicts" / f"{name}.xml").read_text(encoding="utf-8")
+    if draw.random() < 0.6:
+        text = text.replace('weather="ClearNoon"', f'weather="{draw.choice(list(WEATHER_PRESETS))}"')
+    if draw.random() < 0.3 and name != "sensor_failure":
+        before = "<forward_sensor" if "<forward_sensor" in text else "</ego>"
+        text = text.replace(before, f'<camera sensor_noise="{draw.uniform(0.0, 35.0):.1f}"/>{before}')
+    path = folder / f"{name}.xml"
+    path.write_text(text, encoding="utf-8")
+    drawn = {
+        "markings_missing": lambda: {"from": draw.uniform(100, 400), "over": draw.uniform(1, 250)},
+        "obstacle_ahead": lambda: {"distance": draw.uniform(80, 300)},
+        "ramp_blocked": lambda: {"spacing": draw.uniform(10, 60)},
+        "road_narrows": lambda: {"distance": draw.uniform(80, 300), "intrusion": draw.uniform(0, 2)},
+        "sensor_failure": lambda: {"sigma": draw.uniform(0, 120), "onset": draw.uniform(2, 15)},
+    }
+    return path, {key: round(float(value), 2) for key, value in drawn[name]().items()}
+
+
+class Start(NamedTuple):
+    """A place that a run begins at, and how far its road goes on."""
+
+    road: str
+    lane: int
+    s: float
+    sense: int
+    room: float
+
+
+def _start(network: Network, draw: np.random.Generator) -> Start:
+    """Return a place in a lane that may be driven on, in proportion to the lanes' lengths."""
+    n = network.tables
+    rows = [row for row, lane in enumerate(n.lane_id) if lane != 0 and is_drivable(n.lane_type[row])]
+    lengths = np.array([n.section_end[n.lane_section[row]] - n.section_s[n.lane_section[row]] for row in rows])
+    while True:
+        row = rows[int(draw.choice(len(rows), p=lengths / lengths.sum()))]
+        section = n.lane_section[row]
+        road, lane = n.section_road[section], n.lane_id[row]
+        s = float(draw.uniform(n.section_s[section], n.section_end[section]))
+        sense = lane_direction(n, road, lane)
+        if n.road_junction[road] < 0 and lane_width(n, road, lane, s) > 2.4:
+            room = n.road_length[road] - s if sense > 0 else s
+            return Start(network.road_ids[road], lane, s, sense, room)
+
+
+def _drawn(file: Path, network: Network, draw: np.random.Generator) -> str:
+    start = _start(network, draw)
+    bend = max(abs(network.curvature(start.road, start.s)), 1e-4)
+    speed = min(float(draw.uniform(4.0, 32.0)), math.sqrt(2.5 / bend))
+    driver = 1000.0 if draw.random() < 0.3 else draw.uniform(1.0, 6.0)
+    causes = '<cause kind="path_blocked"/>' if draw.random() < 0.5 else ""
+    causes += '<cause kind="sensor_health"/>' if draw.random() < 0.5 else ""
+    noise = draw.uniform(0.0, 60.0) if draw.random() < 0.3 else 0.0
+    return TEXT_OF_SCENARIO.format(
+        map=file,
+        duration=round(float(draw.uniform(12.0, 22.0))),
+        weather=_weather(draw),
+        speed=f"{speed:.2f}",
+        road=start.road,
+        lane=start.lane,
+        s=f"{start.s:.2f}",
+        offset=f"{draw.normal(0.0, 0.15):.2f}",
+        noise=f"{noise:.1f}",
+        failure=_failure(draw),
+        actors=_actors(draw, speed),
+        markings=_markings(draw, start, speed),
+        causes=causes,
+        driver=f"{driver:.2f}",
+    )
+
+
+def _weather(draw: np.random.Generator) -> str:
+    """Return the attributes of a weather: a clear noon, a preset, or numbers between those of presets."""
+    kind = draw.random()
+    if kind < 0.35:
+        return 'preset="ClearNoon"'
+    if kind < 0.75:
+        return f'preset="{draw.choice(list(WEATHER_PRESETS))}"'
+    wet, rain, dust = draw.uniform(0, 100), draw.uniform(0, 100) * (draw.random() < 0.6), 0.0
+    fog = draw.uniform(0, 100) * (draw.random() < 0.3)
+    sun = draw.uniform(-20.0, 60.0)
+    if draw.random() < 0.1:
+        dust = draw.uniform(0, 100)
+    numbers = {
+        "preset": "custom", "cloudiness": rain, "precipitation": rain, "precipitation_deposits": wet,
+        "wind_intensity": 10.0, "sun_azimuth_angle": draw.uniform(0, 360), "sun_altitude_angle": sun,
+        "fog_density": fog, "fog_distance": draw.uniform(0, 20), "fog_falloff": draw.uniform(0.1, 2.0),
+        "wetness": wet, "dust_storm": dust,
+    }  # fmt: skip
+    return " ".join(
+        f'{name}="{value if isinstance(value, str) else round(value, 2)}"' for name, value in numbers.items()
+    )
+
+
+FAILURES = ("blackout", "blur", "dirt", "impulse_noise", "overexposure", "dead_rows", "quantisation", "latency")
+
+
+def _failure(draw: np.random.Generator) -> str:
+    if draw.random() > 0.15:
+        return ""
+    kind, amount = draw.choice(FAILURES), draw.uniform(0.0, 1.0)
+    onset, ramp = draw.uniform(0.0, 8.0), draw.uniform(0.0, 3.0)
+    return f'<failure kind="{kind}" amount="{amount:.2f}" onset="{onset:.1f}" ramp="{ramp:.1f}"/>'
+
+
+def _actors(draw: np.random.Generator, speed: float) -> str:
+    """Return a leader, a vehicle beside, or one that stands in or beside the lane; in half of the runs none."""
+    kind = draw.random()
+    model = draw.choice(("vehicle.tesla.model3", "vehicle.carlamotors.carlacola", "vehicle.audi.tt"))
+    if kind < 0.2:
+        ahead, slower = draw.uniform(12.0, 60.0), speed * draw.uniform(0.5, 1.05)
+        return (
+            f'<dynamic id="leader" model="{model}" speed="{slower:.2f}">'
+            f'<start><ahead_of entity="ego" distance="{ahead:.1f}"/></start></dynamic>'
+        )
+    if kind < 0.3:
+        ahead, lanes = draw.uniform(4.0, 20.0), draw.choice((-1, 1))
+        return (
+            f'<dynamic id="beside" model="{model}" speed="{speed:.2f}">'
+            f'<start><ahead_of entity="ego" distance="{ahead:.1f}" lanes="{lanes}"/></start></dynamic>'
+        )
+    if kind < 0.45:
+        ahead, offset = draw.uniform(60.0, 200.0), draw.uniform(-2.5, 2.5)
+        return (
+            f'<static id="parked" model="{model}">'
+            f'<at><ahead_of entity="ego" distance="{ahead:.1f}" offset="{offset:.2f}"/></at></static>'
+        )
+    return ""
+
+
+def _markings(draw: np.random.Generator, start: Start, speed: float) -> str:
+    """Return what becomes of the paint on the first road: nothing, wear of all of it, or stretches of their own."""
+    kind = draw.random()
+    if kind < 0.2:
+        return ""
+    texts = []
+    whole = start.s + start.sense * start.room
+    if kind < 0.45:
+        low, high = sorted((start.s, whole))
+        quality = draw.uniform(0.02, 0.7)
+        texts.append((low, high, quality, quality, "", 0.0))
+    for _ in range(int(draw.integers(1, 4)) if kind > 0.4 else 0):
+        begin = start.s + start.sense * draw.uniform(1.0, 14.0) * speed
+        end = begin + start.sense * 10.0 ** draw.uniform(0.5, 2.4)
+        lane = (
+            "" if draw.random() < 0.5 else f'lane="{draw.choice((start.lane, start.lane - int(np.sign(start.lane))))}"'
+        )
+        first, last = (0.0, 0.0) if draw.random() < 0.4 else draw.uniform(0.0, 1.0, 2)
+        cover = draw.uniform(0.0, 1.0) if draw.random() < 0.1 else 0.0
+        low, high = min(begin, end), max(begin, end)
+        texts.append((low, high, first, last, lane, cover))
+    limit = max(start.s, whole)
+    return "".join(
+        f'<markings road="{start.road}" {lane} from="{max(low, 0.0):.1f}" to="{min(high, limit):.1f}" '
+        f'quality="{first:.2f}" quality_to="{last:.2f}" coverage="{cover:.2f}"/>'
+        for low, high, first, last, lane, cover in texts
+        if min(high, limit) - max(low, 0.0) > 2.0
+    )
+
+
+def road_text(draw: np.random.Generator) -> str:
+    """Return an OpenDRIVE file with one drawn road of some 900 m."""
+    pieces: list[tuple[float, float, float]] = []
+    while sum(length for length, _, _ in pieces) < 900.0:
+        if draw.random() < 0.4:
+            pieces.append((draw.uniform(30.0, 250.0), 0.0, 0.0))
+            continue
+        k = draw.choice((-1.0, 1.0)) / 10.0 ** draw.uniform(1.5, 2.9)
+        ease = draw.uniform(8.0, 60.0)
+        angle = draw.uniform(0.2, 1.4)
+        pieces += [(ease, 0.0, k), (max(angle / abs(k) - ease, 5.0), k, k), (ease, k, 0.0)]
+    x = y = heading = s = 0.0
+    shapes = []
+    for length, first, last in pieces:
+        kind = "<line/>" if first == last == 0.0 else f'<arc curvature="{first:.12f}"/>'
+        if first != last:
+            kind = f'<spiral curvStart="{first:.12f}" curvEnd="{last:.12f}"/>'
+        shapes.append(
+            f'<geometry s="{s:.12f}" x="{x:.12f}" y="{y:.12f}" hdg="{heading:.12f}" length="{length:.12f}">'
+            f"{kind}</geometry>"
+        )
+        steps = 400
+        for k in range(steps):
+            middle = (k + 0.5) / steps * length
+            h = heading + first * middle + 0.5 * (last - first) / length * middle * middle
+            x, y = x + length / steps * math.cos(h), y + length / steps * math.sin(h)
+        heading, s = heading + 0.5 * (first + last) * length, s + length
+    heights = ['<elevation s="0" a="0" b="0" c="0" d="0"/>']
+    if draw.random() < 0.4:
+        at, z, grade, heights = 0.0, 0.0, 0.0, []
+        while at < s:
+            span, after = draw.uniform(40.0, 200.0), draw.uniform(-0.06, 0.06)
+            c = (after - grade) / (2.0 * span)
+            heights.append(f'<elevation s="{at:.12f}" a="{z:.12f}" b="{grade:.12f}" c="{c:.12f}" d="0"/>')
+            at, z, grade = at + span, z + grade * span + c * span * span, after
+    right, left = int(draw.integers(1, 4)), int(draw.integers(0, 3))
+    lanes = _lanes_text(draw, right, left)
+    return (
+        '<OpenDRIVE><header revMajor="1" revMinor="6" name="drawn" version="1"/>'
+        f'<road name="drawn" length="{s:.12f}" id="1" junction="-1"><planView>{"".join(shapes)}</planView>'
+        f"<elevationProfile>{''.join(heights)}</elevationProfile>"
+        f'<lanes><laneSection s="0">{lanes}</laneSection></lanes></road></OpenDRIVE>'
+    )
+
+
+def _lanes_text(draw: np.random.Generator, right: int, left: int) -> str:
+    width, line = draw.uniform(2.8, 3.9), draw.choice((0.12, 0.15, 0.2, 0.25))
+    edges = ("solid", "solid", "solid", "broken", "none")
+    centre = draw.choice(("broken", "broken", "solid", "solid solid", "none")) if left else "solid"
+    colour = draw.choice(("white", "white", "white", "yellow"))
+    shoulder = draw.uniform(0.5, 3.0) if draw.random() < 0.6 else 0.0
+
+    def mark(kind: str, paint: str = "white") -> str:
+        return f'<roadMark sOffset="0" type="{kind}" width="{line}" color="{paint}"/>'
+
+    def side(count: int, sign: int) -> str:
+        kinds = [draw.choice(("broken", "broken", "solid")) for _ in range(count - 1)] + [draw.choice(edges)]
+        texts = [
+            f'<lane id="{sign * (k + 1)}" type="driving" level="false"><width sOffset="0" a="{width:.12f}" b="0" c="0" '
+            f'd="0"/>{mark(kind)}</lane>'
+            for k, kind in enumerate(kinds)
+        ]
+        if shoulder:
+            texts.append(
+                f'<lane id="{sign * (count + 1)}" type="shoulder" level="false"><width sOffset="0" a="{shoulder:.12f}" '
+                f'b="0" c="0" d="0"/>{mark("none")}</lane>'
+            )
+        return "".join(texts if sign < 0 else texts[::-1])
+
+    on_left = f"<left>{side(left, 1)}</left>" if left else ""
+    centre_line = f'<center><lane id="0" type="none" level="false">{mark(centre, colour)}</lane></center>'
+    return f"{on_left}{centre_line}<right>{side(right, -1)}</right>"

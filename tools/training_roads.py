@@ -1,0 +1,231 @@
+"""Roads that a lane detector learns on beside those of real maps: towns painted anew, and roads made up whole.
+
+What a map has of paint is its author's habit: some have no double line, some no paint at the edge. So every kind of
+line that OpenDRIVE has is painted here, white and yellow, of the widths, dashes and gaps that are common.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+
+DASHES = ((3.0, 9.0), (6.0, 12.0), (3.0, 6.0), (4.0, 8.0), (1.0, 1.0), (2.0, 4.0), (1.5, 1.5), (9.0, 3.0))
+WIDTHS = (0.1, 0.12, 0.125, 0.15, 0.2, 0.25, 0.3)
+
+KINDS: dict[str, dict[str, float]] = {
+    "centre": {
+        "solid": 0.2, "broken": 0.22, "solid solid": 0.2, "solid broken": 0.12, "broken solid": 0.12,
+        "broken broken": 0.04, "none": 0.1,
+    },
+    "between": {
+        "solid": 0.13, "broken": 0.62, "solid solid": 0.03, "solid broken": 0.05, "broken solid": 0.05,
+        "broken broken": 0.02, "none": 0.1,
+    },
+    "edge": {"solid": 0.62, "broken": 0.13, "solid solid": 0.02, "none": 0.23},
+}  # fmt: skip
+"""How often lines of a kind are painted in the road's middle, between its lanes and at its edge."""
+
+DRIVEN = ("driving", "bidirectional", "exit", "entry", "onRamp", "offRamp")
+"""Types of lanes whose borders are painted."""
+
+BESIDE = {
+    "shoulder": (0.4, 3.0), "curb": (0.15, 0.3), "sidewalk": (1.0, 3.0), "parking": (2.0, 2.6), "biking": (1.2, 2.2),
+}  # fmt: skip
+"""Widths of what may lie beside the driving lanes, m."""
+
+ROADS, LENGTH = 4, 500.0
+"""Roads of a file that is made up, and the length of each, m."""
+
+
+def repainted(source: Path, target: Path, seed: int) -> None:
+    """Write a road file whose driving lanes have other lines than the source's; all else stays."""
+    tree = etree.parse(str(source))
+    draw = np.random.default_rng(seed)
+    added = draw.uniform(0.0, 0.9)
+    for road in tree.iterfind("road"):
+        inside = road.get("junction", "-1") != "-1"
+        kept = inside and draw.random() < 0.6
+        styles = _Styles(draw)
+        for section in road.iterfind("lanes/laneSection"):
+            lanes = {int(lane.get("id")): lane for lane in section.iter("lane")}
+            for number, lane in lanes.items():
+                where = _where(lanes, number)
+                if where is None:
+                    continue
+                for mark in lane.findall("roadMark"):
+                    bare = mark.get("type") in ("none", "curb", "grass")
+                    if kept or (bare and draw.random() > (0.15 if inside else added)):
+                        continue
+                    _replace(mark, styles.line(where, number))
+    tree.write(str(target), encoding="utf-8", xml_declaration=True)
+
+
+def made_up(target: Path, seed: int) -> None:
+    """Write a road file with some roads that wind up and down, with one to seven lanes each."""
+    draw = np.random.default_rng(seed)
+    drive = etree.Element("OpenDRIVE")
+    etree.SubElement(drive, "header", revMajor="1", revMinor="6", name=target.stem)
+    for number in range(ROADS):
+        drive.append(_road(draw, number))
+    target.write_bytes(etree.tostring(drive, xml_declaration=True, encoding="utf-8"))
+
+
+class _Styles:
+    """The lines of one road: drawn when they are first asked for."""
+
+    def __init__(self, draw: np.random.Generator) -> None:
+        self._draw = draw
+        self._lines: dict[tuple[str, int], etree._Element] = {}
+        self._middle = "yellow" if draw.random() < 0.5 else "white"
+
+    def line(self, where: str, number: int) -> etree._Element:
+        """Return the mark of a lane's outer border."""
+        key = (where, number if self._draw.random() < 0.3 else 0)
+        if key not in self._lines:
+            self._lines[key] = self._drawn(where)
+        return self._lines[key]
+
+    def _drawn(self, where: str) -> etree._Element:
+        draw, shares = self._draw, KINDS[where]
+        kind = str(draw.choice(list(shares), p=np.array(list(shares.values())) / sum(shares.values())))
+        colour = self._middle if where == "centre" or draw.random() < 0.15 else "white"
+        width = float(draw.choice(WIDTHS))
+        mark = etree.Element("roadMark", type=kind, color=colour, weight="standard", width=str(width))
+        if kind == "none":
+            return mark
+        parts = kind.split()
+        apart = float(draw.uniform(0.2, 0.45)) if len(parts) == 2 else 0.0
+        if len(parts) == 2:
+            width = min(width, 0.15)
+        dash, gap = DASHES[int(draw.integers(len(DASHES)))]
+        lines = etree.SubElement(mark, "type", name=kind, width=str(width))
+        for part, side in zip(parts, (0.5, -0.5) if len(parts) == 2 else (0.0,), strict=True):
+            broken = part == "broken"
+            etree.SubElement(
+                lines, "line", length=str(dash if broken else 100.0), space=str(gap if broken else 0.0),
+                tOffset=f"{apart * side:.4f}", sOffset=f"{draw.uniform(0.0, dash + gap) if broken else 0.0:.3f}",
+                width=str(width),
+            )  # fmt: skip
+        return mark
+
+
+def _where(lanes: dict[int, etree._Element], number: int) -> str | None:
+    """Return where the outer border of a lane lies, None where no driving lane is beside it."""
+
+    def driven(k: int) -> bool:
+        return k in lanes and lanes[k].get("type") in DRIVEN
+
+    if number == 0:
+        return "centre" if driven(1) and driven(-1) else "edge" if driven(1) or driven(-1) else None
+    outer = number + (1 if number > 0 else -1)
+    if not driven(number):
+        return "edge" if driven(outer) else None
+    return "between" if driven(outer) else "edge"
+
+
+def _replace(mark: etree._Element, line: etree._Element) -> None:
+    """Give a mark another line; where it begins stays."""
+    begin = mark.get("sOffset", "0")
+    mark.attrib.clear()
+    for child in list(mark):
+        mark.remove(child)
+    mark.attrib.update({"sOffset": begin, **{str(k): str(v) for k, v in line.attrib.items()}})
+    for child in line:
+        mark.append(etree.fromstring(etree.tostring(child)))
+
+
+def _road(draw: np.random.Generator, number: int) -> etree._Element:
+    plan, length = _plan(draw, (0.0, 4000.0 * number))
+    road = etree.Element("road", name=f"road {number}", length=f"{length:.6f}", id=str(number), junction="-1")
+    road.append(plan)
+    road.append(_elevation(draw, length))
+    section = etree.SubElement(etree.SubElement(road, "lanes"), "laneSection", s="0")
+    styles = _Styles(draw)
+    right, left = int(draw.integers(1, 4)), int(draw.choice([0, 1, 1, 2, 3]))
+    widths = float(draw.uniform(2.7, 4.0))
+    between = ["bidirectional"] if left and draw.random() < 0.2 else []
+    sides = {
+        "left": [*between, *["driving"] * left, *_beside(draw)],
+        "center": ["none"],
+        "right": [*["driving"] * right, *_beside(draw)],
+    }
+    numbers = {"left": range(1, 20), "center": range(1), "right": range(-1, -20, -1)}
+    made = {
+        number: etree.Element("lane", id=str(number), type=kind, level="false")
+        for side, kinds in sides.items()
+        for number, kind in zip(numbers[side], kinds, strict=False)
+    }
+    for side in ("left", "center", "right"):
+        group = etree.SubElement(section, side)
+        for k in sorted(set(numbers[side]) & set(made), reverse=True):
+            lane = made[k]
+            group.append(lane)
+            kind = str(lane.get("type"))
+            if k:
+                low, high = (widths - 0.2, widths + 0.2) if kind in DRIVEN else BESIDE[kind]
+                width = f"{draw.uniform(low, high):.3f}"
+                etree.SubElement(lane, "width", sOffset="0", a=width, b="0", c="0", d="0")
+            where = _where(made, k)
+            mark = etree.SubElement(lane, "roadMark", sOffset="0", type="none", color="standard")
+            if where is not None:
+                _replace(mark, styles.line(where, k))
+            if kind in ("sidewalk", "curb"):
+                etree.SubElement(lane, "height", sOffset="0", inner="0.12", outer="0.12")
+    return road
+
+
+def _beside(draw: np.random.Generator) -> list[str]:
+    """Return the types of the lanes between the outermost driving lane and the verge."""
+    choices = ([], [], ["shoulder"], ["shoulder"], ["curb", "sidewalk"], ["parking", "curb", "sidewalk"], ["biking"])
+    return list(choices[int(draw.integers(len(choices)))])
+
+
+def _plan(draw: np.random.Generator, start: tuple[float, float]) -> tuple[etree._Element, float]:
+    """Return straights and bends with clothoids that never turn back, and their length."""
+    plan = etree.Element("planView")
+    (x, y), heading, s = start, 0.0, 0.0
+    while s < LENGTH:
+        side = float(draw.choice([-1.0, 1.0])) if abs(heading) < 0.3 else -math.copysign(1.0, heading)
+        angle = side * float(draw.uniform(0.25, 1.7))
+        radius = math.exp(float(draw.uniform(math.log(16.0), math.log(400.0))))
+        turn = math.copysign(1.0 / radius, angle)
+        spiral = min(float(draw.uniform(0.2, 1.0)) * radius, 0.8 * abs(angle) * radius, 60.0)
+        arc = abs(angle) * radius - spiral
+        straight = float(draw.uniform(5.0, 80.0))
+        for length, first, last in ((straight, 0.0, 0.0), (spiral, 0.0, turn), (arc, turn, turn), (spiral, turn, 0.0)):
+            piece = etree.SubElement(
+                plan, "geometry", s=f"{s:.6f}", x=f"{x:.6f}", y=f"{y:.6f}", hdg=f"{heading:.9f}", length=f"{length:.6f}"
+            )
+            if first == last == 0.0:
+                etree.SubElement(piece, "line")
+            elif first == last:
+                etree.SubElement(piece, "arc", curvature=f"{first:.9f}")
+            else:
+                etree.SubElement(piece, "spiral", curvStart=f"{first:.9f}", curvEnd=f"{last:.9f}")
+            u = np.linspace(0.0, length, 401)
+            bearing = heading + first * u + (last - first) * u * u / (2.0 * length)
+            x += float(np.trapezoid(np.cos(bearing), u))
+            y += float(np.trapezoid(np.sin(bearing), u))
+            heading, s = float(bearing[-1]), s + length
+    return plan, s
+
+
+def _elevation(draw: np.random.Generator, length: float) -> etree._Element:
+    """Return hills: cubics between heights and grades of up to 6 %, level on a third of the roads."""
+    profile = etree.Element("elevationProfile")
+    steepest = 0.0 if draw.random() < 0.35 else 0.06
+    s, z, grade = 0.0, 0.0, 0.0
+    while s < length:
+        span = float(draw.uniform(50.0, 140.0))
+        mean, end = float(draw.uniform(-0.7, 0.7)) * steepest, float(draw.uniform(-1.0, 1.0)) * steepest
+        rise = mean * span
+        c = (3.0 * rise - (2.0 * grade + end) * span) / span**2
+        d = ((grade + end) * span - 2.0 * rise) / span**3
+        etree.SubElement(
+            profile, "elevation", s=f"{s:.6f}", a=f"{z:.6f}", b=f"{grade:.8f}", c=f"{c:.10f}", d=f"{d:.12f}"
+        )
+        s, z, grade = s + span, z + rise, end
+    return profile
