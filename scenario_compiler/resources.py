@@ -85,7 +85,7 @@ def _package_folders() -> tuple[Path, ...]:
 
 
 def maps_folder() -> Path:
-    """Return the folder with the maps that come along."""
+    """Return the folder with the packaged maps."""
     return _root() / "maps"
 
 
@@ -155,8 +155,8 @@ def find_map(name: str, *, beside: Path | None = None, folders: Sequence[Path] =
     """Return the OpenDRIVE file of a map given by its path or its name.
 
     A relative path is tried from the folder of the file that names it, whole and then by its bare name; then on the
-    search path: `folders`, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, the maps that
-    come along; then the same for the name that a map is published under. Names are case-sensitive on every system and
+    search path: `folders`, $SCENARIO_COMPILER_MAPS, $CARLA_ROOT/CarlaUE4/Content/Carla/Maps/OpenDrive, the packaged
+    maps; then the same for the name that a map is published under. Names are case-sensitive on every system and
     ".xodr" may be left out.
 
     Raises:

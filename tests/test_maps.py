@@ -1,4 +1,4 @@
-"""The maps that come along: rebuilt to the byte, closed at every joint, linked, described, and loaded by CARLA."""
+"""The packaged maps: rebuilt to the byte, closed at every joint, linked, described, and loaded by CARLA."""
 
 from __future__ import annotations
 

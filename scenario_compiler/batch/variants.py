@@ -43,7 +43,7 @@ class Family:
     slots: tuple[str, ...]
 
     def values(self, sample: Sample) -> Sample:
-        """Return the part of a sample that fills slots; SweepError when one is no number."""
+        """Return the part of a sample that fills slots; SweepError if one is not a number."""
         values: Sample = {}
         for name in self.slots:
             value = sample[name]

@@ -235,7 +235,7 @@ class ForeignController(ControllerModel):
         numbers = {name: getattr(control, name) for name in _NUMBERS}
         for name, value in numbers.items():
             if not isinstance(value, (int, float)) and not hasattr(value, "__float__"):
-                raise self._misbehaved(f"{name} is {value!r}, which is no number")
+                raise self._misbehaved(f"{name} is {value!r}, which is not a number")
             if not math.isfinite(float(value)):
                 raise self._misbehaved(f"{name} is {float(value)}")
         return control

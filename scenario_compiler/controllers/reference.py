@@ -106,10 +106,10 @@ makes the detector that the scenario names with `self.make_detector(camera)`.
 
 ## When it fails
 
-An exception, a model's file that is missing, `sys.exit` at import, an answer that is no `Control` (of a detector: no
-`LaneResult`) or no finite number: each is the finding SC521 with the controller's or detector's name, the file and the
-line. The run ends there with the stop reason
-`controller_failed`, its recording up to there is kept, and the exit code is 1.
+The following are the finding SC521, with the controller's or detector's name, the file and the line: an exception, a
+missing model file, `sys.exit` at import, or an answer that is not a `Control` (for a detector, a `LaneResult`) or
+contains a number that is not finite. The run ends there with the stop reason `controller_failed`, the recording up to
+that step is kept, and the exit code is 1.
 
 ## What it gets
 

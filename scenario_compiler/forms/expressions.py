@@ -187,7 +187,7 @@ class Expressions:
         assert isinstance(node, ast.Attribute)
         number = number_named(self.source, node)
         if number is None:
-            raise self.broken(node, f"takes {ast.unparse(node)}, which is no number of a module, as a whole")
+            raise self.broken(node, f"takes {ast.unparse(node)}, which is not a number of a module, as a whole")
         return literal(number, ast.unparse(node))
 
     def column(self, node: ast.Attribute) -> tuple[str, str, str]:

@@ -208,7 +208,7 @@ class Node:
     def float(self, attribute: str, default: Real | None = None, *, severity: Severity | None = None) -> Real:
         """Return a number's present value; the parameters that it depends on decide structure.
 
-        What is no number is an error, if nothing else is given.
+        A text that is not a number is an error, unless a severity is given.
         """
         found = self._present(attribute, required=default is None)
         if found is None:

@@ -10,7 +10,7 @@ from scenario_compiler.openscenario.node import Node
 from scenario_compiler.vocabulary.signals import SignalController, SignalPhase, SignalState
 
 OPEN_GROUND = "open_ground"
-"""Name of the map without roads that comes along."""
+"""Name of the packaged map without roads."""
 
 
 def read_map(root: Node) -> str:

@@ -17,7 +17,7 @@ BAD_NUMBER = Code(
     "An attribute of the road file should hold a finite number of sensible size and does not: it is missing, is not a "
     "number, is NaN or infinite, or is larger than any real road needs. The default (mostly 0) is used, or the record "
     "is left out."
-    '\n\n    <geometry s="0" x="nan" y="0" hdg="0" length="50">     x is no finite number'
+    '\n\n    <geometry s="0" x="nan" y="0" hdg="0" length="50">     x is not a finite number'
     "\n\nWrite the number that is meant. Look at what wrote the file where many are wrong.",
     Severity.WARNING,
 )

@@ -43,7 +43,7 @@ class NamedPosition:
 def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPosition]:
     """Return the spawn points by name, in the order of the file; empty for a map without a description.
 
-    A copy of a map that comes along, as an export leaves it, needs no description of its own.
+    A copy of a packaged map, as an export leaves it, needs no description of its own.
     """
     description = _description_file(Path(network_path))
     if not description.is_file():
@@ -61,7 +61,7 @@ def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPo
 
 
 def _description_file(network: Path) -> Path:
-    """Return the description beside a map, or where there is none that of the equal map that comes along."""
+    """Return the description beside a map, or where there is none that of the identical packaged map."""
     beside = network.parent / "map.toml"
     if beside.is_file() or not network.is_file():
         return beside

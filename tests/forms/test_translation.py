@@ -149,7 +149,7 @@ def decides_by_float(x: float) -> int:
         (stores_int, "stores int in st.v[0], which is real"),
         (keeps_two_kinds, "keeps real in y, which is int elsewhere"),
         (writes_program, "writes p.ego"),
-        (takes_column, "takes st.v, which is no number of a module, as a whole"),
+        (takes_column, "takes st.v, which is not a number of a module, as a whole"),
         (reads_no_column, "reads st.nonsense, which is no column"),
         (has_default, "has optional, named or collected arguments"),
         (wrong_order, "does not take p and st first and in this order"),

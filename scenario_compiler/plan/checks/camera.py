@@ -20,7 +20,7 @@ SLACK = 1.0e-6
 
 
 def check_camera(plan: Plan, network: Network, sink: Diagnostics) -> None:
-    """Report a rate whose period is no whole number of control steps."""
+    """Report a rate whose period is not a whole number of control steps."""
     del network
     if plan.camera.rate is None:
         return

@@ -120,7 +120,7 @@ def _check_variable(plan: Plan, word: Any, sink: Diagnostics) -> None:
         sink.add(UNKNOWN_VARIABLE, message, word.place_of("variable"), hint=did_you_mean(word.variable, known))
     elif isinstance(word, ModifyVariableAction):
         if variable.type not in NUMBERS:
-            message = f"'{variable.name}' is no number, but of the type {variable.type}"
+            message = f"'{variable.name}' is not a number: its type is {variable.type}"
             sink.add(WRONG_VALUE, message, word.place_of("variable"))
     elif variable.type != "string" and number_of(variable.type, word.value) is None:
         message = f"'{word.value}' is no value of '{variable.name}', which is of the type {variable.type}"

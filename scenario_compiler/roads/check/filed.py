@@ -125,7 +125,7 @@ def read_filed(document: Document, network: Network | None) -> Filed:
 
 
 def number(element: etree._Element, name: str, default: float = 0.0) -> float:
-    """Return an attribute as a finite number, else the default: what is no number is reported where it is read."""
+    """Return an attribute as a finite number, else the default: the reader reports other texts."""
     try:
         value = float(element.get(name, ""))
     except ValueError:
