@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tests.studies.study import compiled, runs
 
@@ -64,6 +65,7 @@ def condition(folder: Path, budget: float, traffic: str, seeds: range = range(1,
     return Condition(*medians)
 
 
+@pytest.mark.slow
 def test_time_leaves_time_and_traffic_makes_drivers_brake(tmp_path: Path) -> None:
     little, more = ([condition(tmp_path, budget, traffic) for budget in BUDGETS] for traffic in TRAFFIC)
     for found in (little, more):
