@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TextIO
 from scenario_compiler.cli.options import (
     AT_FAULT,
     FINE,
+    PERCEPTIONS,
     Commands,
     WrongUse,
     add_diagnostics,
@@ -49,7 +50,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--perception",
-        choices=("ideal", "camera"),
+        choices=PERCEPTIONS,
         default="ideal",
         help="what tells the automation of its lane in the runs of --separation",
     )

@@ -438,7 +438,6 @@ MEASURES: tuple[Measure, ...] = (
         minimum_lane_time_to_collision,
         total("least_lane_time"),
         "J. Adv. Transp. 2020/6173150, table 2",
-        of_takeover=False,
     ),
     Measure(
         "minimum_time_headway",

@@ -9,7 +9,11 @@ from scenario_compiler.files import split_target
 from scenario_compiler.survey.separating import ATTENTIVE, DRIVERS, SEED, SLOW, Driven, Separated
 from scenario_compiler.vocabulary.sensors import Perception
 
-SEEN_BY: dict[Perception, str] = {"ideal": "ideal perception", "camera": "the camera"}
+SEEN_BY: dict[Perception, str] = {
+    "ideal": "ideal perception",
+    "camera": "the camera",
+    "surrogate": "the camera's surrogate",
+}
 TITLE = "# Drivers that the library separates"
 HEAD = (
     "",

@@ -46,7 +46,6 @@ def test_a_server_that_is_killed_loses_at_most_a_second(tmp_path: Path) -> None:
     study, data = soaking.written(tmp_path, 1, 1, duration=600), tmp_path / "data"
     source = data / "sourcedata" / "sub-01" / "ses-01"
     words = ("study", study, "--perception", "ideal", "--size", "640x360", "-o", data)
-    moments = random.Random(1)
     moments = np.random.default_rng(1).integers(1, 80, CUTS)
     for cut, pictures in enumerate(moments, start=1):
         with served(*words) as server:

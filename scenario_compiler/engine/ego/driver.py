@@ -112,7 +112,15 @@ HAND_RATE = 0.6
 @compiled
 def look_out(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Look ahead as far as the driver sees."""
-    look_ahead(n, p, st, i, driver_sight(p, st), VIEW)
+    reach = driver_sight(p, st)
+    look_ahead(n, p, st, i, reach, VIEW)
+
+
+@compiled
+def look_far(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Look ahead as far as the driver sees what comes towards him, or what stands where that is further."""
+    reach = max(PASSING_SIGHT, driver_sight(p, st))
+    look_ahead(n, p, st, i, reach, VIEW)
 
 
 @compiled
@@ -181,7 +189,7 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
         n, st.path_road[0], st.path_lane[0], st.path_s[0], side, lane_direction(n, st.path_road[0], st.path_lane[0])
     )
     free = gap_is_free(n, p, st, i, st.path_road[0], beside, st.path_s[0])
-    look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
+    look_far(n, p, st, i)
     if st.used_beside[0] == 0:
         return free
     if st.looks_beside[0] < 0.0:
@@ -255,8 +263,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     First within the own lane, then with the lane beside on the left and on the right, of the same direction before one
     of oncoming traffic. It must be wide enough, near enough for a planned evasion before the block, and safe.
     """
-    reach = max(PASSING_SIGHT, driver_sight(p, st))
-    look_ahead(n, p, st, i, reach, VIEW)
+    look_far(n, p, st, i)
     front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
     road, lane, _, s, _ = path_ahead(n, p, st, st.blocked_distance[0] + front)
     found = 0
@@ -399,7 +406,7 @@ def way_out(n: RoadTables, p: Program, st: State, i: int, threat: int) -> tuple[
         beside = neighbour_lane(n, road, lane, s, side, direction)
         if lane_direction(n, road, beside) != direction:
             high = low + wide
-        look_ahead(n, p, st, i, PASSING_SIGHT, VIEW)
+        look_far(n, p, st, i)
         found, target, braking = clear_offset(p, st, i, threat, 0.5 * side * (own + wide), low, high)
         look_out(n, p, st, i)
         if found == 0:

@@ -241,12 +241,11 @@ def look_for_bends(n: RoadTables, p: Program, st: State, i: int) -> None:
     braking = 2.0 * p.const[driving + S_DECELERATION]
     st.slow_row[0] = st.path_row[0]
     st.slow_square[0] = op.FAR
+    st.slow_at[0] = st.odometer[i]
     straight = straight_for(n, st)
     if straight > BEND_TO:
-        st.slow_at[0] = st.odometer[i]
         st.slow_until[0] = st.odometer[i] + straight - BEND_TO
         return
-    st.slow_at[0] = st.odometer[i]
     least = op.FAR
     for k in range(BENDS):
         beyond = BEND_STEP * k
