@@ -30,6 +30,10 @@ BAD_DESCRIPTION = Code(
 )
 
 
+HEAD = 160
+"""Bytes at the begin of a file, its header among them, which an export leaves as they are."""
+
+
 @dataclass(frozen=True, slots=True)
 class NamedPosition:
     """A named place to start: a lane of a road at s, m."""
@@ -43,7 +47,7 @@ class NamedPosition:
 def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPosition]:
     """Return the spawn points by name, in the order of the file; empty for a map without a description.
 
-    A copy of a packaged map, as an export leaves it, needs no description of its own.
+    A copy of a packaged map needs no description of its own, nor does what `map export` makes of one for CARLA.
     """
     description = _description_file(Path(network_path))
     if not description.is_file():
@@ -61,13 +65,33 @@ def read_spawn_points(network_path: str, sink: Diagnostics) -> dict[str, NamedPo
 
 
 def _description_file(network: Path) -> Path:
-    """Return the description beside a map, or where there is none that of the identical packaged map."""
+    """Return the description beside a map, or where there is none that of the packaged map that it is a copy of."""
     beside = network.parent / "map.toml"
     if beside.is_file() or not network.is_file():
         return beside
     described = sorted(maps_folder().glob("*/map.toml"))
-    equal = (one for one in described if any(filecmp.cmp(network, map_, False) for map_ in one.parent.glob("*.xodr")))
+    equal = (one for one in described if any(_is_copy(network, map_) for map_ in one.parent.glob("*.xodr")))
     return next(equal, beside)
+
+
+def _is_copy(network: Path, packaged: Path) -> bool:
+    """Return whether a map is a packaged one, as it is or exported for CARLA."""
+    if filecmp.cmp(network, packaged, False):
+        return True
+    content = read_file(network)
+    return content[:HEAD] == read_file(packaged)[:HEAD] and content == _exported(packaged)
+
+
+@lru_cache(maxsize=8)
+def _exported(packaged: Path) -> bytes:
+    """Return a packaged map as it is exported for CARLA."""
+    from scenario_compiler.document import parse_document
+    from scenario_compiler.roads.export_carla import export_for_carla
+    from scenario_compiler.roads.network import load_network
+
+    sink = Diagnostics()
+    document, network = parse_document(read_file(packaged), str(packaged), sink), load_network(packaged, sink=sink)
+    return b"" if document is None or network is None else export_for_carla(document, network)
 
 
 def _reason(error: Exception) -> str:
