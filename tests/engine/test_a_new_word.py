@@ -28,7 +28,7 @@ WORD = Part(
     "scenario_compiler/vocabulary/actions/control.py",
     (
         (
-            '    mode: Literal["off", "on", "flashing"] = attribute("What it does.")\n',
+            '    mode: Literal["off", "on", "flashing"] = attribute("State of the light.")\n',
             '''
 
 class HonkAction(Word):
@@ -53,7 +53,8 @@ ENTRY = Part(
     "scenario_compiler/engine/moves/appearance.py",
     (
         (
-            'LIGHT = Entry(("light",), light_row, told=Told("light", LIGHTS, lambda word: (word.type, word.mode)))\n',
+            'LIGHT = Entry(("light",), light_row, start_light, told=Told("light", LOGGED, '
+            "lambda word: (word.type, word.mode)))\n",
             """HONK = Entry(
     ("honk",),
     lambda draft, word, actor: ActionRow((0.0, word.duration)),
