@@ -141,6 +141,7 @@ def test_the_camera_asks_before_the_unmarked_turn_of_the_route(file: Path, maps:
     assert 213.76 + 95.0 <= x <= 213.76 + 113.5
 
 
+@pytest.mark.slow
 @pytest.mark.xfail(reason="where a single dash is all that is seen, the confidence is 0.1 to 0.5", strict=True)
 def test_the_camera_does_not_ask_where_the_way_goes_on_with_the_paint(file: Path, maps: Path) -> None:
     recording, _ = _near_the_junction(file, maps)

@@ -167,7 +167,7 @@ def small_disk(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), ("200k", "/s/")])
+@pytest.mark.parametrize(("size", "fails"), [("40k", "/s/parts/"), pytest.param("200k", "/s/", marks=pytest.mark.slow)])
 def test_a_full_tmpfs_keeps_what_was_finished(
     size: str, fails: str, conflict: Path, tmp_path: Path, small_disk: Path
 ) -> None:

@@ -69,7 +69,8 @@ def started(done: Compilation, seed: int) -> tuple[Program, State]:
     return program, state
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 3])
 def test_thirty_vehicles_drive_for_two_minutes(tmp_path: Path, seed: int) -> None:
     done = compiled_text(tmp_path, TOWN)
     p, st = started(done, seed)

@@ -216,6 +216,7 @@ def test_messages_are_sounded_and_spoken_and_by_what_is_recorded(tmp_path: Path,
     assert sorted(given) == [("speech", "file"), ("speech", "text"), ("tone", "file"), ("vibration", "gamepad")]
 
 
+@pytest.mark.slow
 def test_a_profile_of_a_wheel_is_found_by_moving_it(soon: Path, browser: Browser) -> None:
     with (
         served("drive", soon, "--perception", "ideal") as server,

@@ -257,7 +257,8 @@ def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> No
     assert [one["kind"] for one in journal(short, 2)] == ["started", "declined"]
 
 
-@pytest.mark.parametrize("width", [pytest.param(1400, marks=pytest.mark.slow), 390])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1400, 390])
 def test_pages_are_accessible_and_stay_in_the_window(short: Path, browser: Browser, width: int) -> None:
     def checked(page: Page) -> None:
         assert page.evaluate("document.documentElement.scrollWidth") <= width
