@@ -108,7 +108,7 @@ def _rates(name: str) -> tuple[str, float, float]:
         seconds = []
         for _ in range(3):
             began = time.process_time()
-            summaries, _ = simulation.sweep(rows, draws, int(plan.duration / plan.step) + 2)
+            summaries, _ = simulation.sweep(rows, draws, plan.step_limit)
             seconds.append(time.process_time() - began)
         best[perception] = float(summaries[:, SUMMARY.index("rows")].sum()) / min(seconds)
     return name, best["ideal"], best["surrogate"]

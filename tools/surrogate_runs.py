@@ -38,6 +38,7 @@ from scenario_compiler.roads import Network
 from scenario_compiler.roads.lane_types import is_drivable
 from scenario_compiler.roads.lanes import lane_direction, lane_width
 from scenario_compiler.runtime.loop import Execution
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
 from scenario_compiler.vocabulary.sensors import Perception
 from scenario_compiler.vocabulary.weather import WEATHER_PRESETS
 
@@ -153,9 +154,16 @@ def _looks(execution: Execution, *, keep: bool) -> Iterator[Floats]:
         control = execution.control
         if view is None or control is None or control.lanes is None:
             continue
-        error = _path_error(control.trajectory, way, min(max(0.4 * v, 3.0), 20.0))
+        error = _path_error(control.trajectory, way, _look_ahead(v))
         seen = (control.lanes.left.p, control.lanes.right.p, control.sensor_health, error, road, lane, s, now, asking)
         yield np.concatenate([view.ravel(), seen])
+
+
+def _look_ahead(speed: float) -> float:
+    """Return how far ahead the automation steers for at a speed, m."""
+    return min(
+        max(LANE_KEEPING["look_ahead_time"] * speed, LANE_KEEPING["look_ahead_min"]), LANE_KEEPING["look_ahead_max"]
+    )
 
 
 def _path_error(path: Sequence[tuple[float, float]], way: Sequence[tuple[float, float]], reach: float) -> float:

@@ -19,7 +19,7 @@ from scenario_compiler.batch.results import ResultStore, read_results, tally_of
 from scenario_compiler.batch.runner import Batch, Form, Part, Runner, SentPlan, Variant
 from scenario_compiler.batch.sampling import Sample, Sampler, constraints_of, make_sampler
 from scenario_compiler.batch.spec import SweepSpec
-from scenario_compiler.batch.tally import OnProgress, Progress, Tally
+from scenario_compiler.batch.tally import TALLIED, OnProgress, Progress, Tally
 from scenario_compiler.batch.variants import Families, Family
 from scenario_compiler.compiler import declared_parameters
 from scenario_compiler.diagnostics import Diagnostics, Severity
@@ -296,7 +296,7 @@ def execute(sweep: Sweep, store: ResultStore, executor: Executor, progress: OnPr
             columns = pending[number]
             for name, values in batch.columns.items():
                 columns.setdefault(name, []).extend(values)
-            tally += Tally.of(*(batch.columns[name] for name in ("result", "resolution", "outside_domain_time")))
+            tally += Tally.of(*(batch.columns[name] for name in TALLIED))
             if len(columns["result"]) == len(columns["variant"]):
                 store.write_part(number, pending.pop(number))
             tell()

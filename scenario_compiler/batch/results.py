@@ -28,7 +28,7 @@ from scenario_compiler.batch.codebook import (
 )
 from scenario_compiler.batch.distributions import SweepError
 from scenario_compiler.batch.measuring import TAKEOVERS, Columns
-from scenario_compiler.batch.tally import Tally
+from scenario_compiler.batch.tally import TALLIED, Tally
 from scenario_compiler.outputs import LockedError, locked, make_folder, whole_file, write_whole
 from scenario_compiler.recording.arrow import arrow_numbers, arrow_texts
 
@@ -57,9 +57,8 @@ def schema_of(columns: Sequence[Column]) -> pa.Schema:
 
 def tally_of(table: Path) -> Tally:
     """Return what the variants of a sweep's table, or of a part of one, came to."""
-    names = ("result", "resolution", "outside_domain_time")
-    found = _read(table, list(names))
-    return Tally.of(*(found[name].to_pylist() for name in names))
+    found = _read(table, list(TALLIED))
+    return Tally.of(*(found[name].to_pylist() for name in TALLIED))
 
 
 class ResultStore:

@@ -7,6 +7,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+TALLIED = ("result", "resolution", "outside_domain_time")
+"""Columns of a sweep's table that `Tally.of` counts from, in its order."""
+
 
 @dataclass(frozen=True)
 class Tally:
@@ -28,7 +31,7 @@ class Tally:
 
     @classmethod
     def of(cls, results: Iterable[Any], resolutions: Iterable[Any], outside: Iterable[Any]) -> Tally:
-        """Count runs by their columns `result`, `resolution` and `outside_domain_time`, which is NaN or None inside."""
+        """Count runs by their columns `TALLIED`; `outside` is NaN or None where a run stays inside."""
         pairs = list(zip(results, resolutions, strict=True))
         passed, failed, broken_off = (sum(one == kind for one, _ in pairs) for kind in ("pass", "fail", "error"))
         unasked = sum(end == "no_request" and one != "error" for one, end in pairs)

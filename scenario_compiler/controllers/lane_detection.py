@@ -25,7 +25,7 @@ from scenario_compiler.controllers.model import (
     VehicleState,
 )
 from scenario_compiler.controllers.planned_way import LOOKED_AT, shape_of, worth_on_way
-from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING
+from scenario_compiler.vocabulary.lane_keeping import LANE_KEEPING, TRUSTED
 
 if TYPE_CHECKING:
     import numpy as np
@@ -34,9 +34,6 @@ if TYPE_CHECKING:
     from scenario_compiler.perception.lane_detector import Boundary, LaneDetector, LaneResult, LaneState
 
 Point = tuple[float, float]
-
-TRUSTED = 0.3
-"""Confidence from which a boundary leads the path; the request's own threshold."""
 
 PATH_LENGTH = 25
 """Length of the path ahead of the camera that is kept, m: the detector's reach."""

@@ -5,7 +5,11 @@ The German, Finnish and Swedish words have not been checked by native speakers.
 
 from __future__ import annotations
 
+from typing import get_args
+
+from scenario_compiler.recording.names import StateName
 from scenario_compiler.recording.outcome import Outcome
+from scenario_compiler.report.palette import WORDS as STATE_WORDS
 from scenario_compiler.report.wording import outcome_keys
 from scenario_compiler.vocabulary.takeover import Language
 
@@ -51,15 +55,7 @@ WORDS: dict[Language, dict[str, str]] = {
         "behind": "This machine cannot keep up: {} ms behind.",
         "latency": "{} ms from input to picture",
         "rate": "{} pictures a second",
-        # states of the takeover
-        "automated": "automated",
-        "warning": "warning",
-        "request": "takeover request",
-        "escalation": "escalation",
-        "manual": "driver in control",
-        "hand_back": "handing back",
-        "minimum_risk": "minimum-risk manoeuvre",
-        "standstill": "standstill",
+        **{state: STATE_WORDS[state] for state in get_args(StateName)},
         # how a run ended
         "no_request": "no takeover request",
         "stopped": "stopped without a request",

@@ -102,11 +102,11 @@ def write_tidy(root: Path, output: Path) -> int:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(lines)
     write_whole(output, text.getvalue())
-    book = {}
+    book, own = {}, _task(root)
     for one in read_table(root / "codebook.tsv"):
         task = one["table"].removeprefix("task-").removesuffix("_beh")
         column = one["column"]
-        names = (column,) if task == _task(root) else (f"{task}.{place}{column}" for place in PLACES)
+        names = (column,) if task == own else (f"{task}.{place}{column}" for place in PLACES)
         for name in names:
             if name in rows[0]:
                 book[name] = {key: one[key] for key in ("kind", "unit", "definition", "missing") if one[key] != MISSING}

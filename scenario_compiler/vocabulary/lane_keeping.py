@@ -18,3 +18,6 @@ LANE_KEEPING: dict[str, float] = {
     "following_deceleration": 2.0,
 }
 """Name of a parameter to its default, in the order in which the engine has them; SI units."""
+
+TRUSTED = 0.3
+"""Confidence from which a boundary leads the path; the request's own threshold."""

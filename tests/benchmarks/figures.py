@@ -106,7 +106,7 @@ def stepping(done: Compilation, variants: int, runs: int, *, interpreted: bool) 
     engine = Simulation(done.network.tables, program, interpreted=interpreted)
     numbers = rows(done.plan, done.network, [{}] * variants)
     draws = [make_draws(1, k) for k in range(variants)]
-    limit = int(done.plan.duration / done.plan.step) + 2
+    limit = done.plan.step_limit
     summaries, _ = engine.sweep(numbers, draws, limit)
     steps = sum(float(summary[0]) - 1 for summary in summaries)
     cpu = median(runs, lambda: cpu_of(lambda: engine.sweep(numbers, draws, limit)))

@@ -36,7 +36,7 @@ def planned(name: str, **arguments: Any) -> Plan:
 def driven(plan: Plan, variants: int = 1) -> Both:
     network = load_network(plan.map.file)
     program = build_program(plan, network)
-    limit = int(plan.duration / plan.step) + 2
+    limit = plan.step_limit
     return run_both(
         network.tables, program, [list(program.const)] * variants, [make_draws(k) for k in range(variants)], limit
     )

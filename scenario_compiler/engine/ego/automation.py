@@ -7,7 +7,7 @@ from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.around import note_lane_time
-from scenario_compiler.engine.ego.driver import drive_by_hand, look_out
+from scenario_compiler.engine.ego.driver import drive_by_hand, look_with_eyes
 from scenario_compiler.engine.ego.foresight import LIFT_OFF, notice
 from scenario_compiler.engine.ego.lane_confidence import ideal_confidence
 from scenario_compiler.engine.ego.lane_memory import remember_lane, remembered_angle, steers_by_memory
@@ -16,9 +16,9 @@ from scenario_compiler.engine.ego.merging import consider_merge
 from scenario_compiler.engine.ego.objects_ahead import find_block, gap_to_keep, judge_objects, minds_limit
 from scenario_compiler.engine.ego.person import heed_person
 from scenario_compiler.engine.ego.progress import watch_progress
-from scenario_compiler.engine.ego.reach import sensor_reach
+from scenario_compiler.engine.ego.reach import look_with_sensor
 from scenario_compiler.engine.ego.reference import drive_by_reference
-from scenario_compiler.engine.ego.sensor import find_lane_end, look_ahead
+from scenario_compiler.engine.ego.sensor import find_lane_end
 from scenario_compiler.engine.ego.surrogate import drive_as_seen, seen_angle, surrogate_confidence
 from scenario_compiler.engine.ego.takeover import step_takeover
 from scenario_compiler.engine.ego.warning import warning_distance
@@ -47,10 +47,9 @@ def driven_by_hand(st: State) -> int:
 def sense(n: RoadTables, p: Program, st: State, i: int) -> int:
     """Look ahead with the forward sensor, or with the eyes of the driver who drives; return what blocks the path."""
     if driven_by_hand(st) == 1:
-        look_out(n, p, st, i)
+        look_with_eyes(n, p, st, i)
     else:
-        reach = sensor_reach(p, st)
-        look_ahead(n, p, st, i, reach, p.const[slot.K_FIELD_OF_VIEW])
+        look_with_sensor(n, p, st, i)
     st.red_line[0] = red_ahead(n, p, st, i) if p.head_count[0] > 0 else op.FAR
     note_lane_time(p, st, i)
     judge_objects(p, st, i)
@@ -126,7 +125,7 @@ def merge_if_due(n: RoadTables, p: Program, st: State, i: int) -> None:
 def control_ego(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Do one control step: sense, merge where it is due, step the takeover machine, drive."""
     if p.replaced_by[0] != op.REFERENCE_NONE:
-        look_out(n, p, st, i)
+        look_with_eyes(n, p, st, i)
         note_lane_time(p, st, i)
         drive_by_reference(n, p, st, i, p.replaced_by[0])
         return

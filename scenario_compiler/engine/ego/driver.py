@@ -110,7 +110,7 @@ HAND_RATE = 0.6
 
 
 @compiled
-def look_out(n: RoadTables, p: Program, st: State, i: int) -> None:
+def look_with_eyes(n: RoadTables, p: Program, st: State, i: int) -> None:
     """Look ahead as far as the driver sees."""
     reach = driver_sight(p, st)
     look_ahead(n, p, st, i, reach, VIEW)
@@ -273,7 +273,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
             side = 0 if choice == 0 else 3 - 2 * ((choice - 1) % 2 + 1)
             against = 1 if choice >= 3 else 0
             found, centre = corridor_beside(n, p, st, i, blocker, road, lane, s, side, against)
-    look_out(n, p, st, i)
+    look_with_eyes(n, p, st, i)
     return found, centre
 
 
@@ -360,7 +360,7 @@ def free_behind(n: RoadTables, p: Program, st: State, i: int, lane: int) -> int:
         if j != i and length_of(st.x[j] - st.x[i], st.y[j] - st.y[i]) < GAP_HORIZON:
             measure_on_way(n, p, st, j)
     free = gap_behind_free(p, st, i)
-    look_out(n, p, st, i)
+    look_with_eyes(n, p, st, i)
     return free
 
 
@@ -408,7 +408,7 @@ def way_out(n: RoadTables, p: Program, st: State, i: int, threat: int) -> tuple[
             high = low + wide
         look_far(n, p, st, i)
         found, target, braking = clear_offset(p, st, i, threat, 0.5 * side * (own + wide), low, high)
-        look_out(n, p, st, i)
+        look_with_eyes(n, p, st, i)
         if found == 0:
             continue
         if high <= low and free_behind(n, p, st, i, beside) == 0:

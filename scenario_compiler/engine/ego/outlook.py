@@ -9,12 +9,10 @@ from __future__ import annotations
 from math import cos, sin
 
 from scenario_compiler.engine.columns import opcodes as op
-from scenario_compiler.engine.columns import slots as slot
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.objects_ahead import gap_to_keep, judge_objects
-from scenario_compiler.engine.ego.reach import sensor_reach
-from scenario_compiler.engine.ego.sensor import look_ahead
+from scenario_compiler.engine.ego.reach import look_with_sensor
 from scenario_compiler.engine.motion.path import advance_routed
 from scenario_compiler.engine.motion.signals_ahead import red_ahead
 from scenario_compiler.marker import compiled
@@ -31,8 +29,7 @@ def look_out(n: RoadTables, p: Program, st: State, out: list[float]) -> int:
     there is none in reach; then x (ahead) and y (left) of each point in the ego's axes.
     """
     ego = p.ego[0]
-    reach = sensor_reach(p, st)
-    look_ahead(n, p, st, ego, reach, p.const[slot.K_FIELD_OF_VIEW])
+    look_with_sensor(n, p, st, ego)
     st.red_line[0] = red_ahead(n, p, st, ego) if p.head_count[0] > 0 else op.FAR
     judge_objects(p, st, ego)
     gap, lead = gap_to_keep(p, st, ego)

@@ -48,6 +48,7 @@ from scenario_compiler.engine.ego.camera_health import (
     tones_health,
 )
 from scenario_compiler.engine.ego.failures import health_of_camera
+from scenario_compiler.engine.ego.sensor import look_ahead
 from scenario_compiler.engine.ego.visibility import (
     W_DUST_STORM,
     W_FOG_DENSITY,
@@ -58,6 +59,7 @@ from scenario_compiler.engine.ego.visibility import (
     haze_extinction,
 )
 from scenario_compiler.marker import compiled
+from scenario_compiler.roads.tables import RoadTables
 
 MM_PER_PERCENT = 0.5
 """Rain for each percent of `precipitation`, mm/h; 50 mm/h is a cloudburst in the German weather service's terms."""
@@ -187,3 +189,10 @@ def sensor_reach(p: Program, st: State) -> float:
         st.reach_health[0] = health
         st.sensor_reach[0] = reach_in_weather(p, st, quality_of_sensor(p, health))
     return st.sensor_reach[0]
+
+
+@compiled
+def look_with_sensor(n: RoadTables, p: Program, st: State, i: int) -> None:
+    """Look ahead as far as the forward sensor sees now."""
+    reach = sensor_reach(p, st)
+    look_ahead(n, p, st, i, reach, p.const[slot.K_FIELD_OF_VIEW])

@@ -37,6 +37,7 @@ from scenario_compiler.engine.motion.steering import aim, path_point
 from scenario_compiler.marker import compiled
 from scenario_compiler.randomness import random_hash
 from scenario_compiler.roads.tables import LINE, RoadTables
+from scenario_compiler.vocabulary.lane_keeping import TRUSTED
 
 FIRST_AT = 2 * VIEW_SIZE
 SECOND_AT = FIRST_AT + (VIEW_SIZE + 1) * UNITS
@@ -66,9 +67,6 @@ COEFFICIENTS = DRIVING_AT + DRIVING
 
 PATH_SIDE = 2
 """The stream of the path's noise beside those of the left (0) and the right (1) boundary."""
-
-TRUSTED = 0.3
-"""Confidence from which a boundary leads the path, as in `lane_detection`."""
 
 FARTHEST_OFF = 3.0
 """Greatest distance between the lane's centre and the followed path, m."""

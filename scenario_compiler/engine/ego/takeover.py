@@ -15,8 +15,7 @@ from scenario_compiler.engine.ego.answering import note_stages, plan_answer
 from scenario_compiler.engine.ego.around import note_density
 from scenario_compiler.engine.ego.limits import closing_speed, lane_ends, request_distance
 from scenario_compiler.engine.ego.minimum_risk import minimum_risk_due
-from scenario_compiler.engine.ego.reach import sensor_reach
-from scenario_compiler.engine.ego.sensor import look_ahead
+from scenario_compiler.engine.ego.reach import look_with_sensor
 from scenario_compiler.engine.ego.standing import log_standstill
 from scenario_compiler.engine.ego.unchanged import time_left
 from scenario_compiler.engine.ego.warning import (
@@ -112,8 +111,7 @@ def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
     foreseen = foreseen_cause(n, p, st, i)
     if cause != op.CAUSE_NONE:
         note_density(n, p, st, i)
-        reach = sensor_reach(p, st)
-        look_ahead(n, p, st, i, reach, p.const[slot.K_FIELD_OF_VIEW])
+        look_with_sensor(n, p, st, i)
         request_takeover(p, st, cause)
         st.limit_time[0] = time_left(n, p, st, i, cause)
     elif st.ordered_warning[0] == 1 and st.takeover_state[0] == op.TAKEOVER_AUTOMATED:
