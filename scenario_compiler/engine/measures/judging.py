@@ -10,7 +10,7 @@ from scenario_compiler.engine.columns.totals import Totals
 from scenario_compiler.engine.measures.inputs import add_inputs
 from scenario_compiler.engine.measures.lane_keeping import add_keeping, add_to_keeping, finish_keeping
 from scenario_compiler.engine.measures.reversals import add_steering
-from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover
+from scenario_compiler.engine.measures.takeover import SAME_TIME, add_takeover, behind_collision
 from scenario_compiler.engine.measures.takeovers import add_takeovers
 from scenario_compiler.marker import compiled
 
@@ -52,7 +52,7 @@ def judge_row(p: Program, st: State, m: Totals) -> None:
         if m.row_on_road[0] == 0:
             m.rows_off_road[0] += 1
     before = m.time_collision[0] < 0.0 or m.row_time[0] < m.time_collision[0] - SAME_TIME
-    if m.time_collision[0] < 0.0 or m.row_time[0] <= m.time_collision[0] + SAME_TIME:
+    if behind_collision(m) == 0:
         m.least_lane_time[0] = min(m.least_lane_time[0], m.row_lane_time[0])
     if before or m.rows[0] == 1:
         m.speed_before_collision[0] = m.row_v[0]

@@ -20,6 +20,12 @@ def since(m: Totals, time: float) -> int:
 
 
 @compiled
+def behind_collision(m: Totals) -> int:
+    """Return 1 where the last row is behind the first collision."""
+    return 1 if m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME else 0
+
+
+@compiled
 def add_request(m: Totals) -> None:
     """Note the speed at the first request, and what it is about, in the first row behind it that has a cause.
 
@@ -41,7 +47,7 @@ def add_request(m: Totals) -> None:
 @compiled
 def add_driving(m: Totals) -> None:
     """Add how the ego is driven in a row from the request on."""
-    if m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME:
+    if behind_collision(m) == 1:
         return
     m.greatest_longitudinal[0] = max(m.greatest_longitudinal[0], abs(m.row_a[0]))
     if m.rows[0] > 1:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.columns.totals import TAKEOVERS, Totals
-from scenario_compiler.engine.measures.takeover import SAME_TIME
+from scenario_compiler.engine.measures.takeover import SAME_TIME, behind_collision
 from scenario_compiler.marker import compiled
 
 
@@ -28,7 +28,7 @@ def note_state(m: Totals, k: int, state: int) -> None:
 @compiled
 def add_quality(m: Totals, k: int) -> None:
     """Add how takeover k is driven in the last row, up to the first collision."""
-    if m.row_present[0] == 0 or (m.time_collision[0] >= 0.0 and m.row_time[0] > m.time_collision[0] + SAME_TIME):
+    if m.row_present[0] == 0 or behind_collision(m) == 1:
         return
     m.takeover_lane_time[k] = min(m.takeover_lane_time[k], m.row_lane_time[0])
     m.takeover_longitudinal[k] = max(m.takeover_longitudinal[k], abs(m.row_a[0]))
