@@ -5,9 +5,9 @@ condition are averaged first, and each participant counts once, with one number:
 1990, BMJ 300:230-235). Counting trials instead is pseudoreplication (Hurlbert 1984).
 
 For two levels of a factor each participant gives one difference: that of the means of the two levels where all other
-factors are the same, averaged over these. A cell without a value thus leaves both of its sides out. The interval of the
-mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power is that
-of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
+factors are the same, averaged over these. A cell without a value thus leaves both of its sides out. The interval of
+the mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power is
+that of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def differences(rows: Rows, factor: str, measure: str) -> list[Difference]:
         people: dict[str, list[float]] = {}
         for (level, person, *same), value in means.items():
             if level == first and (second, person, *same) in means:
-                people.setdefault(person, []).append(means[second, person, *same] - value)
+                people.setdefault(person, []).append(means[(second, person, *same)] - value)
         mean = mean_of([float(np.mean(values)) for values in people.values()])
         effect = mean.mean / mean.deviation if mean.deviation > 0 else math.nan
         power = power_of(effect, mean.count)
