@@ -3,8 +3,8 @@
 Entering and leaving have thresholds and least durations of their own, so that no warning flickers: a reason must hold
 for `warning_after`; a warning lasts `warning_least` and until no reason has been there for `warning_clear`. A camera
 that fails altogether cannot be foreseen and is not warned of: while its health is below the request's threshold,
-neither it nor the lane that it does not see is a reason to warn. A limit ahead that is seen too late for a warning to lead
-the request is not warned of either: there is only the request.
+neither it nor the lane that it does not see is a reason to warn. A limit ahead that is seen too late for a warning to
+lead the request is not warned of either: there is only the request.
 """
 
 from __future__ import annotations
