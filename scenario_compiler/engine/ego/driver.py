@@ -18,6 +18,7 @@ from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.seeds import run_seed
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.foresight import CALL, LIFT_OFF, ONCOMING, called_for, meets, reacts_to
+from scenario_compiler.engine.ego.objects_ahead import row_gap
 from scenario_compiler.engine.ego.passing import (
     CLEARANCE,
     GIVE_UP_TIME,
@@ -36,6 +37,7 @@ from scenario_compiler.engine.ego.sensor import (
     gap_between,
     gap_is_free,
     look_ahead,
+    obstructs,
 )
 from scenario_compiler.engine.motion.ahead import measure_on_way, walk
 from scenario_compiler.engine.motion.beside import neighbour_lane
@@ -204,13 +206,30 @@ def gap_beside_free(n: RoadTables, p: Program, st: State, i: int, side: int) -> 
 
 
 @compiled
-def evasion_over(p: Program, st: State, i: int, centre: float) -> float:
+def room_to_move(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
+    """Return the distance to the first thing that stands where the ego moves to a corridor past a block, m.
+
+    That is the block, or what stands less than a `row_gap` before it beside the lane.
+    """
+    front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
+    half = 0.5 * p.const[p.entity_const[i] + slot.E_WIDTH]
+    begin = st.near[blocker] - row_gap(st, i)
+    room = st.blocked_distance[0]
+    for j in range(p.entity_count[0]):
+        aside = st.low[j] < max(centre, st.path_off[0]) + half and st.high[j] > min(centre, st.path_off[0]) - half
+        if aside and obstructs(st, j, front) == 1 and st.far[j] >= begin:
+            room = min(room, max(st.near[j] - front, 0.0))
+    return room - 1.0
+
+
+@compiled
+def evasion_over(p: Program, st: State, i: int, blocker: int, centre: float) -> float:
     """Return the distance over which the move to a corridor past a block is spread, m.
 
     It is over well before the block: who has little time moves faster, up to the greatest lateral acceleration.
     """
     change = centre - st.path_off[0]
-    room = st.blocked_distance[0] - 1.0
+    room = room_to_move(p, st, i, blocker, centre)
     gentle = min(shift_distance(st.v[i], change, RETURN_ACCELERATION), EVASION_SHARE * room)
     return min(max(gentle, shift_distance(st.v[i], change, p.const[slot.K_DRIVER_LATERAL])), room)
 
@@ -245,16 +264,17 @@ def corridor_beside(
         high = low + wide
         left = max(left, high)
         right = min(right, low)
-    begin = st.near[blocker] - size
+    begin = st.near[blocker] - row_gap(st, i)
     end = front + st.blocked_far[0] + size
     found, centre, _ = gap_between(p, st, begin, end, front, right, left, need, 0.0)
     if found == 0:
         return 0, 0.0
-    if shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL]) > st.blocked_distance[0] - 1.0:
+    fastest = shift_distance(st.v[i], centre - st.path_off[0], p.const[slot.K_DRIVER_LATERAL])
+    if fastest > room_to_move(p, st, i, blocker, centre):
         return 0, 0.0
     if against == 0:
         high = low
-    out = evasion_over(p, st, i, centre)
+    out = evasion_over(p, st, i, blocker, centre)
     if meets_oncoming(p, st, i, centre, out, evasion_length(p, st, i), op.NONE, 0.0, MEETING_TIME, 0, low, high) == 1:
         return 0, 0.0
     if side != 0 and against == 0 and gap_beside_free(n, p, st, i, side) == 0:
@@ -285,9 +305,9 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
 
 
 @compiled
-def evade(p: Program, st: State, i: int, centre: float) -> None:
-    """Plan the move to a corridor, and how far it is kept."""
-    plan_shift(st, i, centre, evasion_over(p, st, i, centre))
+def evade(p: Program, st: State, i: int, blocker: int, centre: float) -> None:
+    """Plan the move to a corridor past a block, and how far it is kept."""
+    plan_shift(st, i, centre, evasion_over(p, st, i, blocker, centre))
     st.evade_until[0] = st.odometer[i] + evasion_length(p, st, i)
     st.evade_commit[0] = 0.5 * (st.shift_begin[0] + st.shift_end[0])
     st.manoeuvre[0] = op.MANOEUVRE_EVADE
@@ -484,7 +504,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
         if st.style[0] != op.STYLE_BRAKES and abs(st.across[blocker]) < CROSSING:
             found, centre = find_corridor(n, p, st, i, blocker)
             if found == 1:
-                evade(p, st, i, centre)
+                evade(p, st, i, blocker, centre)
                 return
         begin_braking(st, st.blocked_distance[0])
         return
