@@ -424,12 +424,12 @@ def compile_built(
 def _refuse_values(overrides: object, maps: object, templates: object, trust: object) -> None:
     """Raise TypeError for what a caller meant as the value of a scenario's parameter of that name."""
     if not isinstance(overrides, Overrides | None):
-        raise TypeError(f"overrides is an Overrides, not {overrides!r}; it gives no parameter its value")
+        raise TypeError(f"overrides is an Overrides, not {overrides!r}; it does not set a parameter")
     for name, folders in (("maps", maps), ("templates", templates)):
         if isinstance(folders, str) or not isinstance(folders, Sequence):
-            raise TypeError(f"{name} is a list of folders, not {folders!r}; it gives no parameter its value")
+            raise TypeError(f"{name} is a list of folders, not {folders!r}; it does not set a parameter")
     if not isinstance(trust, Trust | None):
-        raise TypeError(f"trust is a Trust, not {trust!r}; it gives no parameter its value")
+        raise TypeError(f"trust is a Trust, not {trust!r}; it does not set a parameter")
 
 
 def _as_text(value: object) -> str:

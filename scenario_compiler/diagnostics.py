@@ -163,8 +163,8 @@ MANY_FINDINGS = Code(
     "many-findings",
     "The file has too many faults of one kind to list: 100 of each kind are shown, the others are only counted.\n\n"
     '    <lane id="-1" typ="driving">...</lane>     in each of 2000 lanes: 1900 are counted\n\n'
-    "So many equal faults usually have one cause, in the program that wrote the file or in the version in its header. "
-    "Correct that, and check the file again.",
+    "So many equal faults usually have a single cause, such as the program that wrote the file or the version in "
+    "its header. Correct the cause, and check the file again.",
     Severity.WARNING,
 )
 

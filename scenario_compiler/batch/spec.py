@@ -36,7 +36,7 @@ class SweepSpec(BaseModel):
     trust: tuple[str, ...] = Field(default=(), description="Code that the scenario may name; see `Trust`.")
     traces: str = Field(default="", description="Which variants' traces are kept: worst:K, random:K, all or none.")
     errors: tuple[str, ...] = Field(default=(), description="Codes of warnings that are errors, `all` for every one.")
-    allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that are no errors all the same.")
+    allowed: tuple[str, ...] = Field(default=(), description="Codes of warnings that stay warnings nevertheless.")
     time_limit: float | None = Field(default=None, gt=0, description="Greatest time that a variant may take, s.")
     interpreted: bool = Field(default=False, description="Run variants without a camera in the interpreted engine.")
 

@@ -47,7 +47,7 @@ ready, s: a camera that is heard sends a picture of every tick, however busy the
 
 BEGINNING = 0.3
 """How long a new episode stands still in asynchronous mode after its first snapshot, s: a client then leaves the stream
-of snapshots and joins it anew. CARLA's own worlds begin more slowly.
+of snapshots and joins it again. CARLA's own worlds begin more slowly.
 """
 
 SETTLING = 0.001

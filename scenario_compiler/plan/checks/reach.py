@@ -64,7 +64,7 @@ def check_range(plan: Plan, network: Network, sink: Diagnostics) -> None:
     if reach < budget * speed:
         message = (
             f"a budget of {budget:g} s at {speed:g} m/s is {budget * speed:.0f} m, but the forward sensor sees "
-            f"{reach:g} m: the car asks {reach / speed:.1f} s before what it sees"
+            f"{reach:g} m: the request comes {reach / speed:.1f} s before the limit"
         )
         sink.add(BLIND_BUDGET, message, plan.takeover.place_of("budget"))
 
