@@ -83,12 +83,12 @@ def _check_sight(plan: Plan, reach: float, sink: Diagnostics) -> None:
     asked = obstacle_budget(plan)
     if asked is None:
         return
-    budget, speed = asked
-    if reach < budget * speed <= number_value(plan.forward_sensor.range, parameter_values(plan.parameters)):
+    needed = asked.time * asked.speed
+    if reach < needed <= number_value(plan.forward_sensor.range, parameter_values(plan.parameters)):
         message = (
-            f"a budget of {budget:g} s at {speed:g} m/s is {budget * speed:.0f} m, but in this weather and with its "
-            f"noise the {plan.forward_sensor.kind} sees {reach:.0f} m: the request comes {reach / speed:.1f} s before "
-            "the limit"
+            f"a budget of {asked.time:g} s at {asked.speed:g} m/s is {needed:.0f} m, but in this weather and with its "
+            f"noise the {plan.forward_sensor.kind} sees {reach:.0f} m: the request comes {reach / asked.speed:.1f} s "
+            "before the limit"
         )
         sink.add(SHORT_SIGHT, message, place_of(plan, "weather"))
 

@@ -29,6 +29,7 @@ from scenario_compiler.engine.program.build import build_program, lowered
 from scenario_compiler.engine.reference_runs import avoided_by
 from scenario_compiler.engine.simulation import Simulation
 from scenario_compiler.forms.failure import EngineError
+from scenario_compiler.perception.faults import CameraFaults
 from scenario_compiler.plan.model import Plan
 from scenario_compiler.recording.break_off import BROKE_OFF, QUANTITIES, break_off_text
 from scenario_compiler.recording.names import SOURCES, STOP_REASONS, TAKEOVER_STATES, WISHES, EventKind, StopReason
@@ -47,7 +48,6 @@ from scenario_compiler.vocabulary.sensors import EXPOSURE_AT_ONE
 from scenario_compiler.vocabulary.weather import weather_of
 from scenario_compiler.worlds import (
     WORLDS,
-    CameraFaults,
     EgoCommand,
     EgoState,
     Entities,

@@ -189,7 +189,7 @@ class StudyServer:
                 }
                 for one in (() if study.probe is None else study.probe.queries)
             ]
-            texts = {key: words[key] for key in ("continue", "probe", "paused")}
+            texts = {key: words[key] for key in ("continue", "probe", "paused", "over")}
             told = described(attendance.drive())
             told["name"], told["summary"] = f"{words['run']} {step.trial.number}", ""
             told["study"] = {"words": texts, "queries": queries}

@@ -1,14 +1,12 @@
 """Worlds that a plan is executed in, and the table of their names.
 
 In: a plan, its map and the engine's snapshots. Out: camera images, and where the world's own physics has moved the ego
-vehicle. Imports controllers' types, perception, the plan,
-roads and the hall.
+vehicle. Imports controllers' types, perception, the plan, roads and the hall.
 """
 
 from __future__ import annotations
 
 from scenario_compiler.worlds.model import (
-    CameraFaults,
     EgoCommand,
     EgoState,
     Entities,
@@ -29,7 +27,6 @@ WORLDS: dict[str, str] = {
 
 __all__ = [
     "WORLDS",
-    "CameraFaults",
     "EgoCommand",
     "EgoState",
     "Entities",

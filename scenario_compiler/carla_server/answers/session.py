@@ -74,7 +74,7 @@ async def load_episode(host: Host, name: str, reset: bool, layers: int) -> None:
         town = await asyncio.to_thread(generate_town, host.generated)
     else:
         town = await host.load(name)
-    host.change_town(town, reset=reset)
+    host.change_town_when_joined(town, reset=reset)
 
 
 def copy_opendrive(host: Host, text: str, parameters: list[Any]) -> None:

@@ -12,6 +12,7 @@ from math import cos, pi
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.log import log_event
 from scenario_compiler.engine.columns.numbers import clip, length_of, ratio, safe_sqrt
 from scenario_compiler.engine.columns.program import Program
@@ -226,7 +227,7 @@ def corridor_beside(
     """
     base = p.entity_const[i]
     size = p.const[base + slot.E_LENGTH]
-    front = p.const[base + slot.E_CENTER] + 0.5 * size
+    front = front_of(p, i)
     need = p.const[base + slot.E_WIDTH] + 2.0 * CLEARANCE
     left = st.border_left[blocker]
     right = st.border_right[blocker]
@@ -264,7 +265,7 @@ def find_corridor(n: RoadTables, p: Program, st: State, i: int, blocker: int) ->
     of oncoming traffic. It must be wide enough, near enough for a planned evasion before the block, and safe.
     """
     look_far(n, p, st, i)
-    front = p.const[p.entity_const[i] + slot.E_CENTER] + 0.5 * p.const[p.entity_const[i] + slot.E_LENGTH]
+    front = front_of(p, i)
     road, lane, _, s, _ = path_ahead(n, p, st, st.blocked_distance[0] + front)
     found = 0
     centre = 0.0
@@ -460,8 +461,7 @@ def choose_manoeuvre(n: RoadTables, p: Program, st: State, i: int, blocker: int)
                     st.style[0] = op.STYLE_BOTH
                 evade_moving(p, st, i, threat, target)
                 return
-        base = p.entity_const[i]
-        front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+        front = front_of(p, i)
         begin_braking(st, st.near[threat] - front)
         return
     st.manoeuvre[0] = op.MANOEUVRE_MERGE if st.merging[0] == 1 else op.MANOEUVRE_KEEP
@@ -496,8 +496,7 @@ def stop_before_block(p: Program, st: State, i: int) -> float:
 def follow_all(p: Program, st: State, i: int, corridor: float, slowest: float) -> float:
     """Return the acceleration that all that is ahead in a corridor allows; what is new is not braked for yet."""
     wanted = idm_acceleration(p, i, st.v[i], st.target_speed[0], op.FAR, 0.0)
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     for j in range(p.entity_count[0]):
         called = called_for(p, st, i, j, corridor, slowest)
         if called >= op.FAR or (st.seeks_gap[0] == 1 and st.ahead_is[j] == op.AHEAD_BLOCKING):
@@ -532,8 +531,7 @@ def press_pedals(p: Program, st: State, i: int) -> None:
     if st.lane_end_distance[0] < op.FAR and st.merging[0] == 0:
         wanted = min(wanted, stop_within(p, st, i, st.lane_end_distance[0], 0.0))
     if st.red_line[0] < op.FAR:
-        base = p.entity_const[i]
-        front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+        front = front_of(p, i)
         wanted = min(wanted, stop_within(p, st, i, st.red_line[0] - front, 0.0))
     step = BRAKE_JERK * p.const[slot.K_STEP] * p.control_every[0]
     wanted = clip(come_to_rest(st.v[i], wanted), max(-hardest, st.pedal[0] - step), st.pedal[0] + step)

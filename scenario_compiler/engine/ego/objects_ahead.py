@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of
 from scenario_compiler.engine.columns.program import Program
 from scenario_compiler.engine.columns.state import State
 from scenario_compiler.engine.ego.limits import behaviour
@@ -31,7 +32,7 @@ BESIDE_LEADER = 0.1
 def in_corridor(p: Program, st: State, i: int, j: int, beside: float) -> int:
     """Return 1 where a seen object ahead reaches into the corridor of i's width and `beside` on either side."""
     base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     half = 0.5 * p.const[base + slot.E_WIDTH] + beside
     if st.seen[j] == 0 or st.on_way[j] == 0 or st.far[j] <= front:
         return 0
@@ -101,8 +102,7 @@ def follows_any(p: Program, st: State) -> int:
 @compiled
 def nearest_ahead(p: Program, st: State, i: int, what: int) -> tuple[int, float]:
     """Return (entity, gap from the front) of the nearest object ahead that is `what`, (NONE, FAR) for none."""
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     found = op.NONE
     gap = op.FAR
     for j in range(p.entity_count[0]):
@@ -117,7 +117,7 @@ def find_block(p: Program, st: State, i: int) -> int:
     """Write where the path is first blocked; return the entity that blocks it, NONE for a free path."""
     base = p.entity_const[i]
     size = p.const[base + slot.E_LENGTH]
-    front = p.const[base + slot.E_CENTER] + 0.5 * size
+    front = front_of(p, i)
     st.blocked_distance[0] = op.FAR
     st.blocked_far[0] = op.FAR
     st.blocked_speed[0] = 0.0
@@ -153,8 +153,7 @@ def gap_to_keep(p: Program, st: State, i: int) -> tuple[float, float]:
     That is the nearest of the followed objects, a red signal's line, and what blocks the path where the automation
     minds it.
     """
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     gap = op.FAR
     speed = 0.0
     if behaviour(p, st) != op.BEHAVIOUR_HOLD_SPEED:

@@ -6,6 +6,7 @@ from math import cos, pi, sin
 
 from scenario_compiler.engine.columns import opcodes as op
 from scenario_compiler.engine.columns import slots as slot
+from scenario_compiler.engine.columns.extent import front_of, rear_of
 from scenario_compiler.engine.columns.numbers import clip, length_of, safe_sqrt
 from scenario_compiler.engine.columns.presence import there_for
 from scenario_compiler.engine.columns.program import Program
@@ -47,8 +48,7 @@ LEAST_GAP = 2.0
 @compiled
 def open_eye(p: Program, st: State, i: int, reach: float, view: float) -> None:
     """Let i look from its front bumper along its heading, within a range and a full angle of view."""
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     c = cos(st.h[i])
     s = sin(st.h[i])
     st.eye_x[0] = st.x[i] + front * c
@@ -170,8 +170,7 @@ def foresee(st: State, i: int, j: int, front: float) -> None:
 @compiled
 def look_ahead(n: RoadTables, p: Program, st: State, i: int, reach: float, view: float) -> None:
     """Measure every entity on the ego's way and tell which of those ahead are seen in a range and an angle of view."""
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     far = reach + 50.0
     open_eye(p, st, i, reach, view)
     walk_route(n, p, st, far)
@@ -277,8 +276,7 @@ def in_lane(st: State, j: int) -> int:
 @compiled
 def gap_ahead_free(p: Program, st: State, i: int, front: float) -> int:
     """Return 1 where nothing in the walked lane is beside the ego or nearer ahead than the time gap asks for."""
-    base = p.entity_const[i]
-    rear = 0.5 * p.const[base + slot.E_LENGTH] - p.const[base + slot.E_CENTER]
+    rear = rear_of(p, i)
     keep = max(LEAST_GAP, p.const[slot.K_GAP_FRONT] * st.v[i])
     for j in range(p.entity_count[0]):
         if j != i and in_lane(st, j) == 1 and st.far[j] > -rear - LEAST_GAP and st.near[j] < front + keep:
@@ -289,8 +287,7 @@ def gap_ahead_free(p: Program, st: State, i: int, front: float) -> int:
 @compiled
 def gap_behind_free(p: Program, st: State, i: int) -> int:
     """Return 1 where nobody in the lane walked backwards closes up too soon."""
-    base = p.entity_const[i]
-    rear = 0.5 * p.const[base + slot.E_LENGTH] - p.const[base + slot.E_CENTER]
+    rear = rear_of(p, i)
     for j in range(p.entity_count[0]):
         if j != i and in_lane(st, j) == 1 and st.near[j] > rear:
             closing = max(-st.along[j] - st.v[i], 0.0)
@@ -307,8 +304,7 @@ def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: i
     whether there is anybody in that lane.
     """
     st.used_beside[0] = 0
-    base = p.entity_const[i]
-    front = p.const[base + slot.E_CENTER] + 0.5 * p.const[base + slot.E_LENGTH]
+    front = front_of(p, i)
     for along in range(1, -2, -2):
         walk(n, st, road, lane, s, along, GAP_HORIZON, preferred_road(p, st, road))
         for j in range(p.entity_count[0]):

@@ -2,8 +2,8 @@
 
 The speed of a change is read at its progress after the step, so it changes in the first step already. A relative target
 is read again in every step. A change by a rate keeps its rate while the target moves, so its duration is computed again
-for the whole change ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that exceeds the limits of
-the entity takes longer; accelerations that still exceed them are limited. After esmini 3.6.
+for the whole change ("rate: change per second", ASAM OpenSCENARIO, DynamicsDimension). A change that exceeds the limits
+of the entity takes longer; accelerations that still exceed them are limited. After esmini 3.6.
 """
 
 from __future__ import annotations
