@@ -1,4 +1,4 @@
-"""What a sweep is asked to do, as one frozen value that can be written down and compared."""
+"""The options of a sweep, as one frozen value that can be stored and compared."""
 
 from __future__ import annotations
 
@@ -42,16 +42,16 @@ class SweepSpec(BaseModel):
 
     @property
     def overrides(self) -> Overrides:
-        """What is set in place of the scenario."""
+        """The overrides of the scenario."""
         return Overrides(self.perception, self.controller, self.step, self.duration, driven_by="model")
 
     def trusted(self, target: str | Path) -> Trust:
-        """Return what is trusted when FILE, FILE#name or a plan's file is swept."""
+        """Return the trusted code for a sweep of FILE, FILE#name or a plan's file."""
         return self.overrides.trusting(Trust(self.trust), Path(split_target(target)[0]).parent)
 
     @property
     def axes(self) -> dict[str, Distribution]:
-        """The distributions by the parameter's name; SweepError when one cannot be read."""
+        """The distributions by the parameter's name; raises SweepError if one cannot be read."""
         axes: dict[str, Distribution] = {}
         for text in self.vary:
             name, equals, written = (part.strip() for part in text.partition("="))
@@ -63,7 +63,7 @@ class SweepSpec(BaseModel):
         return axes
 
     def traces_wanted(self) -> tuple[str, int]:
-        """Return which traces are kept: "", "worst", "random" or "all", and how many (0 for all)."""
+        """Return the traces to keep: "", "worst", "random" or "all", and how many (0 for all)."""
         kind, _, count = self.traces.partition(":")
         if kind in ("", "none") and not count:
             return "", 0
