@@ -1,5 +1,4 @@
-"""CARLA as a world: its camera takes the pictures, its physics moves the ego, and it mirrors the engine's other
-entities.
+"""CARLA as a world: its camera takes pictures, its physics moves the ego, and it mirrors the other entities.
 
 The client runs in synchronous mode. In a step, the others are moved to their poses at the end of the step, the ego gets
 its command, the server ticks, and the ego's new state is read. However a run ends, the settings are restored and the
