@@ -443,7 +443,7 @@ class Stage:
             self.collisions.append((one, other, (x, y, z)))
 
     def _arrange(self) -> None:
-        """Give every actor its row anew."""
+        """Give every actor its row again."""
         before = self.rows
         rows = Rows(len(self.actors))
         for row, actor in enumerate(self.actors.values()):

@@ -303,7 +303,7 @@ def gap_behind_free(p: Program, st: State, i: int) -> int:
 def gap_is_free(n: RoadTables, p: Program, st: State, i: int, road: int, lane: int, s: float) -> int:
     """Return 1 where the ego may enter a lane beside it: front by time gap, behind by the time to close up.
 
-    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns anew, and
+    All vehicles count: the sensors to the side and behind are taken as perfect. Writes the scratch columns again, and
     whether there is traffic in that lane: anything but what stands there for good.
     """
     st.used_beside[0] = 0
