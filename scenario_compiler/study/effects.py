@@ -6,8 +6,8 @@ condition are averaged first, and each participant counts once, with one number:
 
 For two levels of a factor each participant gives one difference: that of the means of the two levels where all other
 factors are the same, averaged over these. A cell without a value thus leaves both of its sides out. The interval of
-the mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power is
-that of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
+the mean difference is Student's, the effect size is d_z (mean over standard deviation of the differences), and power
+is that of the two-sided paired t test at 5 %, from the noncentral t distribution (Cohen 1988).
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from scenario_compiler.study.dataset import seats_of
 from scenario_compiler.study.tables import MISSING, read_table
 
 SHOWN = (
-    *("takeover_time", "minimum_time_to_collision", "minimum_distance", "maximum_lateral_acceleration"),
-    *("maximum_longitudinal_acceleration", "maximum_lateral_offset"),
+    *("takeover_time", "minimum_time_to_collision", "minimum_lane_time_to_collision", "minimum_distance"),
+    *("maximum_lateral_acceleration", "maximum_longitudinal_acceleration", "maximum_lateral_offset"),
 )
 """Measures of the page."""
 

@@ -107,11 +107,11 @@ def test_plan_prints_who_meets_what(piloted: Path, capsys: pytest.CaptureFixture
     ]
 
 
-def test_a_study_that_is_none_and_a_folder_that_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_that_is_not_a_study_and_a_missing_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert call("study", made.study(tmp_path)) == 2
     assert call("study", tmp_path / "conflicts.xml", "--pilot", "-o", tmp_path / "x") == 2
     assert call("study", tmp_path / "effort.xml", "--pilot", "-o", tmp_path / "x") == 2
-    assert "is no study" in capsys.readouterr().err
+    assert "is not a study" in capsys.readouterr().err
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "thesis.txt").write_text("mine")
     assert call("study", tmp_path / "study.xml", "--pilot", "-o", tmp_path / "full") == 2
