@@ -84,5 +84,5 @@ def _content(handle: int, size: int, limit: int) -> bytes:
         pieces.append(piece)
         left -= len(piece)
     if left <= 0:
-        raise OSError(errno.EFBIG, f"it goes on after {limit} bytes; no more are read")
+        raise OSError(errno.EFBIG, f"it is longer than {limit} bytes; the rest is not read")
     return b"".join(pieces)

@@ -72,7 +72,7 @@ class Cluster:
         except (OSError, TimeoutError) as fault:
             raise SweepError(f"no Dask cluster answers at {scheduler}: {fault}") from None
         except (ValueError, ImportError) as fault:
-            raise SweepError(f"'{scheduler}' is no address of a scheduler, such as tcp://host:8786: {fault}") from None
+            raise SweepError(f"'{scheduler}' is not an address such as tcp://host:8786: {fault}") from None
         self._freight: dict[int, Any] = {}
 
     def run(self, parts: Iterator[Part]) -> Iterator[tuple[int, Batch]]:

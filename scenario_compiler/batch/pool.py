@@ -163,7 +163,7 @@ class Pool:
         if not worker.begun:
             self._deaths[-1] = self._deaths.get(-1, 0) + 1
             if self._deaths[-1] >= START_ATTEMPTS:
-                raise SweepError(f"workers do not get to run anything: {why}")
+                raise SweepError(f"the workers cannot run anything: {why}")
             waiting.appendleft(replace(part, variants=rest))
             return
         if worker.begun > 1:

@@ -94,7 +94,7 @@ class Search:
             SweepError: The search is not possible as it is asked for.
         """
         if spec.repeat > 1:
-            raise SweepError("a search runs each value once: --repeat is for sweeps")
+            raise SweepError("a search runs each value once, so it does not accept --repeat")
         sink = Diagnostics() if sink is None else sink
         self.sweep: Sweep = prepare(target, spec, sink, maps)
         self.ranges = {name: _range_of(name, axis) for name, axis in spec.axes.items()}

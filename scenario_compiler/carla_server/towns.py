@@ -101,6 +101,11 @@ class Town:
         with self._lock:
             return self._scene
 
+    def prepare(self) -> None:
+        """Make the ground and the scene, the ground first: it is the quicker one, and rays wait for it alone."""
+        self.terrain()
+        self.scene()
+
     def ground_at(self, x: float, y: float) -> Pose | None:
         """Return the pose of the road's surface at a point in OpenDRIVE's axes, or at the nearest lane's."""
         for place in self.network.locate(x, y, nearest=True)[:1]:

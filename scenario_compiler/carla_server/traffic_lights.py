@@ -102,7 +102,7 @@ class Group:
         return [light for phase in self.phases for light in phase]
 
     def reset(self) -> None:
-        """Begin anew with the first phase's green."""
+        """Begin again with the first phase's green."""
         self.phase, self.stage, self.since = 0, GREEN, 0.0
         self._show()
 

@@ -89,7 +89,7 @@ class ForeignDetector:
         with blamed(self.name, DETECTOR):
             found: object = self._inner.detect(image, prior, pitch)
         if not isinstance(found, LaneResult):
-            raise self._misbehaved(f"it returned {type(found).__name__}, which is no LaneResult")
+            raise self._misbehaved(f"it returned {type(found).__name__}, which is not a LaneResult")
         for side, one in (("left", found.left), ("right", found.right)):
             for number in ("y0", "slope", "curvature"):
                 if not math.isfinite(getattr(one, number)):

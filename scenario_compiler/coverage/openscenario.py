@@ -119,16 +119,16 @@ HOMES = (
 )  # fmt: skip
 """Who reads what is no action, condition or position."""
 
-_TRAFFIC = "vehicles of traffic drive by the same rules, and nobody appears in an area: told"
+_TRAFFIC = "all vehicles of traffic drive by the same rules, and there is no traffic in an area: reported"
 _DESCRIPTION = "it describes the file and means nothing to a run"
 
 UNREAD: dict[str, str] = {
     **dict.fromkeys(("License", "CustomContent"), _DESCRIPTION),
     "UsedArea": "the whole road network is loaded",
-    **dict.fromkeys(("SensorReferenceSet", "SensorReference"), "visibility is switched for all sensors at once: told"),
-    **dict.fromkeys(("Color", "ColorRgb", "ColorCmyk"), "a light is logged as on, off or flashing: told"),
-    "PedestrianGesture": "a pedestrian's motion is logged, gestures are not: told",
-    "DomeImage": "the sky is painted from the weather: told",
+    **dict.fromkeys(("SensorReferenceSet", "SensorReference"), "visibility is switched for all sensors: reported"),
+    **dict.fromkeys(("Color", "ColorRgb", "ColorCmyk"), "a light is logged as on, off or flashing: reported"),
+    "PedestrianGesture": "a pedestrian's motion is logged, gestures are not: reported",
+    "DomeImage": "the sky is drawn by the weather: reported",
     "UserDefinedDistribution": "only its author knows what it draws: diagnosed",
     **dict.fromkeys(
         (

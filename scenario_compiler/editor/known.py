@@ -115,7 +115,7 @@ def template_text(part: Part) -> str:
 
 def parameter_text(parameter: Parameter) -> str:
     """Return what a parameter is, with its kind, unit, limits and default, as a line of Markdown."""
-    default = "must be given" if parameter.default is None else f"`{parameter.default}` when left out"
+    default = "must be given" if parameter.default is None else f"default `{parameter.default}`"
     return f"`{parameter.name}` ({parameter_kind(parameter)}; {default}) {parameter.summary}".strip()
 
 

@@ -134,7 +134,7 @@ class ScenarioServer(LanguageServer):
         return None if analysis is None else (analysis, self.offset(analysis.draft, params.position))
 
     def check_soon(self, uri: str, after: float = AFTER_CHANGE) -> None:
-        """Check a text a moment from now, and tell the editor what is found; a change until then begins anew."""
+        """Check a text a moment from now, and tell the editor what is found; a change until then begins again."""
         if uri in self.waiting:
             self.waiting.pop(uri).cancel()
         loop = asyncio.get_running_loop()

@@ -52,7 +52,7 @@ class Workspace:
         self._read_again(path)
 
     def saved(self, path: str) -> None:
-        """Look at all texts anew: a file that they may name was saved."""
+        """Look at all texts again: a file that they may name was saved."""
         self._read_again(path)
         for name, analysis in list(self.texts.items()):
             self.texts[name] = Analysis(analysis.path, analysis.draft.text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import math
 import threading
@@ -249,6 +250,7 @@ class Session(threading.Thread):
             text = f"{WORDS[drive.language]['broke_off']}: {fault}"
         finally:
             self._show(Picture({"end": text, "run": self.number, "kept": kept}, b"", b""))
+            gc.collect()  # figures are cycles, and the command line lets the collector look seldom: they would pile up
 
     def figures(self) -> dict[str, Any]:
         """Return what was measured of the page and the clock; times in milliseconds."""

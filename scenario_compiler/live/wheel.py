@@ -84,7 +84,7 @@ class Wheel:
             self._told, self._asked = Told(seq=self._told.seq), ""
 
     def come_back(self) -> None:
-        """Note that a page is there again; its numbers begin anew."""
+        """Note that a page is there again; its numbers begin again."""
         with self._lock:
             self._away, self._told = False, Told(seq=0)
 

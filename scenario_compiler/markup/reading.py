@@ -203,7 +203,7 @@ def _report_text(element: etree._Element, reading: ReadingContext) -> None:
         shown = stray.split("\n")[0][:40]
         reading.sink.add(
             codes.STRAY_TEXT,
-            f"text '{shown}' stands in <{element.tag}>, which holds elements only",
+            f"text '{shown}' is not allowed in <{element.tag}>, which has child elements only",
             reading.origin(element),
         )
 

@@ -45,7 +45,7 @@ class Siblings:
             name = f"{written}#{number}"
         self.counts[written] = number
         if name != written:
-            message = f"<{node.tag}> '{written}' stands beside another of that name"
+            message = f"<{node.tag}> '{written}' has the same name as another one beside it"
             node.report(DUPLICATE_ELEMENT, message, "name", related=first_at(self.taken.get(written)))
         self.taken[name] = node.place("name")
         return name

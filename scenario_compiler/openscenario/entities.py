@@ -123,7 +123,7 @@ def _described(node: Node) -> Node | None:
         return None
     found = given(node, *OBJECTS)
     if found is None and node.child("CatalogReference") is None:
-        node.report(NO_OBJECT, "nothing says what this entity is; it is taken to be a car")
+        node.report(NO_OBJECT, "the entity has no kind; a car is used for it")
     return found
 
 

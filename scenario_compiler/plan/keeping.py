@@ -97,7 +97,7 @@ def kept_entities(
             continue
         models = _models(action.kinds, vehicles)
         if not models:
-            sink.add(NO_VEHICLE, "none of the vehicles is of a category that is asked for", action.origin)
+            sink.add(NO_VEHICLE, "no vehicle belongs to one of the categories", action.origin)
             continue
         count = vehicles_of(action, duration)
         asked = count if isinstance(action, TrafficSourceAction) else action.vehicles

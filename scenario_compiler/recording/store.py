@@ -75,7 +75,7 @@ def read_recording(path: Path) -> Recording:
             table, metadata = file.read(), file.metadata.metadata or {}
         about = json.loads(metadata.get(_KEY, b"{}"))
         if about.get("format") != FORMAT:
-            raise RecordingError(f"{path} is no recording of the format {FORMAT}")
+            raise RecordingError(f"{path} is not a recording of the format {FORMAT}")
         return _decoded(table, about, metadata)
     except RecordingError:
         raise

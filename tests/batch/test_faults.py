@@ -197,7 +197,7 @@ def test_a_full_tmpfs_keeps_what_was_finished(
     done = subprocess.run([*NAMESPACE, "; ".join(script)], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 1
     assert fails in done.stderr
-    assert "cannot be written: No space left on device; --resume does the rest" in done.stderr
+    assert "cannot be written: No space left on device; --resume finishes the sweep" in done.stderr
     run_sweep(conflict, spec, tmp_path / "kept", workers=1, resume=True, report=False)
     tables = [(tmp_path / name / "results.parquet").read_bytes() for name in ("whole", "kept")]
     assert tables[0] == tables[1]

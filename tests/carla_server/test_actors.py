@@ -340,9 +340,27 @@ def test_lights_and_doors_are_kept(world: Any, spawn: Spawn) -> None:
     state = carla.VehicleLightState(carla.VehicleLightState.LowBeam | carla.VehicleLightState.Brake)
     car.set_light_state(state)
     assert car.get_light_state() == state
-    assert world.get_vehicles_light_states()[car.id] == state
+    dark = spawn("vehicle.audi.tt", 1)
+    assert world.get_vehicles_light_states() == {car.id: state, dark.id: carla.VehicleLightState.NONE}
+    car.set_light_state(carla.VehicleLightState(0xFFFFFF41))
+    assert int(car.get_light_state()) == 0x741  # a Traffic Manager sets bits that name no light
     car.open_door(carla.VehicleDoor.FL)
     car.close_door(carla.VehicleDoor.All)
+
+
+def test_wheels_can_be_turned_where_physics_does_not_move_the_vehicle(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car, wheel = spawn("vehicle.audi.tt"), carla.VehicleWheelLocation.FL_Wheel
+    car.set_wheel_steer_direction(wheel, 20.0)
+    assert car.get_wheel_steer_angle(wheel) == 0.0
+    car.set_simulate_physics(False)
+    car.set_wheel_steer_direction(wheel, 20.0)
+    world.tick()
+    assert car.get_wheel_steer_angle(wheel) == 20.0
+    assert car.get_wheel_steer_angle(carla.VehicleWheelLocation.FR_Wheel) == 0.0
+    car.set_simulate_physics(True)
+    assert car.get_wheel_steer_angle(wheel) == 0.0
 
 
 @pytest.mark.parametrize("name", ["sensor.camera.dvs", "sensor.camera.normals", "sensor.camera.optical_flow"])

@@ -38,40 +38,42 @@ HEAD = """# Published studies, run again
 
 <!-- written by python -m tests.studies.page -->
 
-Eight studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table says what the paper reports, what
-comes out here and what a test asserts: never more than the source supports. "Figure not found" means that the paper
-was not at hand and no quotation of the number was found; "from memory, not verified" is a direction that nobody has
-looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so that their
-medians are no finding; what happens after the answer is.
+Eight studies are written as conflicts of 10 to 25 lines (`tests/studies`). Each table shows what the paper reports, the
+result here, and what a test asserts, which is never more than the source supports. "Figure not found" means that the
+paper was not available and no quotation of the number was found; "from memory, not verified" marks a direction that
+was not looked up. The drivers' takeover times are fitted to published distributions ([driver.md](driver.md)), so their
+medians are not a result; what happens after the response is.
 
-Two times to collision are in the tables. The one of the path is to what lies across the path that the car steers at
-the moment: an obstacle is out of it as soon as the wheel is turned, and in it again when the car straightens beside
-it. The one along the lane is to what lies ahead of the car's place in its lane, whatever it steers, until it has
-moved aside: it is what takeover studies report. They can disagree in direction. Where both lanes beside are full and
-5 s are left, a car can only brake, and keeps 1.55 s of either; around the obstacle of free lanes it has 1.36 s of the
-path, as it straightens beside it, but 2.15 s along the lane (medians of 15 runs).
+The tables contain two times to collision. The time to collision *of the path* refers to objects on the path that the
+car is steering along at the moment: an obstacle is no longer on the path as soon as the wheel is turned, and is on it
+again when the car straightens beside the obstacle. The time to collision *along the lane* refers to objects ahead of
+the car in its lane, whatever the steering, until the car has moved aside; takeover studies report this one. The two
+can differ in direction. If both adjacent lanes are full and 5 s are left, a car can only brake, and keeps 1.55 s of
+both. If it steers around the obstacle into a free lane, it has 1.36 s of the path, while it straightens beside the
+obstacle, but 2.15 s along the lane (medians of 15 runs).
 
 ![Takeover times, least times to collision, collisions and lateral deviation of six studies](validity.svg)
 """
 
 TAIL = """## What is not modelled
 
-- **Takeover time by traffic.** Density changes the takeover time only by a coefficient that the user gives (`<effect
-  of="traffic_density">`): none was found. The density itself is counted at each request. The studies in which traffic
-  makes answers later are reproduced in their time to collision, not in that.
-- **Gaze and mental workload.** Eyes on the road and hands on the wheel are times drawn as shares of the takeover
-  time; there is no gaze at mirrors, no fatigue, no trust, and no learning but the second request's shorter time.
-- **Wrong expectations.** A driver who sees the obstacle and does not act (Victor et al. 2018) exists only as a lapse,
-  a driver who never answers.
-- **Age and experience** change nothing; a study's regression over them can be written as an expression.
-- **Motion.** Cars are kinematic: they have no tyres that slide, so that no evasion ends in a spin.
-- **Other road users** do not help: built-in traffic follows and keeps its distance, scripted vehicles do what the
-  scenario says, and none makes room for the automated vehicle.
-- **The driver's sight.** He sees 300 m by day in clear air (chosen), less in rain, fog and at night; glare and the
-  lights of others are not modelled, and a vehicle hidden behind the obstacle is known to him.
-- **Braking by itself.** By default the automation slows down for what it has asked for, and its minimum-risk manoeuvre
-  begins where a limit leaves only the distance to stop. A study in which the car just goes on says `<takeover
-  minimum_risk="false">` and `<automation after="hold_speed"/>`.
+- **Takeover time by traffic.** The density changes the takeover time only by a coefficient that the user gives
+  (`<effect of="traffic_density">`), because no published coefficient was found. The density itself is counted at each
+  request. Studies in which traffic delays responses are reproduced in their time to collision, but not in this delay.
+- **Gaze and mental workload.** The times of eyes on the road and hands on the wheel are random shares of the takeover
+  time; gaze at mirrors, fatigue, trust and learning are not modelled, except that the second request has a shorter
+  time.
+- **Wrong expectations.** A driver who sees the obstacle and does not act (Victor et al. 2018) can only be modelled as a
+  lapse, that is, as a driver who never responds.
+- **Age and experience** have no effect; a study's regression over them can be written as an expression.
+- **Motion.** Cars are kinematic: their tyres do not slide, so no evasion ends in a spin.
+- **Other road users** do not cooperate: background traffic follows and keeps its distance, scripted vehicles do what
+  the scenario says, and none makes room for the automated vehicle.
+- **The driver's sight.** The driver sees 300 m by day in clear air (chosen), less in rain, fog and at night; glare and
+  the lights of others are not modelled, and the driver knows of a vehicle that is hidden behind the obstacle.
+- **Automatic braking.** By default the automation slows down for the cause of its request, and its minimum-risk
+  manoeuvre begins when a limit leaves only the distance to stop. A study in which the car does not brake uses
+  `<takeover minimum_risk="false">` and `<automation after="hold_speed"/>`.
 """
 
 

@@ -243,6 +243,48 @@ PRESS_LARGEST = """
 """
 
 
+@pytest.mark.slow
+def test_an_open_page_goes_on_by_itself_when_the_server_is_there_again(endless: Path, browser: Browser) -> None:
+    page = browser.new_page(bypass_csp=True)  # one that complains of the missing server
+    page.set_default_timeout(SLOW)
+    with served(*serving(endless)) as server:
+        started(browser, server, 1)
+        page.goto(f"{server.address}participant/1")
+        begun(page)
+        page.wait_for_function("page.latest !== undefined")
+        server.process.kill()
+        server.process.wait()
+        expect(page.locator("#ended")).to_have_text("The server has gone.", timeout=SLOW)
+        expect(page.locator("#go")).to_be_disabled()
+    with served(*serving(endless), port=int(server.host.rpartition(":")[2])) as again:
+        expect(page.get_by_role("heading", name="Please wait")).to_be_visible(timeout=SLOW)
+        started(browser, again, 1)
+        begun(page)
+        page.wait_for_function("page.latest !== undefined")
+        page.close()
+
+
+@pytest.mark.slow
+def test_a_second_page_of_a_participant_watches(endless: Path, browser: Browser) -> None:
+    with served(*serving(endless)) as server:
+        started(browser, server, 1)
+        address = f"{server.address}participant/1"
+        with (
+            opened_page(browser, address, bypass_csp=True) as page,
+            opened_page(browser, address, bypass_csp=True) as other,
+        ):
+            for one in (page, other):
+                one.wait_for_function("globalThis.page?.role !== undefined", timeout=SLOW)
+            begun(page)
+            other.wait_for_function("page.latest?.t > 1.5", timeout=SLOW)  # pages that watch stay connected
+            assert (page.evaluate("page.role"), other.evaluate("page.role")) == ("driver", "viewer")
+            other.keyboard.press("Enter")
+            page.keyboard.press("Enter")
+            other.wait_for_function("page.latest.byHand", timeout=SLOW)
+            assert page.locator("#search circle").count() == 6
+            assert other.locator("#search circle").count() == 0
+
+
 def test_who_does_not_consent_takes_no_part(short: Path, browser: Browser) -> None:
     with served(*serving(short)) as server:
         started(browser, server, 2)

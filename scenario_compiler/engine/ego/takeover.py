@@ -118,7 +118,7 @@ def step_automated(n: RoadTables, p: Program, st: State, i: int) -> None:
         warn(st, op.CAUSE_SCHEDULED)
         note_reason(st, foreseen)
     else:
-        step_warning(p, st, foreseen)
+        step_warning(p, st, i, foreseen)
 
 
 @compiled
