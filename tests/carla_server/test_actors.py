@@ -348,6 +348,24 @@ def test_lights_and_doors_are_kept(world: Any, spawn: Spawn) -> None:
     car.close_door(carla.VehicleDoor.All)
 
 
+def test_the_levels_boxes_are_those_of_what_stands_there(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car, walker = spawn("vehicle.audi.tt", 3), spawn("walker.pedestrian.0002", 8)
+    world.tick()
+    (box,) = world.get_level_bbs(carla.CityObjectLabel.Car)
+    middle = car.get_transform().transform(car.bounding_box.location)
+    assert box.location.distance(middle) < 1e-3
+    assert box.extent.x == pytest.approx(car.bounding_box.extent.x)
+    assert box.rotation.yaw == pytest.approx(car.get_transform().rotation.yaw, abs=1e-3)
+    (box,) = world.get_level_bbs(carla.CityObjectLabel.Pedestrians)
+    assert box.location.distance(walker.get_location()) < 1e-3
+    lights = len(world.get_actors().filter("traffic.traffic_light"))
+    assert len(world.get_level_bbs(carla.CityObjectLabel.TrafficLight)) == lights
+    assert len(world.get_level_bbs()) == 2 + lights
+    assert world.get_level_bbs(carla.CityObjectLabel.Buildings) == []
+
+
 def test_wheels_can_be_turned_where_physics_does_not_move_the_vehicle(world: Any, spawn: Spawn) -> None:
     import carla
 

@@ -8,8 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from scenario_compiler.carla_server.answers import lights
 from scenario_compiler.carla_server.host import Host
 from scenario_compiler.carla_server.sensors.rays import Rays
+from scenario_compiler.frames import carla_axes
+from scenario_compiler.perception.labels import Tag
+
+ANY_TAG = 255
+"""What clients ask with for things of every tag."""
 
 
 def project_point(
@@ -56,9 +62,18 @@ def _met(host: Host, begin: Any, direction: Any, reach: float) -> list[Any]:
 
 
 def level_boxes(host: Host, tag: int) -> list[Any]:
-    """Answer with no box: what stands beside the roads has none here."""
-    del host, tag
-    return []
+    """Answer with the boxes of vehicles, walkers, props and traffic lights of a semantic tag, in the world's axes."""
+    found: list[Any] = []
+    for body in host.stage.bodies():
+        if tag in (ANY_TAG, body.tag):
+            x, y, z, pitch, yaw, roll = host.stage.transform_of(body)
+            up = np.array(carla_axes(pitch, yaw, roll)[2]) * (body.box[2] - body.up)
+            found.append([(np.array([x, y, z]) + up).tolist(), list(body.box), [pitch, yaw, roll], body.id])
+    if tag in (ANY_TAG, Tag.TRAFFIC_LIGHT):
+        for group in host.stage.groups:
+            for light in group.lights:
+                found += lights.boxes(host, light.actor)
+    return found
 
 
 def environment_objects(host: Host, tag: int) -> list[Any]:
