@@ -366,6 +366,38 @@ def test_the_levels_boxes_are_those_of_what_stands_there(world: Any, spawn: Spaw
     assert world.get_level_bbs(carla.CityObjectLabel.Buildings) == []
 
 
+def test_a_vehicle_in_the_air_stays_there_without_physics(world: Any, spawn: Spawn) -> None:
+    """The co-simulation with SUMO spawns vehicles so, and moves them itself."""
+    below, point = spawn("vehicle.audi.tt", 3), world.get_map().get_spawn_points()[3]
+    world.tick()
+    point.location.z += 25.0
+    above = spawn("vehicle.tesla.model3", point)
+    above.set_simulate_physics(False)
+    world.tick()
+    assert above.get_location().distance(point.location) < 1e-3
+    above.set_transform(world.get_map().get_spawn_points()[5])
+    world.tick()
+    point.location.z -= 25.0
+    with pytest.raises(RuntimeError, match="collision"):
+        spawn("vehicle.tesla.model3", point)
+    assert below.get_location().z == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_ray_meets_all_that_it_passes_through(world: Any, spawn: Spawn) -> None:
+    import carla
+
+    car = spawn("vehicle.audi.tt", 3)
+    world.tick()
+    at = car.get_location()
+    above, below = carla.Location(at.x, at.y, at.z + 10.0), carla.Location(at.x, at.y, at.z - 10.0)
+    roof, road = world.cast_ray(above, below)
+    assert (roof.label, road.label) == (carla.CityObjectLabel.Car, carla.CityObjectLabel.Roads)
+    assert roof.location.z == pytest.approx(at.z + 2.0 * car.bounding_box.extent.z, abs=0.01)
+    assert road.location.z == pytest.approx(at.z, abs=0.01)
+    assert world.cast_ray(above, carla.Location(at.x, at.y, at.z + 5.0)) == []
+    assert world.ground_projection(above, 20.0).location.z == pytest.approx(roof.location.z, abs=1e-3)
+
+
 def test_wheels_can_be_turned_where_physics_does_not_move_the_vehicle(world: Any, spawn: Spawn) -> None:
     import carla
 
