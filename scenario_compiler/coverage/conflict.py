@@ -1,4 +1,4 @@
-"""What executes each word of the conflict language: one declaration a word.
+"""The module that executes each word of the conflict language, declared once for each word.
 
 The reader and the schema are made from the words' own declarations, so every word is read; what is done with it is
 said here, by the module that does it and, in the engine, by the opcodes. A test holds both against the code.

@@ -1,4 +1,4 @@
-"""What of OpenSCENARIO 1.0 to 1.3 is read, executed and exported: a row for every element that the standard has.
+"""The elements of OpenSCENARIO 1.0 to 1.3 that are read, executed and exported, one row for each.
 
 Which elements there are, and since when, is taken from the declarations that files are checked by; what an action,
 condition or position becomes, from the forms that read and write it and from the engine's tables. What only holds
