@@ -62,6 +62,16 @@ It asks in its own thread at the end of each step and then waits to be woken for
 comes just then is missed, and the client waits for ever. CARLA's own ticks take longer than that.
 """
 
+HELD = 0.1
+SEEN = 2
+"""How long a vehicle that a client destroys in asynchronous mode waits at most for a Traffic Manager to be between two
+of its steps, s; and after how many snapshots it may go on.
+
+A client forgets a vehicle when the call is answered; its Traffic Manager, which is in the middle of a step with that
+vehicle, ends the process then. It asks for the settings at the beginning of each step (`TrafficManagerLocal::Run`), and
+is held there until the client has the next snapshot, which lacks the vehicle: until the one after that is sent.
+"""
+
 PERCENT = (
     *("cloudiness", "precipitation", "precipitation_deposits", "wind_intensity", "fog_density", "wetness"),
     "dust_storm",
@@ -137,6 +147,7 @@ class Host:
         stage: The world on the present map.
         streams: Who listens.
         beginning: Waits until the episode begins that a client has loaded; None where none is about to begin.
+        gate: Opens when Traffic Managers that are held may go on; None where none is held.
     """
 
     version: str
@@ -157,11 +168,14 @@ class Host:
     replay: Replay | None = None
     told: set[str] = field(default_factory=set)
     beginning: asyncio.Future[None] | None = None
+    gate: asyncio.Event | None = None
     _work: dict[int, Work] = field(default_factory=dict)
     _bits: int = 0
     _free: asyncio.Event = field(default_factory=asyncio.Event)
     _began: float = 0.0
     _asked: float = -math.inf
+    _held: bool = False
+    _held_for: int = 0
 
     def __post_init__(self) -> None:
         self.streams = Streams(self.knows, self.log)
@@ -219,7 +233,8 @@ class Host:
         """
         for number in list(self._work):
             self.dismiss(number)
-        self.stage = Stage(town, self.version)
+        before, self.stage = self.stage, Stage(town, self.version)
+        self.stage.remember(before)
         self.episode += 1
         self.recorder = self.replay = None
         if reset:
@@ -248,6 +263,20 @@ class Host:
     def note_question(self) -> None:
         """Note that a client has asked for the settings."""
         self._asked = time.monotonic()
+        self._held = True
+
+    async def hold_managers(self) -> None:
+        """Wait until a Traffic Manager is between two of its steps, where it stays for two snapshots."""
+        loop = asyncio.get_running_loop()
+        end = loop.time() + HELD
+        if self.gate is None:
+            self.gate = asyncio.Event()
+            self._held = False
+        self._held_for = SEEN
+        while not self._held and loop.time() < end:
+            await asyncio.sleep(0.001)
+            self._held_for = SEEN
+        self._held = True
 
     def note_lights(self) -> None:
         """Let the next snapshot say that lights have changed."""
@@ -303,6 +332,11 @@ class Host:
         if self.recorder is not None:
             self.recorder.note(self.stage, self.frame, dt)
         self._send(dt)
+        if self.gate is not None:
+            self._held_for -= 1
+            if self._held_for <= 0:
+                self.gate.set()
+                self.gate = None
         return self.frame
 
     def _send(self, dt: float) -> None:

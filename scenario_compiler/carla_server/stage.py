@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,21 @@ and for how long it falls at most, s.
 NO_FAILURE = 0
 GRAVITY = 9.81
 
+REMEMBERED = 1.0
+"""For how long box and physics control of a destroyed actor are known, s: clients ask for those of the actors that they
+see in the last snapshot, and a Traffic Manager does so in a thread, where an error ends the client.
+"""
+
 COLUMNS = ("x", "y", "z", "h", "pitch", "roll")
+
+
+@dataclass(frozen=True)
+class Gone:
+    """An actor that has been destroyed, its box on the wire, and until when it is remembered, s."""
+
+    actor: Actor
+    box: list[Any]
+    until: float
 
 
 class Stage:
@@ -104,7 +119,7 @@ class Stage:
         self._by_place: dict[int, Body] = {}
         self._stale = True
         self._leapt: set[int] = set()
-        self._gone: dict[int, list[Any]] = {}
+        self._gone: dict[int, Gone] = {}
         self._falling: dict[int, float] = {}
         self._triggers: list[Actor] = []
         self._attached: list[Actor] = []
@@ -208,7 +223,7 @@ class Stage:
         if isinstance(actor, LightActor) or actor is self.spectator:
             raise CallError(f"unable to destroy actor: {actor.blueprint.name} belongs to the map")
         if len(self._gone) < MOST_ACTORS:
-            self._gone[number] = self.wire(actor)[3]
+            self._gone[number] = Gone(actor, self.wire(actor)[3], self.time + REMEMBERED)
         del self.actors[number]
         if actor in self._triggers:
             self._triggers.remove(actor)
@@ -225,15 +240,24 @@ class Stage:
         self._stale = True
 
     def box_of(self, number: int) -> list[Any]:
-        """Return an actor's box as it lies on the wire; also of one that clients still see in the last snapshot.
+        """Return an actor's box as it lies on the wire; also of one that has been destroyed a moment ago.
 
         Raises:
             CallError: There is none.
         """
-        if number in self._gone:
-            return self._gone[number]
+        if number not in self.actors and number in self._gone:
+            return self._gone[number].box
         found: list[Any] = self.wire(self.get(number))[3]
         return found
+
+    def gone(self, number: int) -> Actor | None:
+        """Return an actor that has been destroyed a moment ago; None for others."""
+        return self._gone[number].actor if number not in self.actors and number in self._gone else None
+
+    def remember(self, before: Stage) -> None:
+        """Remember the actors of an episode that has ended as those that have been destroyed."""
+        for actor in before.bodies():
+            self._gone[actor.id] = Gone(actor, before.wire(actor)[3], self.time + REMEMBERED)
 
     def bodies(self) -> Iterator[Body]:
         """Yield all bodies."""
@@ -342,7 +366,7 @@ class Stage:
 
     def step(self, dt: float) -> None:
         """Move time and all bodies on, and take down what touches."""
-        self._gone.clear()
+        self._gone = {number: one for number, one in self._gone.items() if one.until > self.time}
         self._drive(dt)
         self.simulation.set_step(dt)
         self.simulation.step()

@@ -49,6 +49,11 @@ OVERTAKING = frozenset(("version", "get_episode_info", "get_sensor_token"))
 waits for the answer to another call: one of its Traffic Manager, which runs in a thread of its own.
 """
 
+ASIDE = frozenset(("get_episode_settings", "destroy_actor"))
+"""Calls whose answers the others of their connection do not wait for: a Traffic Manager is held with the first, and the
+second waits for that.
+"""
+
 Answer = Callable[[str, list[Any]], Any]
 """Answers a call: its name and arguments in, what is sent back out, or something to wait for that."""
 
@@ -71,6 +76,7 @@ class Calls(asyncio.Protocol):
         self._packer = msgpack.Packer(use_bin_type=True, unicode_errors="surrogateescape")
         self._waiting: deque[Any] = deque()
         self._task: asyncio.Task[None] | None = None
+        self._aside: set[asyncio.Task[None]] = set()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take a connection up, unless there are too many."""
@@ -138,10 +144,17 @@ class Calls(asyncio.Protocol):
             self._refuse("the message is not a call")
             return
         found = self._answer(name, arguments)
-        if isinstance(found, Awaitable):
-            self._task = asyncio.ensure_future(self._wait_for(found, number))
-        else:
+        if not isinstance(found, Awaitable):
             self._send(number, found)
+        elif name in ASIDE:
+            aside = asyncio.ensure_future(self._answer_aside(found, number))
+            self._aside.add(aside)
+            aside.add_done_callback(self._aside.discard)
+        else:
+            self._task = asyncio.ensure_future(self._wait_for(found, number))
+
+    async def _answer_aside(self, found: Awaitable[Any], number: int | None) -> None:
+        self._send(number, await found)
 
     async def _wait_for(self, found: Awaitable[Any], number: int | None) -> None:
         try:

@@ -27,7 +27,7 @@ class StudyFile:
         study: The study; None for a questionnaire, or where it could not be read.
         questionnaire: The questionnaire that the file itself is; None for a study.
         questionnaires: The questionnaires that a study names, by the names of their files.
-        pages: The texts of the Markdown files that a study names, by their names.
+        pages: The Markdown files that a study names, as HTML with their pictures, by their names.
         scenarios: Empty: conflicts stand in files of their own.
     """
 

@@ -30,8 +30,8 @@ from scenario_compiler.study.dataset import seats_of
 from scenario_compiler.study.tables import MISSING, read_table
 
 SHOWN = (
-    *("takeover_time", "minimum_time_to_collision", "minimum_distance", "maximum_lateral_acceleration"),
-    *("maximum_longitudinal_acceleration", "maximum_lateral_offset"),
+    *("takeover_time", "minimum_time_to_collision", "minimum_lane_time_to_collision", "minimum_distance"),
+    *("maximum_lateral_acceleration", "maximum_longitudinal_acceleration", "maximum_lateral_offset"),
 )
 """Measures of the page."""
 

@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Any
 from urllib.parse import parse_qs
 
-from markdown_it import MarkdownIt
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from starlette.applications import Starlette
 from starlette.requests import ClientDisconnect, Request
@@ -76,7 +75,6 @@ class StudyServer:
         study = rules.compilation.study
         self.words = WORDS[study.language]
         self.attendances = {str(one): Attendance(rules, one) for one in range(1, study.participants + 1)}
-        self._markdown = MarkdownIt("commonmark", {"html": False})
         self._environment = page_environment(PAGES)
         self.app = Starlette(
             routes=[
@@ -148,11 +146,10 @@ class StudyServer:
             return self._rendered("waiting.html.jinja", **values)
         if step.kind == "drive":
             return HTMLResponse(drive_page(attendance.drive().language, base))
-        text = self._markdown.render(source.pages[step.file]) if step.file in source.pages else ""
         if step.kind == "ask":
             asked = source.questionnaires[step.file]
             return self._rendered("questionnaire.html.jinja", **values, asked=asked)
-        return self._rendered("page.html.jinja", **values, text=text)
+        return self._rendered("page.html.jinja", **values, text=source.pages.get(step.file, ""))
 
     async def _sent(self, request: Request) -> Response:
         refusal = self.door.refusal(request)

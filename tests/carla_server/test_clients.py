@@ -88,6 +88,25 @@ world.apply_settings(settings)
 manager.shut_down()
 """
 
+DESTROYING = """
+import carla, sys
+client = carla.Client("127.0.0.1", int(sys.argv[1]))
+client.set_timeout(20.0)
+world, port = client.get_world(), int(sys.argv[2])
+blueprint, points = world.get_blueprint_library().find("vehicle.audi.tt"), world.get_map().get_spawn_points()
+manager = client.get_trafficmanager(port)
+for _ in range(6):
+    cars = [world.spawn_actor(blueprint, point) for point in points[:10]]
+    for car in cars:
+        car.set_autopilot(True, port)
+    for _ in range(10):
+        world.wait_for_tick()
+    for car in cars:
+        car.destroy()
+print("done", flush=True)
+manager.shut_down()
+"""
+
 
 def program(text: str, *arguments: object) -> subprocess.Popen[str]:
     command = [sys.executable, "-c", text, *map(str, arguments)]
@@ -163,3 +182,10 @@ def test_maps_can_be_loaded_beside_a_traffic_manager(server: Served, mode: str) 
     )
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.split("\n")[:-1] == ["highway_loop True", "town_grid True", "town_grid True"]
+
+
+def test_vehicles_can_be_destroyed_while_a_traffic_manager_drives_them(server: Served) -> None:
+    """The client's own process used to end: its Traffic Manager was in the middle of a step with a vehicle."""
+    command = [sys.executable, "-c", DESTROYING, str(server.port), "8880"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr

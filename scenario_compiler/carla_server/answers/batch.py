@@ -40,7 +40,7 @@ def nothing(host: Host, number: int, *values: Any) -> None:
 
 
 def _destroy(host: Host, number: int) -> None:
-    actors.destroy(host, number)
+    actors.remove(host, number)
 
 
 def _set_lights(host: Host, number: int, state: int) -> None:

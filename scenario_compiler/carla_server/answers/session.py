@@ -35,9 +35,14 @@ def sensor_token(host: Host, stream: int) -> list[Any]:
     return [host.token(stream)]
 
 
-def settings(host: Host) -> list[Any]:
-    """Answer with the settings."""
+def settings(host: Host) -> list[Any] | Awaitable[list[Any]]:
+    """Answer with the settings; where Traffic Managers are held, when they may go on."""
     host.note_question()
+    return host.settings.on_wire() if host.gate is None else _settings_later(host, host.gate)
+
+
+async def _settings_later(host: Host, gate: asyncio.Event) -> list[Any]:
+    await gate.wait()
     return host.settings.on_wire()
 
 

@@ -81,7 +81,13 @@ def set_bones(host: Host, number: int, wire: list[Any]) -> None:
 
 
 def physics(host: Host, number: int) -> list[Any]:
-    """Answer with a vehicle's physics control; in a friction trigger its tires have the trigger's friction."""
+    """Answer with a vehicle's physics control; in a friction trigger its tires have the trigger's friction.
+
+    That of a vehicle which has been destroyed a moment ago is known too.
+    """
+    gone = host.stage.gone(number)
+    if isinstance(gone, Car):
+        return gone.physics_control()
     car = car_of(host, number)
     at = host.stage.transform_of(car)
     told = car.physics_control()
