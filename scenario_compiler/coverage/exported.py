@@ -90,7 +90,7 @@ def exported(word: type[Word], stage: str) -> str:
         said = "<ParameterValueDistribution>"
     if said:
         return said + _since(said)
-    return "what it becomes" if stage in ("expansion", "compilation") else "kept in a property"
+    return "as its expansion" if stage in ("expansion", "compilation") else "kept in a property"
 
 
 def _since(said: str) -> str:
