@@ -1,4 +1,4 @@
-"""Files and folders out: whole or not there.
+"""Writes files and folders as a whole or not at all.
 
 What cannot be written is an OSError that names the file and says why, for the command line to tell in one line.
 """

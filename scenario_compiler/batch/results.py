@@ -1,4 +1,4 @@
-"""The table of a sweep: one row a variant as Parquet, written in parts that are whole or not there.
+"""The table of a sweep as Parquet, with one row for each variant, written in parts as a whole or not at all.
 
 A part goes to a temporary file that is moved into place, so that whatever ends a sweep leaves what was finished. When
 all parts are there they become `results.parquet`. A manifest says which sweep the folder belongs to. Equal sweeps give

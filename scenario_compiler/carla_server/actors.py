@@ -1,4 +1,4 @@
-"""What stands in a world that clients share: vehicles, walkers, props, sensors, lights, signs."""
+"""The actors of a world that clients share: vehicles, walkers, props, sensors, lights, signs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The server's state beyond one map: clock, settings, weather, who listens, and what happens in a tick."""
+"""The server's state that outlives a map: clock, settings, weather and listeners; and the work of a tick."""
 
 from __future__ import annotations
 

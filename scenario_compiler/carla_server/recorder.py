@@ -1,4 +1,4 @@
-"""Recordings of the server: actors, poses and collisions by frame, in a format of our own, below the served folder."""
+"""Recordings of the server: actors, poses and collisions of each frame, in a format of our own."""
 
 from __future__ import annotations
 

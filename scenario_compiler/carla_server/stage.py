@@ -1,4 +1,4 @@
-"""The world that clients share: actors on a map, moved by the engine, one step after the other."""
+"""The world that clients share: the actors on a map, which the engine moves step by step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Maps as the server holds them: roads, OpenDRIVE text for clients, spawn points, the scene that cameras draw."""
+"""Maps of the server: roads, OpenDRIVE text for clients, spawn points, and the scene for cameras."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What drives the ego vehicle from Python between steps, and the table of its names.
+"""Controllers, which drive the ego from Python at control steps, and the table of their names.
 
 In: camera images, speed and the vehicle's state. Out: throttle, steer and brake. Imports perception, the plan and the
 hall. A controller or lane detector of one's own is named `package.module:Class` or `file.py:Class`; it is imported only

@@ -1,4 +1,4 @@
-"""The lane detector that a scenario names: one of ours, or a class of the user's own where `Trust` allows it."""
+"""Finds the lane detector that a scenario names: a built-in one, or a trusted class of the user's."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The language server: the protocol's requests to functions over texts, and their answers to the protocol's.
+"""The language server: translates the protocol's requests and answers to functions over texts.
 
 Texts come whole with each change. They are checked a moment after the last change, in a thread of their own, so that
 answers do not wait for that. Offsets are characters; the protocol counts as client and server have agreed.

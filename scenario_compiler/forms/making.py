@@ -1,4 +1,4 @@
-"""The machine code: one file of C, built by whatever compiler the machine has.
+"""Makes the machine code: writes one C file and builds it with the machine's compiler.
 
 The code is made with the package: by the build hook for a wheel, by `make setup` in a checkout, and by
 `python -m scenario_compiler.forms.making` at any time. Beside the library lies a note of what it was made of,

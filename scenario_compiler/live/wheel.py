@@ -1,4 +1,4 @@
-"""The person at the wheel as the page tells of them: pedals, wheel, and when they take over."""
+"""The person at the wheel, as reported by the page: pedals, steering wheel, taking over and handing back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What OpenSCENARIO is written with: the version, who acts, and what cannot be expressed in it."""
+"""The context for writing OpenSCENARIO: the version, the actors, and what cannot be expressed."""
 
 from __future__ import annotations
 

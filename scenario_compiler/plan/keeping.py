@@ -1,4 +1,4 @@
-"""Vehicles of actions on traffic: entities that are not there until their action lets them appear.
+"""The vehicles of actions on traffic: entities that are absent until their action lets them appear.
 
 They stand side by side in the plan. Their ids are `<name>.<k>`; from the second action of a name on `<name>#<n>.<k>`.
 """

@@ -1,4 +1,4 @@
-"""What a driver foresees: where moving things will be, whether a way out meets them, and since when he has minded them.
+"""A driver's foresight: future positions of moving things, conflicts of an evasion with them, reaction times.
 
 Something new is acted on after a time of perception and a time of reaction (0.4 s and 0.75 s after UN R157, the careful
 and competent driver). It is new from when it first calls for more than gentle braking, or blocks the path, while the

@@ -1,4 +1,4 @@
-"""Where the vehicle stands that has been stopped: in its own lane, in another one, on a shoulder, or off the road.
+"""The place of a vehicle that has been stopped: its own lane, another lane, a shoulder, or off the road.
 
 It obstructs a lane for driving where nothing ahead holds it: others would go on there.
 """

@@ -1,4 +1,4 @@
-"""Where entities of a plan start and go, in positions that the standard has words for."""
+"""The starts and targets of a plan's entities, as positions of the standard."""
 
 from __future__ import annotations
 
