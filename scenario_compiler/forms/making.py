@@ -29,8 +29,12 @@ LIBRARY = FORMS / "engine.library"
 NOTE = FORMS / "engine.json"
 """What is known of the library: how it was made, of which sources, and which entries it has."""
 
-FLAGS = ("-std=gnu11", "-O2", "-fwrapv", "-ffp-contract=off", "-fvisibility=hidden", "-shared", "-fPIC")
-"""Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to."""
+FLAGS = (
+    *("-std=gnu11", "-O3", "-fwrapv", "-ffp-contract=off", "-fno-math-errno"),
+    *("-fvisibility=hidden", "-shared", "-fPIC"),
+)
+"""Two forms of one source: no contraction and no fast arithmetic, and whole numbers wrap as Python's are masked to.
+What has no result is told from the result, so that mathematical functions need not set `errno`."""
 
 WARNINGS = ("-Wall", "-Wextra", "-Wno-unused-parameter", "-Wno-unused-function")
 
