@@ -1,4 +1,4 @@
-"""A run in step with the clock: the loop in a thread of its own, and after every few steps a picture for the page."""
+"""A run in real time: the loop in a thread of its own, with a picture for the page after every few steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The person at the wheel as the page tells of them: pedals, wheel, and when they take over."""
+"""The person at the wheel, as reported by the page: pedals, steering wheel, taking over and handing back."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DRIVEN_BY_HAND = ("manual", "hand_back")
 
 
 class Told(BaseModel):
-    """What the page tells of the person: a message of at most a few hundred bytes."""
+    """The page's message on the person's inputs, of at most a few hundred bytes."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
